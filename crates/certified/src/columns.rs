@@ -72,7 +72,7 @@ impl<T: Lane> WithSimd for ReflectManyRows<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { columns, plane, row, w, beta } = self;
-        let o = Ops(simd);
+        let o = Ops::new(simd);
         let mut groups = columns.chunks_exact_mut(COLUMNS * T::PLANES * plane);
         for columns in groups.by_ref() {
             reflect_columns::<T, S, COLUMNS>(o, columns, (plane, row), (w, beta));
@@ -117,7 +117,7 @@ impl<T: Lane> WithSimd for SolveTriangle<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { columns, r, plane, diagonal } = self;
-        let (o, size) = (Ops(simd), T::PLANES * plane);
+        let (o, size) = (Ops::new(simd), T::PLANES * plane);
         // A companion pencil has a unit matrix in B.
         let is_unit = |i: usize| r[i * size..i * size + i].iter().all(|&x| x == 0.0);
         let alone: Vec<bool> = (0..plane).map(is_unit).collect();
@@ -156,7 +156,7 @@ impl<T: Lane> WithSimd for AddProduct<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { columns, a, plane, b, .. } = self;
-        let (o, size) = (Ops(simd), T::PLANES * plane);
+        let (o, size) = (Ops::new(simd), T::PLANES * plane);
         let inner = a.len() / size;
         for (column, b) in columns.chunks_exact_mut(size).zip(b.chunks_exact(T::PLANES * inner)) {
             for (k, a) in a.chunks_exact(size).enumerate() {

@@ -65,7 +65,7 @@ impl<T: Lane> WithSimd for Products<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { columns, plane, row, reflector, sums: [v, u] } = self;
-        let (o, count, length) = (Ops(simd), u.len() / T::PLANES, reflector.len());
+        let (o, count, length) = (Ops::new(simd), u.len() / T::PLANES, reflector.len());
         for (number, columns) in columns.chunks(COLUMNS * T::PLANES * plane).enumerate() {
             let first = number * COLUMNS;
             if first + COLUMNS <= length.min(count) {
@@ -126,7 +126,7 @@ impl<T: Lane> WithSimd for Change<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { columns, plane, row, reflector, q, p } = self;
-        let (o, length, count) = (Ops(simd), reflector.len(), p.len() / T::PLANES);
+        let (o, length, count) = (Ops::new(simd), reflector.len(), p.len() / T::PLANES);
         for (k, column) in columns.chunks_exact_mut(T::PLANES * plane).enumerate() {
             let by = T::splat(o, T::assembled(&p[k..], count));
             subtract::<T, S>(o, (column, plane), row..row + length, (reflector.planes(), length), by);

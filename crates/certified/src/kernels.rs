@@ -24,7 +24,7 @@ impl<T: Lane> WithSimd for RotateColumns<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { columns: [left, right], plane, rows, by } = self;
-        let o = Ops(simd);
+        let o = Ops::new(simd);
         let (c, s) = (T::splat(o, by.0), T::splat(o, by.1));
         let mut at = rows.start;
         while at < rows.end {
@@ -79,7 +79,7 @@ impl<T: Lane> WithSimd for ReflectColumns<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { columns: [first, second, third], plane, rows, by } = self;
-        let o = Ops(simd);
+        let o = Ops::new(simd);
         let by = splat(o, by);
         let mut at = rows.start;
         while at < rows.end {
@@ -171,7 +171,7 @@ impl<T: Lane> WithSimd for RotateRows<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { mut matrix, bottom, by } = self;
-        let (o, mut block) = (Ops(simd), EMPTY);
+        let (o, mut block) = (Ops::new(simd), EMPTY);
         while !matrix.columns.is_empty() {
             let tile = matrix.next_tile::<T, S>();
             let (mut below, mut end) = (matrix.row::<T, S>(o, tile, bottom), bottom);
@@ -206,7 +206,7 @@ impl<T: Lane> WithSimd for ReflectRows<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { mut matrix, top, by } = self;
-        let o = Ops(simd);
+        let o = Ops::new(simd);
         while !matrix.columns.is_empty() {
             // Each reflection of one strip waits for the one before, and those of the other fill the time.
             let mut strips = [Strip::next::<T, S>(o, &mut matrix, top), Strip::next::<T, S>(o, &mut matrix, top)];

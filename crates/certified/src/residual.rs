@@ -35,7 +35,7 @@ impl WithSimd for AddColumns<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let (Self { s, sigma, x, sums }, o) = (self, Ops(simd));
+        let (Self { s, sigma, x, sums }, o) = (self, Ops::new(simd));
         let n = s.order();
         for (j, &constant) in x.iter().enumerate() {
             let linear = constant * sigma;

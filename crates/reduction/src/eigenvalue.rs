@@ -4,8 +4,8 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::elimination::Elimination;
-use super::real::Real;
 use super::rows::Rows;
+use cea::certified::lanes::Precision;
 
 struct Factor<'a, T> {
     matrix: &'a mut Rows<T>,
@@ -13,7 +13,7 @@ struct Factor<'a, T> {
     order: usize,
 }
 
-impl<T: Real> WithSimd for Factor<'_, T> {
+impl<T: Precision> WithSimd for Factor<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -23,7 +23,7 @@ impl<T: Real> WithSimd for Factor<'_, T> {
 }
 
 /// Factors of `lambda + B`; the matrix B, here -A, is overwritten.
-pub(super) fn factor<T: Real>(
+pub(super) fn factor<T: Precision>(
     matrix: &mut Rows<T>,
     lambda: Complex<T>,
     elimination: &mut Elimination<T>,
@@ -33,7 +33,7 @@ pub(super) fn factor<T: Real>(
 }
 
 /// Factors of `D + B` with a diagonal matrix D; the matrix B is overwritten.
-pub(super) fn factor_with<T: Real>(
+pub(super) fn factor_with<T: Precision>(
     matrix: &mut Rows<T>,
     diagonal: impl Fn(usize) -> Complex<T>,
     elimination: &mut Elimination<T>,
@@ -57,7 +57,7 @@ pub(super) fn next_to(
 }
 
 /// How far the eigenvalue of A next to a number is from it, given factors of the number minus A, and its vector as in [`next_to`].
-pub(super) fn apart<T: Real>(
+pub(super) fn apart<T: Precision>(
     factors: &Rows<T>,
     vector: &mut [Complex<T>],
     steps: usize,
@@ -76,7 +76,11 @@ pub(super) fn apart<T: Real>(
 }
 
 /// The left vector of the eigenvalue that [`next_to`] found, from what it left of A, up to a factor.
-pub(super) fn left<T: Real>(factors: &Rows<T>, right: &[Complex<T>], elimination: &Elimination<T>) -> Vec<Complex<T>> {
+pub(super) fn left<T: Precision>(
+    factors: &Rows<T>,
+    right: &[Complex<T>],
+    elimination: &Elimination<T>,
+) -> Vec<Complex<T>> {
     let mut left = right.to_vec();
     for _ in 0..2 {
         elimination.solve_adjoint(factors, &mut left);
@@ -85,11 +89,11 @@ pub(super) fn left<T: Real>(factors: &Rows<T>, right: &[Complex<T>], elimination
     left
 }
 
-fn normalise<T: Real>(vector: &mut [Complex<T>]) {
+fn normalise<T: Precision>(vector: &mut [Complex<T>]) {
     let size = norm_squared(vector).sqrt();
     vector.iter_mut().for_each(|entry| *entry /= size);
 }
 
-fn norm_squared<T: Real>(vector: &[Complex<T>]) -> T {
+fn norm_squared<T: Precision>(vector: &[Complex<T>]) -> T {
     vector.iter().fold(T::default(), |sum, entry| sum + entry.norm_sqr())
 }

@@ -3,8 +3,8 @@
 use num_complex::Complex;
 use pulp::Simd;
 
-use super::real::Real;
 use super::rows::Rows;
+use cea::certified::lanes::Precision;
 
 /// Gauss's elimination of a square matrix with row pivots, which leaves the upper factor in its place.
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ pub(super) struct Elimination<T = f64> {
     pub pivots: Vec<Complex<T>>,
 }
 
-impl<T: Real> Elimination<T> {
+impl<T: Precision> Elimination<T> {
     #[inline(always)]
     pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows<T>, order: usize) {
         self.order = order;

@@ -42,7 +42,6 @@ mod norms;
 mod options;
 mod outer;
 mod outer_products;
-mod real;
 mod reduced;
 mod report;
 mod residual;

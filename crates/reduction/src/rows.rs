@@ -9,7 +9,7 @@ use num_complex::Complex;
 use pulp::Simd;
 
 pub(super) use self::sums::{Times, add_rows, combined, product};
-use super::real::{Real, cast};
+use cea::certified::lanes::{Precision, cast};
 
 /// A complex matrix by rows.
 #[derive(Debug, Clone, Default)]
@@ -19,7 +19,7 @@ pub(super) struct Rows<T = f64> {
     im: Vec<T>,
 }
 
-impl<T: Real> Rows<T> {
+impl<T: Precision> Rows<T> {
     pub fn zeros(rows: usize, columns: usize) -> Self {
         let stride = columns.next_multiple_of(T::WIDEST);
         Self { stride, re: vec![T::default(); rows * stride], im: vec![T::default(); rows * stride] }

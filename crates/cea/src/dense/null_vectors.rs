@@ -4,7 +4,7 @@
 //! `R^H R = Q^H Q` then finds the right singular vector of the smallest singular value, which is the vector of smallest
 //! backward error; U is not needed. The factorisation takes 8/3 n^3 fused multiply-adds, twice those of an LU factorisation.
 
-use certified::lanes::{ComplexLanes, Ops, complex, conj_fma, fma, narrow, registers, scale, square, wide_part};
+use certified::lanes::{ComplexLanes, Ops, conj_fma, fma, narrow, neg, registers, scale, square, wide_part};
 use certified::lu::{LEAST_PIVOT, Lu};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -61,7 +61,7 @@ impl WithSimd for NullVectorsInLanes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let (o, lanes, n) = (Ops(simd), S::F64_LANES, self.start.len());
+        let (o, lanes, n) = (Ops::new(simd), S::F64_LANES, self.start.len());
         let registers = registers::<S>(self.scratch, 2 * (n * n + 2 * n));
         let (pairs, _) = registers.as_chunks_mut::<2>();
         let (r, rest) = pairs.split_at_mut(n * n);
@@ -117,19 +117,18 @@ fn factorise<S: Simd>(o: Ops<S>, r: &mut [[S::f64s; 2]], v: &mut [[S::f64s; 2]],
         v.copy_from_slice(column);
         let mut below = zero;
         for &x in &v[1..] {
-            below = square(o, complex(x), below);
+            below = square(o, x, below);
         }
-        let alpha = complex(v[0]);
+        let alpha = v[0];
         let size = o.sqrt(square(o, alpha, zero));
         let norm = o.sqrt(square(o, alpha, below));
         // beta = -norm times the phase of alpha, v_0 = alpha - beta, g = 2 / v^H v.
         let has_phase = o.lt(zero, size);
         let inverse = o.select(has_phase, o.div(one, size), zero);
-        let phase =
-            ComplexLanes { re: o.select(has_phase, o.mul(alpha.re, inverse), one), im: o.mul(alpha.im, inverse) };
+        let phase = [o.select(has_phase, o.mul(alpha[0], inverse), one), o.mul(alpha[1], inverse)];
         let beta = scale(o, phase, o.neg(norm));
-        v[0] = [o.sub(alpha.re, beta.re), o.sub(alpha.im, beta.im)];
-        column[0] = beta.registers();
+        v[0] = [o.sub(alpha[0], beta[0]), o.sub(alpha[1], beta[1])];
+        column[0] = beta;
         let g = o.mul(norm, o.add(norm, size));
         let g = o.select(o.lt(zero, g), o.div(one, g), zero);
         let mut columns = tail.chunks_exact_mut(n);
@@ -148,10 +147,10 @@ fn reflect<S: Simd, const W: usize>(o: Ops<S>, columns: [&mut [[S::f64s; 2]]; W]
     let rows = v.len();
     let zero = o.splat(0.0);
     let columns = columns.map(|column| &mut column[..rows]);
-    let mut sums = [complex([zero; 2]); W];
+    let mut sums = [[zero; 2]; W];
     for i in 0..rows {
         for c in 0..W {
-            sums[c] = conj_fma(o, complex(v[i]), complex(columns[c][i]), sums[c]);
+            sums[c] = conj_fma(o, v[i], columns[c][i], sums[c]);
         }
     }
     for sum in &mut sums {
@@ -159,7 +158,7 @@ fn reflect<S: Simd, const W: usize>(o: Ops<S>, columns: [&mut [[S::f64s; 2]]; W]
     }
     for i in 0..rows {
         for c in 0..W {
-            columns[c][i] = fma(o, complex(v[i]), sums[c], complex(columns[c][i])).registers();
+            columns[c][i] = fma(o, v[i], sums[c], columns[c][i]);
         }
     }
 }
@@ -169,18 +168,18 @@ fn reflect<S: Simd, const W: usize>(o: Ops<S>, columns: [&mut [[S::f64s; 2]]; W]
 fn floor<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], n: usize) -> S::f64s {
     let mut largest = o.splat(0.0);
     for k in 0..n {
-        largest = o.max(largest, square(o, complex(r[k * n + k]), o.splat(0.0)));
+        largest = o.max(largest, square(o, r[k * n + k], o.splat(0.0)));
     }
     o.mul(o.sqrt(largest), o.splat(f64::EPSILON))
 }
 
 /// `d / |d|^2`, for the division by a diagonal entry or its conjugate; an entry that vanishes counts as `floor`.
 #[inline(always)]
-fn inverse<S: Simd>(o: Ops<S>, d: [S::f64s; 2], floor: S::f64s) -> ComplexLanes<S::f64s> {
+fn inverse<S: Simd>(o: Ops<S>, d: ComplexLanes<S>, floor: S::f64s) -> ComplexLanes<S> {
     let zero = o.splat(0.0);
-    let size = square(o, complex(d), zero);
+    let size = square(o, d, zero);
     let vanishes = o.lt(size, o.mul(floor, floor));
-    let d = ComplexLanes { re: o.select(vanishes, floor, d[0]), im: o.select(vanishes, zero, d[1]) };
+    let d = [o.select(vanishes, floor, d[0]), o.select(vanishes, zero, d[1])];
     scale(o, d, o.div(o.splat(1.0), square(o, d, zero)))
 }
 
@@ -189,32 +188,32 @@ fn inverse<S: Simd>(o: Ops<S>, d: [S::f64s; 2], floor: S::f64s) -> ComplexLanes<
 fn iterate<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &mut [[S::f64s; 2]], floor: S::f64s) {
     let n = x.len();
     let zero = o.splat(0.0);
-    let nothing = complex([zero; 2]);
+    let nothing = [zero; 2];
     for k in 0..n {
         let column = &r[k * n..][..=k];
         let mut sum = nothing;
         for (&a, &x) in column[..k].iter().zip(&*x) {
-            sum = conj_fma(o, complex(a), complex(x), sum);
+            sum = conj_fma(o, a, x, sum);
         }
-        let left = ComplexLanes { re: o.sub(x[k][0], sum.re), im: o.sub(x[k][1], sum.im) };
-        x[k] = fma(o, left, inverse(o, column[k], floor), nothing).registers();
+        let left = [o.sub(x[k][0], sum[0]), o.sub(x[k][1], sum[1])];
+        x[k] = fma(o, left, inverse(o, column[k], floor), nothing);
     }
     for k in (0..n).rev() {
         let column = &r[k * n..][..=k];
-        let found = conj_fma(o, inverse(o, column[k], floor), complex(x[k]), nothing);
-        x[k] = found.registers();
-        let minus = ComplexLanes { re: o.neg(found.re), im: o.neg(found.im) };
+        let found = conj_fma(o, inverse(o, column[k], floor), x[k], nothing);
+        x[k] = found;
+        let minus = neg(o, found);
         for (&a, x) in column[..k].iter().zip(&mut *x) {
-            *x = fma(o, complex(a), minus, complex(*x)).registers();
+            *x = fma(o, a, minus, *x);
         }
     }
     let mut norm = zero;
     for &x in &*x {
-        norm = square(o, complex(x), norm);
+        norm = square(o, x, norm);
     }
     let inverse = o.div(o.splat(1.0), o.sqrt(norm));
     for x in x {
-        *x = scale(o, complex(*x), inverse).registers();
+        *x = scale(o, *x, inverse);
     }
 }
 
@@ -225,9 +224,9 @@ fn residual<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &[[S::f64s; 2]]) -> S::f6
     let zero = o.splat(0.0);
     let mut norm = zero;
     for i in 0..n {
-        let mut sum = complex([zero; 2]);
+        let mut sum = [zero; 2];
         for j in i..n {
-            sum = fma(o, complex(r[j * n + i]), complex(x[j]), sum);
+            sum = fma(o, r[j * n + i], x[j], sum);
         }
         norm = square(o, sum, norm);
     }

@@ -1,62 +1,72 @@
-//! Complex arithmetic on vector registers.
+//! Complex arithmetic on vector registers: the real parts in one register, the imaginary parts in the next.
 
+use num_complex::Complex;
 use pulp::Simd;
 
-use super::ops::Ops;
+use super::{Ops, Precision};
 
-/// A complex number in each lane.
-#[derive(Debug, Clone, Copy)]
-pub struct ComplexLanes<V> {
-    /// The real parts.
-    pub re: V,
-    /// The imaginary parts.
-    pub im: V,
-}
+/// A complex number in each lane: real and imaginary parts.
+pub type ComplexLanes<S, T = f64> = [<T as Precision>::Register<S>; 2];
 
-impl<V: Copy> ComplexLanes<V> {
-    /// Real and imaginary parts.
-    #[inline(always)]
-    pub fn registers(self) -> [V; 2] {
-        [self.re, self.im]
-    }
-}
-
-/// From real and imaginary parts.
+/// `a` in every lane.
 #[inline(always)]
-pub fn complex<V>([re, im]: [V; 2]) -> ComplexLanes<V> {
-    ComplexLanes { re, im }
+pub fn splat<S: Simd, T: Precision>(o: Ops<S, T>, a: Complex<T>) -> ComplexLanes<S, T> {
+    [o.splat(a.re), o.splat(a.im)]
+}
+
+/// `a b`.
+#[inline(always)]
+pub fn times<S: Simd, T: Precision>(o: Ops<S, T>, a: ComplexLanes<S, T>, b: ComplexLanes<S, T>) -> ComplexLanes<S, T> {
+    [o.fnma(a[1], b[1], o.mul(a[0], b[0])), o.fma(a[1], b[0], o.mul(a[0], b[1]))]
 }
 
 /// `a b + c`.
 #[inline(always)]
-pub fn fma<S: Simd>(
-    o: Ops<S>,
-    a: ComplexLanes<S::f64s>,
-    b: ComplexLanes<S::f64s>,
-    c: ComplexLanes<S::f64s>,
-) -> ComplexLanes<S::f64s> {
-    ComplexLanes { re: o.fnma(a.im, b.im, o.fma(a.re, b.re, c.re)), im: o.fma(a.im, b.re, o.fma(a.re, b.im, c.im)) }
+pub fn fma<S: Simd, T: Precision>(
+    o: Ops<S, T>,
+    a: ComplexLanes<S, T>,
+    b: ComplexLanes<S, T>,
+    c: ComplexLanes<S, T>,
+) -> ComplexLanes<S, T> {
+    [o.fnma(a[1], b[1], o.fma(a[0], b[0], c[0])), o.fma(a[1], b[0], o.fma(a[0], b[1], c[1]))]
+}
+
+/// `c - a b`.
+#[inline(always)]
+pub fn fnma<S: Simd, T: Precision>(
+    o: Ops<S, T>,
+    a: ComplexLanes<S, T>,
+    b: ComplexLanes<S, T>,
+    c: ComplexLanes<S, T>,
+) -> ComplexLanes<S, T> {
+    [o.fma(a[1], b[1], o.fnma(a[0], b[0], c[0])), o.fnma(a[1], b[0], o.fnma(a[0], b[1], c[1]))]
 }
 
 /// `conj(a) b + c`.
 #[inline(always)]
-pub fn conj_fma<S: Simd>(
-    o: Ops<S>,
-    a: ComplexLanes<S::f64s>,
-    b: ComplexLanes<S::f64s>,
-    c: ComplexLanes<S::f64s>,
-) -> ComplexLanes<S::f64s> {
-    ComplexLanes { re: o.fma(a.im, b.im, o.fma(a.re, b.re, c.re)), im: o.fnma(a.im, b.re, o.fma(a.re, b.im, c.im)) }
+pub fn conj_fma<S: Simd, T: Precision>(
+    o: Ops<S, T>,
+    a: ComplexLanes<S, T>,
+    b: ComplexLanes<S, T>,
+    c: ComplexLanes<S, T>,
+) -> ComplexLanes<S, T> {
+    [o.fma(a[1], b[1], o.fma(a[0], b[0], c[0])), o.fnma(a[1], b[0], o.fma(a[0], b[1], c[1]))]
 }
 
 /// `|a|^2 + plus`.
 #[inline(always)]
-pub fn square<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, plus: S::f64s) -> S::f64s {
-    o.fma(a.re, a.re, o.fma(a.im, a.im, plus))
+pub fn square<S: Simd, T: Precision>(o: Ops<S, T>, a: ComplexLanes<S, T>, plus: T::Register<S>) -> T::Register<S> {
+    o.fma(a[0], a[0], o.fma(a[1], a[1], plus))
 }
 
 /// `a by`.
 #[inline(always)]
-pub fn scale<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, by: S::f64s) -> ComplexLanes<S::f64s> {
-    ComplexLanes { re: o.mul(a.re, by), im: o.mul(a.im, by) }
+pub fn scale<S: Simd, T: Precision>(o: Ops<S, T>, a: ComplexLanes<S, T>, by: T::Register<S>) -> ComplexLanes<S, T> {
+    [o.mul(a[0], by), o.mul(a[1], by)]
+}
+
+/// `-a`.
+#[inline(always)]
+pub fn neg<S: Simd, T: Precision>(o: Ops<S, T>, a: ComplexLanes<S, T>) -> ComplexLanes<S, T> {
+    [o.neg(a[0]), o.neg(a[1])]
 }

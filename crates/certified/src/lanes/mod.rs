@@ -1,12 +1,23 @@
-//! Arithmetic on vector registers: each lane holds one sample, matrix or point, and no operation mixes lanes.
+//! Arithmetic on vector registers, in single and double precision: the one layer between pulp and all that computes by hand.
+//!
+//! Mostly a lane holds one sample, matrix or point (`cea`: batches, null vectors, secular equations; `reduction`: counts); rows of
+//! complex matrices with their parts apart (`reduction::rows`) take the same operations, with neighbours in the lanes. What stays apart:
+//!
+//! - `certified::lane` computes with these operations, but a number may be two registers there (double-double).
+//! - `sparse`'s `solver::lanes`: blocks of faer have real and imaginary parts by turns, and a coefficient that is read from memory
+//!   once is a factor of both; products there are rounded once on every machine.
+//! - `linsys::real_times_complex` and [`crate::lu`] have no instruction of their own: plain loops that are compiled for
+//!   each instruction set, with the same bits on all.
 
 mod complex;
 mod ops;
+mod precision;
 
 use pulp::{Arch, Simd, WithSimd};
 
-pub use complex::{ComplexLanes, complex, conj_fma, fma, scale, square};
+pub use complex::{ComplexLanes, conj_fma, fma, fnma, neg, scale, splat, square, times};
 pub use ops::{Ops, registers};
+pub use precision::{Precision, cast};
 
 /// Most systems that are solved together: the numbers of the widest registers (AVX-512).
 pub const WIDEST_LANES: usize = 8;

@@ -13,8 +13,8 @@ use super::pair::moved;
 use super::ports::Ports;
 use crate::ReductionError;
 use crate::dense;
-use crate::real::cast;
 use crate::rows::{Rows, product};
+use cea::certified::lanes::cast;
 
 /// Largest condition number, in Frobenius norms, of the vectors of an anchor; chosen: those of cases/disc-pad have 40 to 60, and some tens of
 /// thousands next to a coalescence, from where guesses are no use.

@@ -11,8 +11,8 @@ use num_complex::Complex;
 
 use super::coupling::{Coupled, Gains, Pull, Scratch, combine_part};
 use super::table::Table;
-use crate::real::{Real, cast};
 use crate::rows::{Rows, product};
+use cea::certified::lanes::{Precision, cast};
 
 /// Change of lambda, relative to it, over which slopes of friction are differentiated; chosen: rates then have six digits.
 const STEP: f64 = 1e-6;
@@ -28,7 +28,7 @@ pub(super) struct Seen<'a, T> {
     along: [Vec<Complex<T>>; 2],
 }
 
-impl<'a, T: Real> Seen<'a, T> {
+impl<'a, T: Precision> Seen<'a, T> {
     pub fn new(own: &'a Coupled<T>, scratch: &'a Scratch<T>, [y, x]: [&'a [Complex<T>]; 2]) -> Self {
         let forces = product(&scratch.solved, x);
         let along = [0, 1].map(|part| {

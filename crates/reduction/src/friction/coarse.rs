@@ -8,8 +8,8 @@ use super::coupling::{self, Coupled, Gains, Scratch};
 use super::ports::Ports;
 use super::table::{ASIDE, Region, Samples, Table};
 use crate::ReductionError;
-use crate::real::cast;
 use crate::rows::Rows;
+use cea::certified::lanes::cast;
 
 /// Relative error of what friction adds to A; chosen: on cases/disc-pad guesses are then good to some millionths, and with 1e-4 one sample in
 /// 250 is left to the whole spectrum.

@@ -7,8 +7,8 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::table::Table;
-use crate::real::{Real, cast};
 use crate::rows::Rows;
+use cea::certified::lanes::{ComplexLanes, Ops, Precision, cast, fma, fnma, splat, times};
 
 /// Numbers at once: as many as the widest register has.
 const AT_ONCE: usize = f32::WIDEST;
@@ -126,9 +126,6 @@ impl Lanes {
     }
 }
 
-/// Complex numbers in the lanes of two registers.
-type Wide<S> = [<f32 as Real>::Register<S>; 2];
-
 /// `lambda - A(lambda)`.
 struct Build<'a> {
     numbers: &'a Rows<f32>,
@@ -143,7 +140,7 @@ impl WithSimd for Build<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { numbers, weights, values, order, matrix } = self;
+        let (o, Self { numbers, weights, values, order, matrix }) = (Ops::of(simd), self);
         let [row_re, row_im] = numbers.registers(simd);
         let [weights_re, weights_im] = weights.registers(simd);
         let [out_re, out_im] = matrix.registers_mut(simd);
@@ -152,14 +149,12 @@ impl WithSimd for Build<'_> {
             for column in 0..order {
                 let start = (row * order + column) * parts;
                 for part in 0..parts {
-                    let zero = simd.splat_f32s(0.0);
+                    let zero = o.splat(0.0);
                     let mut entry = if row == column { [row_re[part], row_im[part]] } else { [zero, zero] };
                     let weights =
                         weights_re[part..].iter().step_by(parts).zip(weights_im[part..].iter().step_by(parts));
                     for (value, (&re, &im)) in values.iter().zip(weights) {
-                        let value = value.at(row, column);
-                        let value = [simd.splat_f32s(value.re), simd.splat_f32s(value.im)];
-                        entry = add_product(simd, value, [re, im], entry);
+                        entry = fma(o, splat(o, value.at(row, column)), [re, im], entry);
                     }
                     [out_re[start + part], out_im[start + part]] = entry;
                 }
@@ -181,32 +176,32 @@ impl WithSimd for Eliminate<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { order, matrix, divisors, ratios } = self;
+        let (o, Self { order, matrix, divisors, ratios }) = (Ops::of(simd), self);
         let [re, im] = matrix.registers_mut(simd);
         let [divisors_re, divisors_im] = divisors.registers(simd);
         let [ratios_re, ratios_im] = ratios.registers_mut(simd);
         let parts = AT_ONCE / S::F32_LANES;
         for part in 0..parts {
-            let mut ratio = [simd.splat_f32s(1.0), simd.splat_f32s(0.0)];
+            let mut ratio = splat(o, Complex::from(1.0));
             for c in 0..order {
                 let place = (c * order + c) * parts + part;
                 let pivot = [re[place], im[place]];
                 // Factor by factor, so that no product of many large numbers overflows.
-                let expected = inverse(simd, [divisors_re[c * parts + part], divisors_im[c * parts + part]]);
-                ratio = product(simd, ratio, product(simd, pivot, expected));
-                let inverse = inverse(simd, pivot);
+                let expected = inverse(o, [divisors_re[c * parts + part], divisors_im[c * parts + part]]);
+                ratio = times(o, ratio, times(o, pivot, expected));
+                let inverse = inverse(o, pivot);
                 for row in c + 1..order {
                     let start = row * order * parts;
                     let (above_re, below_re) = re.split_at_mut(start);
                     let (above_im, below_im) = im.split_at_mut(start);
                     let first = c * parts + part;
-                    let factor = product(simd, [below_re[first], below_im[first]], inverse);
+                    let factor = times(o, [below_re[first], below_im[first]], inverse);
                     let above = (c * order + c + 1) * parts + part..(c + 1) * order * parts;
                     let below = first + parts..order * parts;
                     let above = above_re[above.clone()].iter().zip(&above_im[above]).step_by(parts);
                     let below = below_re[below.clone()].iter_mut().zip(&mut below_im[below]).step_by(parts);
                     for ((above_re, above_im), (re, im)) in above.zip(below) {
-                        [*re, *im] = take_product(simd, factor, [*above_re, *above_im], [*re, *im]);
+                        [*re, *im] = fnma(o, factor, [*above_re, *above_im], [*re, *im]);
                     }
                 }
             }
@@ -215,31 +210,9 @@ impl WithSimd for Eliminate<'_> {
     }
 }
 
-/// `a b + c`.
+/// `1 / a`.
 #[inline(always)]
-fn add_product<S: Simd>(simd: S, a: Wide<S>, b: Wide<S>, c: Wide<S>) -> Wide<S> {
-    [
-        simd.negate_mul_add_e_f32s(a[1], b[1], simd.mul_add_e_f32s(a[0], b[0], c[0])),
-        simd.mul_add_e_f32s(a[1], b[0], simd.mul_add_e_f32s(a[0], b[1], c[1])),
-    ]
-}
-
-/// `c - a b`.
-#[inline(always)]
-fn take_product<S: Simd>(simd: S, a: Wide<S>, b: Wide<S>, c: Wide<S>) -> Wide<S> {
-    [
-        simd.mul_add_e_f32s(a[1], b[1], simd.negate_mul_add_e_f32s(a[0], b[0], c[0])),
-        simd.negate_mul_add_e_f32s(a[1], b[0], simd.negate_mul_add_e_f32s(a[0], b[1], c[1])),
-    ]
-}
-
-#[inline(always)]
-fn product<S: Simd>(simd: S, a: Wide<S>, b: Wide<S>) -> Wide<S> {
-    add_product(simd, a, b, [simd.splat_f32s(0.0); 2])
-}
-
-#[inline(always)]
-fn inverse<S: Simd>(simd: S, a: Wide<S>) -> Wide<S> {
-    let size = simd.mul_add_e_f32s(a[1], a[1], simd.mul_f32s(a[0], a[0]));
-    [simd.div_f32s(a[0], size), simd.div_f32s(simd.neg_f32s(a[1]), size)]
+fn inverse<S: Simd>(o: Ops<S, f32>, a: ComplexLanes<S, f32>) -> ComplexLanes<S, f32> {
+    let size = o.fma(a[1], a[1], o.mul(a[0], a[0]));
+    [o.div(a[0], size), o.div(o.neg(a[1]), size)]
 }

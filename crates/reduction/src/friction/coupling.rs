@@ -15,8 +15,8 @@ use pulp::{Arch, Simd, WithSimd};
 use super::ports::Ports;
 use super::table::Table;
 use crate::elimination::Elimination;
-use crate::real::{Real, cast};
 use crate::rows::{Rows, product};
+use cea::certified::lanes::{Precision, cast};
 
 /// What A is made of, in coordinates d' of the near modes: `d = S d'`.
 #[derive(Debug, Clone)]
@@ -117,7 +117,7 @@ pub(super) struct Scratch<T = f64> {
     pub elimination: Elimination<T>,
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Precision> Scratch<T> {
     pub fn new(ports: &Ports) -> Self {
         let (p, m) = (ports.near(), ports.count());
         let square = || Rows::zeros(m, m);
@@ -126,7 +126,7 @@ impl<T: Real> Scratch<T> {
 }
 
 /// A at a point of a table.
-pub(super) fn at_point<T: Real>(
+pub(super) fn at_point<T: Precision>(
     own: &Coupled<T>,
     table: &Table<T>,
     point: usize,
@@ -138,7 +138,7 @@ pub(super) fn at_point<T: Real>(
 }
 
 /// A at a number where `R F B` and `B^T F B` are known.
-pub(super) fn with<T: Real>(
+pub(super) fn with<T: Precision>(
     own: &Coupled<T>,
     lambda: Complex<f64>,
     [reading, velocity]: &[Rows<T>; 2],
@@ -152,7 +152,7 @@ pub(super) fn with<T: Real>(
 }
 
 /// A at a number near the band.
-pub(super) fn at<T: Real>(
+pub(super) fn at<T: Precision>(
     own: &Coupled<T>,
     table: &Table<T>,
     lambda: Complex<f64>,
@@ -167,7 +167,7 @@ pub(super) fn at<T: Real>(
 }
 
 /// A under a gain of all ports at a number near the band, times a vector.
-pub(super) fn times<T: Real>(
+pub(super) fn times<T: Precision>(
     own: &Coupled<T>,
     table: &Table<T>,
     lambda: Complex<f64>,
@@ -228,12 +228,17 @@ pub(super) fn differences_at(
 }
 
 /// The sum of multiples of matrices.
-pub(super) fn combine<T: Real>(factors: &[Complex<T>], parts: &[Rows<T>], out: &mut Rows<T>) {
+pub(super) fn combine<T: Precision>(factors: &[Complex<T>], parts: &[Rows<T>], out: &mut Rows<T>) {
     Arch::new().dispatch(Combine { factors, parts: parts.iter(), out });
 }
 
 /// The sum of multiples of the first or the second matrix of each pair.
-pub(super) fn combine_part<T: Real>(factors: &[Complex<T>], pairs: &[[Rows<T>; 2]], part: usize, out: &mut Rows<T>) {
+pub(super) fn combine_part<T: Precision>(
+    factors: &[Complex<T>],
+    pairs: &[[Rows<T>; 2]],
+    part: usize,
+    out: &mut Rows<T>,
+) {
     Arch::new().dispatch(Combine { factors, parts: pairs.iter().map(|pair| &pair[part]), out });
 }
 
@@ -241,7 +246,7 @@ pub(super) fn combine_part<T: Real>(factors: &[Complex<T>], pairs: &[[Rows<T>; 2
 pub(super) type Pull<T = f64> = (T, Complex<T>);
 
 /// Those of all ports at a number.
-pub(super) fn pulls<T: Real>(gains: Gains<'_>, lambda: Complex<f64>) -> Vec<Pull<T>> {
+pub(super) fn pulls<T: Precision>(gains: Gains<'_>, lambda: Complex<f64>) -> Vec<Pull<T>> {
     gains.each(|port| {
         let (mu, slope) = gains.at(port, lambda);
         (T::of(mu), cast(slope))
@@ -253,7 +258,7 @@ pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> Pull {
     (gain.mu, lambda * gain.complex_slope(lambda))
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Precision> Scratch<T> {
     /// Sets the gains.
     pub fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
         self.pulls = pulls(gains, lambda);
@@ -278,7 +283,7 @@ struct FactorSquare<'a, T> {
     factors: &'a mut Elimination<T>,
 }
 
-impl<T: Real> WithSimd for FactorSquare<'_, T> {
+impl<T: Precision> WithSimd for FactorSquare<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -307,7 +312,7 @@ struct Couple<'a, T> {
     out: &'a mut Rows<T>,
 }
 
-impl<T: Real> WithSimd for Couple<'_, T> {
+impl<T: Precision> WithSimd for Couple<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -335,7 +340,7 @@ struct Combine<'a, T, P> {
     out: &'a mut Rows<T>,
 }
 
-impl<'a, T: Real, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for Combine<'a, T, P> {
+impl<'a, T: Precision, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for Combine<'a, T, P> {
     type Output = ();
 
     #[inline(always)]
@@ -350,7 +355,7 @@ struct CombineBoth<'a, T, P> {
     outs: [&'a mut Rows<T>; 2],
 }
 
-impl<'a, T: Real, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for CombineBoth<'a, T, P> {
+impl<'a, T: Precision, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for CombineBoth<'a, T, P> {
     type Output = ();
 
     #[inline(always)]

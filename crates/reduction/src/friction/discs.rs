@@ -22,8 +22,8 @@ use super::expansion::{Expansion, Factors, TERMS};
 use super::ports::Ports;
 use super::table::Table;
 use super::vectors::{Vectors, first_order};
-use crate::real::{Real, cast};
 use crate::rows::Rows;
+use cea::certified::lanes::{Ops, Precision, cast};
 
 /// Most corrections of vectors; chosen.
 const MOST_STEPS: usize = 6;
@@ -303,10 +303,11 @@ impl WithSimd for RowSize<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f32 {
         let [re, im] = self.matrix.row(self.row).map(f32::registers::<S>);
-        let mut sum = simd.splat_f32s(0.0);
+        let o = Ops::<S, f32>::of(simd);
+        let mut sum = o.splat(0.0);
         for (re, im) in re.iter().zip(im) {
-            sum = simd.add_f32s(sum, simd.sqrt_f32s(simd.mul_add_e_f32s(*re, *re, simd.mul_f32s(*im, *im))));
+            sum = o.add(sum, o.sqrt(o.fma(*re, *re, o.mul(*im, *im))));
         }
-        simd.reduce_sum_f32s(sum)
+        o.sum(sum)
     }
 }

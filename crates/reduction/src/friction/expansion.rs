@@ -22,8 +22,8 @@ use num_complex::Complex;
 
 use super::coupling::{self, Gains, Scratch, pull};
 use super::ports::Ports;
-use crate::real::cast;
 use crate::rows::Rows;
+use cea::certified::lanes::cast;
 
 /// The numbers c_k.
 pub(super) const TERMS: usize = 6;

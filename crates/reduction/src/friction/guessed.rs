@@ -14,7 +14,7 @@ use super::search::{Memory, Open, Search, all_of};
 use super::secant::{Missed, secant};
 use super::shapes::Found;
 use crate::eigenvalue;
-use crate::real::cast;
+use cea::certified::lanes::cast;
 
 /// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad they err by some millionths, a few by 1e-4.
 const COARSE_ERROR: f64 = 5e-4;

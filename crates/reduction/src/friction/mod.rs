@@ -41,9 +41,9 @@ use self::residuals::{OfSample, Residuals};
 use self::search::{Memory, Search};
 use self::shapes::Found;
 use self::table::GROWING;
-use super::real::cast;
 use super::{Reduced, ReducedModes};
 use crate::ReductionError;
+use cea::certified::lanes::cast;
 
 /// Most points at which modes are known; chosen: on cases/disc-pad samples take some 6 percent more time with 32, and no less with 96, which take
 /// as much more memory.

@@ -2,7 +2,7 @@
 
 use num_complex::Complex;
 
-use crate::real::Real;
+use cea::certified::lanes::Precision;
 
 /// Product of two couplings, as a part of the square of half of what is between two eigenvalues, up to which the first order moves these;
 /// chosen: what is left out is an eighth of its square.
@@ -10,7 +10,7 @@ const WEAK: f64 = 1e-4;
 
 /// What moves an eigenvalue of a matrix of two rows from its diagonal entry: given half of the difference from the other diagonal entry, and
 /// the product of the two entries off the diagonal.
-pub(super) fn moved<T: Real>(half: Complex<T>, product: Complex<T>) -> Complex<T> {
+pub(super) fn moved<T: Precision>(half: Complex<T>, product: Complex<T>) -> Complex<T> {
     let square = half * half;
     if product.norm_sqr() <= T::of(WEAK * WEAK) * square.norm_sqr() {
         return product / half * T::of(0.5);
@@ -20,7 +20,7 @@ pub(super) fn moved<T: Real>(half: Complex<T>, product: Complex<T>) -> Complex<T
 }
 
 /// A square root, without the angles that `Complex::sqrt` goes through.
-fn square_root<T: Real>(z: Complex<T>) -> Complex<T> {
+fn square_root<T: Precision>(z: Complex<T>) -> Complex<T> {
     let (zero, size) = (T::default(), z.norm_sqr().sqrt());
     let large = (T::of(0.5) * (size + z.re.abs())).sqrt();
     let small = if large > zero { T::of(0.5) * z.im / large } else { zero };

@@ -11,8 +11,8 @@ use super::own::Own;
 use super::shapes::Pair;
 use crate::eigenvalue;
 use crate::nearest::{is_apart, nearest, nearest_of};
-use crate::real::cast;
 use crate::rows::Rows;
+use cea::certified::lanes::cast;
 
 /// Most rounds, and the relative size of what the last one misses; chosen: A changes with lambda by some thousandths over the band, so that
 /// what is left of an eigenvalue after the step of Newton's method is below 1e-8 of it, and paths ask for 1e-5.

@@ -21,8 +21,8 @@ use super::secant::{Missed, secant};
 use super::shapes::Found;
 use super::table::Differences;
 use crate::eigenvalue;
-use crate::real::cast;
 use crate::rows::{Rows, Times, product};
+use cea::certified::lanes::cast;
 
 /// Size of what may be missing, relative to that of `lambda d`; chosen, below all residuals that are asked for.
 const CONVERGED: f64 = 1e-11;

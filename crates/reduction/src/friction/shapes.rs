@@ -5,9 +5,9 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::dense;
-use crate::real::{Real, cast};
 use crate::rows::{Rows, add_rows};
 use crate::split;
+use cea::certified::lanes::{Ops, Precision, cast, splat};
 
 /// An eigenvalue with its shape in the coordinates of the system.
 pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
@@ -118,7 +118,7 @@ impl Shapes {
     }
 }
 
-impl<T: Real> Shapes<T> {
+impl<T: Precision> Shapes<T> {
     /// The shape `Y d - F B c` of amplitudes d of the near modes and forces c.
     pub fn shape(&self, lambda: Complex<f64>, d: &[Complex<T>], forces: &[Complex<T>]) -> DVector<Complex<f64>> {
         let factors = self.factors(lambda, d, forces);
@@ -154,23 +154,23 @@ struct Sum<'a, T> {
     out: &'a mut Rows<T>,
 }
 
-impl<T: Real> WithSimd for Sum<'_, T> {
+impl<T: Precision> WithSimd for Sum<'_, T> {
     type Output = ();
 
     /// Sums stay in registers, two of each part side by side.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { factors, parts, stride, out } = self;
-        let (parts, stride) = (T::registers::<S>(parts), stride / T::width::<S>());
+        let (o, parts, stride) = (Ops::of(simd), T::registers::<S>(parts), stride / T::width::<S>());
         let [re, im] = out.registers_mut(simd);
         for (first, (re, im)) in re.chunks_mut(2).zip(im.chunks_mut(2)).enumerate() {
-            let mut sums = [[T::filled(simd, T::default()); 2]; 2];
+            let mut sums = [[o.splat(T::default()); 2]; 2];
             for (row, factor) in factors.iter().enumerate() {
-                let (by_re, by_im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
+                let [by_re, by_im] = splat(o, *factor);
                 let of_row = &parts[row * stride + 2 * first..][..re.len()];
                 for (part, sum) in of_row.iter().zip(&mut sums) {
-                    sum[0] = T::add_product(simd, by_re, *part, sum[0]);
-                    sum[1] = T::add_product(simd, by_im, *part, sum[1]);
+                    sum[0] = o.fma(by_re, *part, sum[0]);
+                    sum[1] = o.fma(by_im, *part, sum[1]);
                 }
             }
             re.iter_mut().zip(im).zip(sums).for_each(|((re, im), sum)| [*re, *im] = sum);

@@ -13,9 +13,9 @@ use super::coupling::{self, Gains, Scratch, pull};
 use super::discs::{Around, Discs};
 use super::expansion::{Factors, TERMS};
 use super::own::Own;
-use crate::real::cast;
 use crate::rows::Rows;
 use crate::{Options, Reduced, Route};
+use cea::certified::lanes::cast;
 
 const ORDER: usize = 14;
 

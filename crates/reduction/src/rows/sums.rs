@@ -1,12 +1,12 @@
 //! Sums of multiples of rows, vectors and matrices in vector registers.
 
+use cea::certified::lanes::{Ops, Precision, fma, fnma, splat};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Rows;
-use crate::real::Real;
 
-impl<T: Real> Rows<T> {
+impl<T: Precision> Rows<T> {
     /// The sum of multiples of matrices of this shape.
     #[inline(always)]
     pub fn set_sum<'a, S: Simd>(
@@ -15,12 +15,13 @@ impl<T: Real> Rows<T> {
         factors: &[Complex<T>],
         of: impl Iterator<Item = &'a Self> + Clone,
     ) {
+        let o = Ops::of(simd);
         let out = T::registers_mut::<S>(&mut self.re).iter_mut().zip(T::registers_mut::<S>(&mut self.im));
         for (place, (re, im)) in out.enumerate() {
-            let mut sum = [T::filled(simd, T::default()); 2];
+            let mut sum = [o.splat(T::default()); 2];
             for (factor, part) in factors.iter().zip(of.clone()) {
                 let x = [T::registers::<S>(&part.re)[place], T::registers::<S>(&part.im)[place]];
-                sum = multiple_added(simd, *factor, x, sum);
+                sum = fma(o, splat(o, *factor), x, sum);
             }
             [*re, *im] = sum;
         }
@@ -33,15 +34,15 @@ impl<T: Real> Rows<T> {
         if self.stride == 0 {
             return;
         }
+        let o = Ops::of(simd);
         let [x_re, x_im] = vector.row(0).map(T::registers::<S>);
         for (re, im) in self.re.chunks_exact(self.stride).zip(self.im.chunks_exact(self.stride)) {
             let (re, im) = (T::registers::<S>(re), T::registers::<S>(im));
-            let mut sum = [T::filled(simd, T::default()); 2];
+            let mut sum = [o.splat(T::default()); 2];
             for ((re, im), (x_re, x_im)) in re.iter().zip(im).zip(x_re.iter().zip(x_im)) {
-                sum[0] = T::take_product(simd, *im, *x_im, T::add_product(simd, *re, *x_re, sum[0]));
-                sum[1] = T::add_product(simd, *im, *x_re, T::add_product(simd, *re, *x_im, sum[1]));
+                sum = fma(o, [*re, *im], [*x_re, *x_im], sum);
             }
-            out.push(Complex::new(T::sum(simd, sum[0]), T::sum(simd, sum[1])));
+            out.push(Complex::new(o.sum(sum[0]), o.sum(sum[1])));
         }
     }
 
@@ -53,14 +54,14 @@ impl<T: Real> Rows<T> {
         factors: [&[Complex<T>]; 2],
         of: impl Iterator<Item = &'a Self> + Clone,
     ) {
-        let places = outs[0].re.len() / T::width::<S>();
+        let (o, places) = (Ops::of(simd), outs[0].re.len() / T::width::<S>());
         let mut outs = outs.map(|out| (T::registers_mut::<S>(&mut out.re), T::registers_mut::<S>(&mut out.im)));
         for place in 0..places {
-            let mut sums = [[T::filled(simd, T::default()); 2]; 2];
+            let mut sums = [[o.splat(T::default()); 2]; 2];
             for ((first, second), part) in factors[0].iter().zip(factors[1]).zip(of.clone()) {
                 let x = [T::registers::<S>(&part.re)[place], T::registers::<S>(&part.im)[place]];
-                sums[0] = multiple_added(simd, *first, x, sums[0]);
-                sums[1] = multiple_added(simd, *second, x, sums[1]);
+                sums[0] = fma(o, splat(o, *first), x, sums[0]);
+                sums[1] = fma(o, splat(o, *second), x, sums[1]);
             }
             for ((re, im), sum) in outs.iter_mut().zip(sums) {
                 [re[place], im[place]] = sum;
@@ -124,7 +125,7 @@ impl<T: Real> Rows<T> {
         end: usize,
         mut tell: impl FnMut(usize, Complex<T>),
     ) {
-        let (stride, first) = (self.stride, (c + 1) / T::width::<S>());
+        let (o, stride, first) = (Ops::of(simd), self.stride, (c + 1) / T::width::<S>());
         let (above_re, below_re) = self.re.split_at_mut((c + 1) * stride);
         let (above_im, below_im) = self.im.split_at_mut((c + 1) * stride);
         let above_re = &T::registers::<S>(&above_re[c * stride..])[first..];
@@ -133,18 +134,17 @@ impl<T: Real> Rows<T> {
         for (row, (re, im)) in (c + 1..end).zip(below) {
             let factor = Complex::new(re[c], im[c]) * inverse;
             tell(row, factor);
-            let (by_re, by_im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
+            let by = splat(o, factor);
             let (re, im) = (&mut T::registers_mut::<S>(re)[first..], &mut T::registers_mut::<S>(im)[first..]);
             for ((x_re, x_im), (y_re, y_im)) in above_re.iter().zip(above_im).zip(re.iter_mut().zip(im)) {
-                *y_re = T::add_product(simd, by_im, *x_im, T::take_product(simd, by_re, *x_re, *y_re));
-                *y_im = T::take_product(simd, by_im, *x_re, T::take_product(simd, by_re, *x_im, *y_im));
+                [*y_re, *y_im] = fnma(o, by, [*x_re, *x_im], [*y_re, *y_im]);
             }
         }
     }
 }
 
 /// A matrix times a vector.
-pub(crate) fn product<T: Real>(matrix: &Rows<T>, vector: &[Complex<T>]) -> Vec<Complex<T>> {
+pub(crate) fn product<T: Precision>(matrix: &Rows<T>, vector: &[Complex<T>]) -> Vec<Complex<T>> {
     let (mut row, mut out) = (Rows::zeros(1, vector.len()), Vec::with_capacity(matrix.rows()));
     row.set_row(vector);
     Arch::new().dispatch(Times { matrix, vector: &row, out: &mut out });
@@ -158,7 +158,7 @@ pub(crate) struct Times<'a, T> {
     pub out: &'a mut Vec<Complex<T>>,
 }
 
-impl<T: Real> WithSimd for Times<'_, T> {
+impl<T: Precision> WithSimd for Times<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -168,12 +168,12 @@ impl<T: Real> WithSimd for Times<'_, T> {
 }
 
 /// Adds multiples of the rows of a matrix to a row of another one.
-pub(crate) fn add_rows<T: Real>(to: usize, factors: &[Complex<T>], rows: &Rows<T>, out: &mut Rows<T>) {
+pub(crate) fn add_rows<T: Precision>(to: usize, factors: &[Complex<T>], rows: &Rows<T>, out: &mut Rows<T>) {
     Arch::new().dispatch(AddRows { to, factors, rows, out });
 }
 
 /// The sum of multiples of the first rows of a matrix.
-pub(crate) fn combined<T: Real>(factors: &[Complex<T>], rows: &Rows<T>) -> Vec<Complex<T>> {
+pub(crate) fn combined<T: Precision>(factors: &[Complex<T>], rows: &Rows<T>) -> Vec<Complex<T>> {
     let mut sum =
         Rows { stride: rows.stride, re: vec![T::default(); rows.stride], im: vec![T::default(); rows.stride] };
     add_rows(0, factors, rows, &mut sum);
@@ -187,7 +187,7 @@ struct AddRows<'a, T> {
     out: &'a mut Rows<T>,
 }
 
-impl<T: Real> WithSimd for AddRows<'_, T> {
+impl<T: Precision> WithSimd for AddRows<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -198,7 +198,7 @@ impl<T: Real> WithSimd for AddRows<'_, T> {
 
 /// Adds multiples of the first rows of a matrix to a row: sums stay in registers, two of them side by side.
 #[inline(always)]
-fn accumulate<T: Real, S: Simd>(
+fn accumulate<T: Precision, S: Simd>(
     simd: S,
     [re, im]: [&mut [T]; 2],
     [from_re, from_im]: [&[T]; 2],
@@ -206,16 +206,16 @@ fn accumulate<T: Real, S: Simd>(
     rows: usize,
     factor: impl Fn(usize) -> Complex<T>,
 ) {
-    let stride = stride / T::width::<S>();
+    let (o, stride) = (Ops::of(simd), stride / T::width::<S>());
     let (from_re, from_im) = (T::registers::<S>(from_re), T::registers::<S>(from_im));
     let (re, last_re) = T::registers_mut::<S>(re).as_chunks_mut::<2>();
     let (im, last_im) = T::registers_mut::<S>(im).as_chunks_mut::<2>();
     for (pair, (re, im)) in re.iter_mut().zip(&mut *im).enumerate() {
         let mut sums = [[re[0], im[0]], [re[1], im[1]]];
         for row in 0..rows {
-            let (factor, place) = (factor(row), row * stride + 2 * pair);
-            sums[0] = multiple_added(simd, factor, [from_re[place], from_im[place]], sums[0]);
-            sums[1] = multiple_added(simd, factor, [from_re[place + 1], from_im[place + 1]], sums[1]);
+            let (factor, place) = (splat(o, factor(row)), row * stride + 2 * pair);
+            sums[0] = fma(o, factor, [from_re[place], from_im[place]], sums[0]);
+            sums[1] = fma(o, factor, [from_re[place + 1], from_im[place + 1]], sums[1]);
         }
         (*re, *im) = ([sums[0][0], sums[1][0]], [sums[0][1], sums[1][1]]);
     }
@@ -223,7 +223,7 @@ fn accumulate<T: Real, S: Simd>(
         let mut sum = [*re, *im];
         for row in 0..rows {
             let place = row * stride + stride - 1;
-            sum = multiple_added(simd, factor(row), [from_re[place], from_im[place]], sum);
+            sum = fma(o, splat(o, factor(row)), [from_re[place], from_im[place]], sum);
         }
         [*re, *im] = sum;
     }
@@ -231,30 +231,15 @@ fn accumulate<T: Real, S: Simd>(
 
 /// `y += factor x`.
 #[inline(always)]
-fn add_multiple<T: Real, S: Simd>(simd: S, factor: Complex<T>, x: [&[T]; 2], y: [&mut [T]; 2]) {
+fn add_multiple<T: Precision, S: Simd>(simd: S, factor: Complex<T>, x: [&[T]; 2], y: [&mut [T]; 2]) {
     let [x_re, x_im] = [T::registers::<S>(x[0]), T::registers::<S>(x[1])];
     let [y_re, y_im] = y;
     let (y_re, y_im) = (T::registers_mut::<S>(y_re), T::registers_mut::<S>(y_im));
-    let (re, im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
+    let o = Ops::of(simd);
+    let factor = splat(o, factor);
     for ((x_re, x_im), (y_re, y_im)) in x_re.iter().zip(x_im).zip(y_re.iter_mut().zip(y_im)) {
-        *y_re = T::take_product(simd, im, *x_im, T::add_product(simd, re, *x_re, *y_re));
-        *y_im = T::add_product(simd, im, *x_re, T::add_product(simd, re, *x_im, *y_im));
+        [*y_re, *y_im] = fma(o, factor, [*x_re, *x_im], [*y_re, *y_im]);
     }
-}
-
-/// `factor x + y`.
-#[inline(always)]
-fn multiple_added<T: Real, S: Simd>(
-    simd: S,
-    factor: Complex<T>,
-    x: [T::Register<S>; 2],
-    y: [T::Register<S>; 2],
-) -> [T::Register<S>; 2] {
-    let (re, im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
-    [
-        T::take_product(simd, im, x[1], T::add_product(simd, re, x[0], y[0])),
-        T::add_product(simd, im, x[0], T::add_product(simd, re, x[1], y[1])),
-    ]
 }
 
 #[cfg(test)]

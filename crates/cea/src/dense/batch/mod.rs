@@ -125,7 +125,7 @@ impl WithSimd for EigenvaluesInLanes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let o = Ops(simd);
+        let o = Ops::new(simd);
         let lanes = S::F64_LANES;
         let layout = Layout::new(2 * self.shape.0 + self.shape.1);
         let registers = registers::<S>(self.scratch, layout.len() + hessenberg::scratch_len(layout));

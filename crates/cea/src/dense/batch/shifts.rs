@@ -82,7 +82,7 @@ mod tests {
             }
             row[3] = -product[i];
         }
-        let pair = shift_pair(Ops(Scalar), &g, true);
+        let pair = shift_pair(Ops::new(Scalar), &g, true);
         let factors = [(0.1, 0.01 - 1.0), (5.0, 25.0 - 30.0)];
         let error = |(mean, square): (f64, f64)| (pair.mean - mean).abs() + (pair.square - square).abs();
         assert!(factors.into_iter().map(error).fold(f64::MAX, f64::min) < 1e-6, "{pair:?}");
@@ -92,7 +92,7 @@ mod tests {
     fn a_small_block_takes_the_eigenvalues_of_its_corner() {
         let mut g = [[f64::NAN; 4]; 4];
         (g[2][2], g[2][3], g[3][2], g[3][3]) = (1.0, -4.0, 1.0, 1.0);
-        let pair = shift_pair(Ops(Scalar), &g, false);
+        let pair = shift_pair(Ops::new(Scalar), &g, false);
         assert_eq!((pair.mean, pair.square), (1.0, -4.0));
     }
 }

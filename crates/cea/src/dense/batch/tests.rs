@@ -14,7 +14,7 @@ impl WithSimd for OnMatrices<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let (o, lanes) = (Ops(simd), S::F64_LANES);
+        let (o, lanes) = (Ops::new(simd), S::F64_LANES);
         let layout = Layout::new(self.0[0].nrows());
         let mut found = Vec::new();
         for matrices in self.0.chunks(lanes) {

@@ -4,7 +4,7 @@
 //! det M: the m x m sums G and H over the modes of the structure, then the determinant of one m x m matrix. The sums cost
 //! 3 m^2 n fused multiply-adds for each of the two parts of a complex number.
 
-use certified::lanes::{ComplexLanes, Ops, complex, fma, narrow, registers, scale, square, wide_part};
+use certified::lanes::{ComplexLanes, Ops, fma, narrow, neg, registers, scale, square, times, wide_part};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
@@ -83,7 +83,7 @@ impl WithSimd for ResponsesInLanes<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let (o, lanes) = (Ops(simd), S::F64_LANES);
+        let (o, lanes) = (Ops::new(simd), S::F64_LANES);
         let Resolvent { poles, ports, reading, mobility, .. } = self.resolvent;
         let (n, m) = (poles.len(), *ports);
         let registers = registers::<S>(self.scratch, 4 * n + 4 * m * m);
@@ -92,22 +92,22 @@ impl WithSimd for ResponsesInLanes<'_, '_> {
         let (matrix, sums) = rest.as_chunks_mut::<2>().0.split_at_mut(m * m);
         for points in self.points.chunks(lanes) {
             let [re, im, mu, slope_re, slope_im] = gather::<S>(o, points);
-            let sigma = ComplexLanes { re, im };
+            let sigma = [re, im];
             let product = fill(o, sigma, poles, modes);
             add_up(o, modes, reading, matrix);
             for entry in &mut *matrix {
-                *entry = scale(o, complex(*entry), mu).registers();
+                *entry = scale(o, *entry, mu);
             }
             if points.iter().any(|point| point.slope != Complex::default()) {
                 let half = &mut sums[..m * (m + 1) / 2];
                 add_up(o, modes, mobility, half);
-                let slope = times(o, ComplexLanes { re: slope_re, im: slope_im }, sigma);
+                let slope = times(o, [slope_re, slope_im], sigma);
                 let mut upper = half.iter();
                 for i in 0..m {
                     for (j, &sum) in (i..m).zip(upper.by_ref()) {
-                        matrix[i * m + j] = fma(o, slope, complex(sum), complex(matrix[i * m + j])).registers();
+                        matrix[i * m + j] = fma(o, slope, sum, matrix[i * m + j]);
                         if i != j {
-                            matrix[j * m + i] = fma(o, slope, complex(sum), complex(matrix[j * m + i])).registers();
+                            matrix[j * m + i] = fma(o, slope, sum, matrix[j * m + i]);
                         }
                     }
                 }
@@ -117,7 +117,7 @@ impl WithSimd for ResponsesInLanes<'_, '_> {
             }
             match &mut *self.results {
                 ResponseOutput::Values(values) => {
-                    let value = times(o, determinant(o, matrix, m), product).registers();
+                    let value = times(o, determinant(o, matrix, m), product);
                     let numbers: &[f64] = bytemuck::cast_slice(&value);
                     for lane in 0..points.len() {
                         values.push(Complex::new(numbers[lane], numbers[lanes + lane]));
@@ -152,33 +152,27 @@ fn gather<S: Simd>(o: Ops<S>, points: &[Point]) -> [S::f64s; 5] {
     registers
 }
 
-/// `a b`.
-#[inline(always)]
-fn times<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, b: ComplexLanes<S::f64s>) -> ComplexLanes<S::f64s> {
-    ComplexLanes { re: o.fnma(a.im, b.im, o.mul(a.re, b.re)), im: o.fma(a.im, b.re, o.mul(a.re, b.im)) }
-}
-
 /// For each mode `d = 1 / ((sigma - p)(sigma - conj p))` and `sigma d`; returns the product of all 1 / d.
 #[inline(always)]
 fn fill<S: Simd>(
     o: Ops<S>,
-    sigma: ComplexLanes<S::f64s>,
+    sigma: ComplexLanes<S>,
     poles: &[Complex<f64>],
     modes: &mut [[S::f64s; 4]],
-) -> ComplexLanes<S::f64s> {
+) -> ComplexLanes<S> {
     let (one, floor) = (o.splat(1.0), o.splat(AT_POLE));
-    let mut product = ComplexLanes { re: one, im: o.splat(0.0) };
+    let mut product = [one, o.splat(0.0)];
     for (pole, mode) in poles.iter().zip(modes) {
-        let re = o.sub(sigma.re, o.splat(pole.re));
-        let near = ComplexLanes { re, im: o.sub(sigma.im, o.splat(pole.im)) };
+        let re = o.sub(sigma[0], o.splat(pole.re));
+        let near = [re, o.sub(sigma[1], o.splat(pole.im))];
         let is_there = o.lt(square(o, near, o.splat(0.0)), floor);
-        let near = ComplexLanes { re: o.select(is_there, o.splat(AT_POLE.sqrt()), near.re), im: near.im };
-        let both = times(o, near, ComplexLanes { re, im: o.add(sigma.im, o.splat(pole.im)) });
+        let near = [o.select(is_there, o.splat(AT_POLE.sqrt()), near[0]), near[1]];
+        let both = times(o, near, [re, o.add(sigma[1], o.splat(pole.im))]);
         product = times(o, product, both);
         let part = o.div(one, square(o, both, o.splat(0.0)));
-        let d = ComplexLanes { re: o.mul(both.re, part), im: o.neg(o.mul(both.im, part)) };
+        let d = [o.mul(both[0], part), o.neg(o.mul(both[1], part))];
         let e = times(o, sigma, d);
-        *mode = [d.re, d.im, e.re, e.im];
+        *mode = [d[0], d[1], e[0], e[1]];
     }
     product
 }
@@ -218,8 +212,8 @@ fn add_up_some<S: Simd, const N: usize>(
 
 /// The determinant by elimination with partial pivoting, each lane with its own pivots; the matrix is overwritten.
 #[inline(always)]
-fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> ComplexLanes<S::f64s> {
-    let mut product = ComplexLanes { re: o.splat(1.0), im: o.splat(0.0) };
+fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> ComplexLanes<S> {
+    let mut product = [o.splat(1.0), o.splat(0.0)];
     for c in 0..m {
         for i in c + 1..m {
             let (below, pivot) = (matrix[i * m + c], matrix[c * m + c]);
@@ -233,17 +227,16 @@ fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> Com
                 }
             }
         }
-        let pivot = complex(matrix[c * m + c]);
+        let pivot = matrix[c * m + c];
         product = times(o, product, pivot);
         let part = o.div(o.splat(1.0), square(o, pivot, o.splat(0.0)));
-        let inverse = ComplexLanes { re: o.mul(pivot.re, part), im: o.neg(o.mul(pivot.im, part)) };
+        let inverse = [o.mul(pivot[0], part), o.neg(o.mul(pivot[1], part))];
         let (above, rest) = matrix.split_at_mut((c + 1) * m);
         let row = &above[c * m..];
         for other in rest.chunks_exact_mut(m) {
-            let factor = times(o, complex(other[c]), inverse);
-            let factor = ComplexLanes { re: o.neg(factor.re), im: o.neg(factor.im) };
+            let factor = neg(o, times(o, other[c], inverse));
             for j in c + 1..m {
-                other[j] = fma(o, factor, complex(row[j]), complex(other[j])).registers();
+                other[j] = fma(o, factor, row[j], other[j]);
             }
         }
     }
