@@ -1,4 +1,8 @@
 //! Factors of a dense complex matrix, real and imaginary part apart.
+//!
+//! The LU of one large matrix that is written here by hand: nalgebra's has no solve with the adjoint, and both nalgebra and faer take four
+//! times the products where the matrix is real, as most are that have a real sigma. A pivot that vanishes becomes a small one, which
+//! inverse iteration wants; the bits are the same on all processors.
 
 use std::ops::Range;
 

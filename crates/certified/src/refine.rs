@@ -8,7 +8,8 @@
 //! The matrix is factored in double precision, again only where the steps get slow; the right-hand side and the sums
 //! are double-double (as in iterative refinement; Tisseur, SIAM J. Matrix Anal. Appl. 22, 2001). For a simple eigenvalue
 //! the matrix is regular and each step gains the digits that a factorisation is good for. The steps' own contraction
-//! bounds what is left: if a step is at most half the one before, what follows sums to no more than the last step.
+//! bounds what is left: if a step is at most half the one before, what follows sums to no more than the last step. Apart from the
+//! correctors of paths and neighbours: those stop where a double ends.
 
 use num_complex::Complex;
 

@@ -1,4 +1,7 @@
 //! Gauss's elimination of small complex matrices by rows.
+//!
+//! Apart from [`cea::certified::lu`], which has columns in double precision: here rows are in registers of either precision, many right
+//! sides at once, pivots with the signs of a determinant, and no memory is taken for the next of thousands of samples.
 
 use num_complex::Complex;
 use pulp::Simd;

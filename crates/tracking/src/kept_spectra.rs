@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use cea::{CeaError, Counters, EigenSolver, Modes, Workspace, left_vector, right_vector};
+use cea::{CeaError, Counters, EigenSolver, Eigentriple, Modes, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
@@ -15,8 +15,6 @@ const MOST_SPECTRA: usize = 20_000;
 /// Largest |lambda|, as a part of the largest |Im lambda|, of a rigid motion, which rounding may give a frequency; chosen: a double zero
 /// becomes the root of a rounding.
 const RIGID: f64 = 1e-7;
-/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
-const ROUNDINGS: f64 = 8.0;
 
 /// A system at one parameter p, and how it changes with p.
 #[derive(Debug, Clone)]
@@ -147,22 +145,14 @@ fn oscillatory(
 }
 
 impl SystemAt {
-    /// An eigenvalue refined by its vectors, with `lambda' = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer. Math. 6, 1964).
+    /// An eigenvalue refined by its vectors, with its rate by the parameter.
     fn refined(&self, lambda: Complex<f64>, work: &mut Workspace) -> Result<RefinedPoint, CeaError> {
         let Self { system, change } = self;
-        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
-        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
-        let residual = left.dotc(&(system.dynamic_stiffness(lambda) * &right));
-        let difference = (change.above.dynamic_stiffness(lambda) - change.below.dynamic_stiffness(lambda)) * &right;
-        let by_parameter = left.dotc(&difference) / change.distance;
-        let (l, internal) = (lambda.norm(), &system.internal);
-        let states = internal.drive.norm() * internal.force.norm();
-        let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states;
-        Ok(RefinedPoint {
-            lambda: lambda - residual / slope,
-            rate: -by_parameter / slope,
-            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
-        })
+        let triple = Eigentriple::new(system, lambda, work)?;
+        let difference = change.above.dynamic_stiffness(lambda) - change.below.dynamic_stiffness(lambda);
+        let by_parameter = triple.left.dotc(&(difference * &triple.right)) / change.distance;
+        let rate = -by_parameter / triple.slope;
+        Ok(RefinedPoint { lambda: triple.refined(system), rate, bound: triple.rounding() })
     }
 }
 

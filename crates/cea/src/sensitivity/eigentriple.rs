@@ -11,6 +11,12 @@ use crate::{CeaError, Workspace, left_vector, right_vector};
 const ROUNDINGS: f64 = 8.0;
 /// Largest part of a derivative that may be rounding; chosen: three digits are left.
 const LARGEST_BLUR: f64 = 1e-3;
+/// Relative change of an eigenvalue at which [`Eigentriple::of_neighbour`] stands; chosen: some roundings.
+const SETTLED: f64 = 1e-14;
+/// Relative change below which it stands as soon as it does not fall any more: rounding errors are left; chosen.
+const ROUNDING: f64 = 1e-9;
+/// Most iterations; chosen: convergence is cubic, and a guess that needs more is near another mode.
+const MOST_ITERATIONS: usize = 8;
 
 /// An eigenvalue lambda with its right vector x and left vector y: `Q(lambda) x = 0`, `y^H Q(lambda) = 0`.
 ///
@@ -64,6 +70,31 @@ impl Eigentriple {
         Self { lambda, right, left, slope, size: size(system, lambda) }
     }
 
+    /// The eigentriple of another system next to `guess`, rad/s, with vectors like these, by two-sided Rayleigh iteration (Ostrowski 1959,
+    /// for `Q(lambda)`: Schreiber 2008); `None` where that does not converge.
+    #[must_use]
+    pub fn of_neighbour(&self, system: &SecondOrder, guess: Complex<f64>) -> Option<Self> {
+        let (mut lambda, mut vectors) = (guess, [self.right.clone(), self.left.clone()]);
+        let mut last = f64::INFINITY;
+        for iteration in 0..MOST_ITERATIONS {
+            let [right, left] = &vectors;
+            let (q, slope) = matrices(system, lambda);
+            let step = left.dotc(&(&q * right)) / left.dotc(&(&slope * right));
+            lambda -= step;
+            let change = step.norm() / lambda.norm();
+            // With the vectors of the other system the first step says nothing: it may be zero though lambda is no eigenvalue.
+            if iteration > 0 && (change <= SETTLED || (change <= ROUNDING && change >= last)) {
+                let [right, left] = vectors;
+                return Some(Self::of_vectors(system, lambda, right, left));
+            }
+            last = change;
+            // At an eigenvalue that is exact there is nothing to solve: a little beside it the vectors are the same.
+            vectors =
+                iterated(system, lambda, &vectors).or_else(|| iterated(system, lambda * (1.0 + ROUNDING), &vectors))?;
+        }
+        None
+    }
+
     /// `d lambda / d p = -y^H Q_p x / y^H Q' x` for a given `Q_p = d Q / d p` at lambda, n x n.
     ///
     /// Not finite where lambda is defective; [`Eigentriple::separation`] tells whether it can be believed.
@@ -99,6 +130,12 @@ impl Eigentriple {
         self.size / (self.lambda.norm() * self.slope.norm())
     }
 
+    /// `|x^H z|` of the right vectors of two eigentriples: 1 where they are parallel.
+    #[must_use]
+    pub fn likeness(&self, other: &Self) -> f64 {
+        self.right.dotc(&other.right).norm()
+    }
+
     /// How far the other eigenvalues are; `spectrum` holds all of the system, this one included.
     #[must_use]
     pub fn separation(&self, spectrum: &[Complex<f64>]) -> Separation {
@@ -116,6 +153,27 @@ impl Eigentriple {
         // Two infinities make no number, and no derivative either.
         Separation { nearest, blur: if blur.is_nan() { f64::INFINITY } else { blur } }
     }
+}
+
+/// Q and its derivative at lambda.
+fn matrices(system: &SecondOrder, lambda: Complex<f64>) -> (DMatrix<Complex<f64>>, DMatrix<Complex<f64>>) {
+    (system.dynamic_stiffness(lambda), system.dynamic_stiffness_derivative(lambda))
+}
+
+/// The right and the left vector after one step of inverse iteration at lambda; `None` where Q is singular.
+fn iterated(
+    system: &SecondOrder,
+    lambda: Complex<f64>,
+    [right, left]: &[DVector<Complex<f64>>; 2],
+) -> Option<[DVector<Complex<f64>>; 2]> {
+    let (q, slope) = matrices(system, lambda);
+    let left = unit(q.adjoint().lu().solve(&slope.ad_mul(left))?)?;
+    Some([unit(q.lu().solve(&(&slope * right))?)?, left])
+}
+
+fn unit(vector: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
+    let norm = vector.norm();
+    (norm.is_finite() && norm > 0.0).then(|| vector.unscale(norm))
 }
 
 /// How far an eigenvalue is from the next one, and what that leaves of its derivatives.

@@ -1,7 +1,8 @@
 //! The characteristic function at many numbers at once, one in each lane of vector registers: on a line around the band, and at guesses.
 //!
 //! A is nearly diagonal in the coordinates of an anchor, so that elimination takes the pivots as they come, at a guess that of its own mode
-//! last. Where that loses digits the modes are not counted, and the sample goes another way.
+//! last. Where that loses digits the modes are not counted, and the sample goes another way. One matrix in each lane and no pivoting: so this is
+//! no [`Elimination`](crate::elimination::Elimination), whose lanes hold neighbours of one row.
 
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};

@@ -120,7 +120,8 @@ impl Problem {
         Ok(all.map(|((pair, is_good), ritz)| Polished { ritz, pair, is_good }).collect())
     }
 
-    /// Both vectors by solving with Q next to the eigenvalue, and again next to what their quotient says it is, while that helps.
+    /// Both vectors by solving with Q next to the eigenvalue, and again next to what their quotient says it is, while that helps. Apart from
+    /// [`cea::Eigentriple::of_neighbour`]: a sparse factorisation is dear, so that each makes several steps, and what is best of them stays.
     fn by_inverse_iteration(
         &self,
         lambda: Complex<f64>,

@@ -1,6 +1,6 @@
 //! A point of the boundary of stability over two parameters: what crosses the threshold there, and how it moves.
 
-use cea::{CeaError, CertifiedError, Threshold, Workspace, left_vector, right_vector};
+use cea::{CeaError, CertifiedError, Eigentriple, Threshold, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Vector2, vector};
 use num_complex::Complex;
@@ -8,7 +8,6 @@ use study::UncertainBrake;
 
 use super::divergence::stiffness;
 use super::double::Double;
-use super::eigenpair::Eigenpair;
 use super::family::{DIFFERENCE, Part};
 use crate::Error;
 
@@ -31,7 +30,7 @@ pub(super) struct CurvePoint {
 #[derive(Debug, Clone)]
 pub(super) enum Crossing {
     /// An eigenvalue with its vectors.
-    Flutter(Eigenpair),
+    Flutter(Eigentriple),
     /// A real eigenvalue at zero, where the stiffness is singular, or where Q is at the growth rate from where on growth counts.
     Divergence(NullPair),
     /// Two eigenvalues that meet.
@@ -123,7 +122,7 @@ impl Crossing {
     fn of(system: &SecondOrder, lambda: Complex<f64>, of: PointOf) -> Result<Option<Self>, Error> {
         Ok(match of {
             PointOf::Divergence => NullPair::of(system, lambda.re)?.map(Self::Divergence),
-            PointOf::Flutter => Some(Self::Flutter(Eigenpair::of(system, lambda, &mut Workspace::default())?)),
+            PointOf::Flutter => Some(Self::Flutter(Eigentriple::new(system, lambda, &mut Workspace::default())?)),
             PointOf::Double => Double::near(system, lambda)?.map(Self::Double),
         })
     }
@@ -151,14 +150,12 @@ impl Crossing {
     }
 
     /// d value over a distance from two systems; the second number is that of the mean of two eigenvalues.
-    fn rate(
-        &self,
-        system: &SecondOrder,
-        systems: [&SecondOrder; 2],
-        distance: f64,
-    ) -> Result<[Complex<f64>; 2], Error> {
+    fn rate(&self, systems: [&SecondOrder; 2], distance: f64) -> Result<[Complex<f64>; 2], Error> {
         Ok(match self {
-            Self::Flutter(pair) => [pair.rate(system, systems, distance), Complex::default()],
+            Self::Flutter(triple) => {
+                let [below, above] = systems.map(|system| system.dynamic_stiffness(triple.lambda));
+                [triple.rate_over(&(above - below), distance), Complex::default()]
+            }
             Self::Divergence(pair) => {
                 let [below, above] = systems.map(|system| stiffness(system, pair.at));
                 [Complex::from(pair.rate(&((above - below) / distance))), Complex::default()]
@@ -189,13 +186,12 @@ impl CurvePoint {
             Err(Error::Study(study::Error::Cea(CeaError::Certified(CertifiedError::NoEigenvector { .. })))) => None,
             crossing => crossing?,
         };
-        crossing.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
+        crossing.map(|crossing| Self::new(part, at, crossing)).transpose()
     }
 
     fn new<B: UncertainBrake>(
         part: &Part<'_, B>,
         at: Vector2<f64>,
-        system: &SecondOrder,
         mut crossing: Crossing,
     ) -> Result<Self, Error> {
         let mut rates = Vector2::from_element(Complex::default());
@@ -205,7 +201,7 @@ impl CurvePoint {
             below[axis] = (at[axis] - DIFFERENCE).max(0.0);
             above[axis] = (at[axis] + DIFFERENCE).min(1.0);
             let systems = [part.system(&[below.x, below.y])?, part.system(&[above.x, above.y])?];
-            [rates[axis], mean_rates[axis]] = crossing.rate(system, systems.each_ref(), above[axis] - below[axis])?;
+            [rates[axis], mean_rates[axis]] = crossing.rate(systems.each_ref(), above[axis] - below[axis])?;
         }
         if let Crossing::Double(double) = &mut crossing {
             double.mean_rates = mean_rates;
@@ -237,7 +233,7 @@ impl CurvePoint {
             _ => guess,
         };
         let found = self.crossing.of_neighbour(&system, guess)?;
-        found.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
+        found.map(|crossing| Self::new(part, at, crossing)).transpose()
     }
 
     /// The eigenvalue, rad/s; of divergence a growth without a unit.

@@ -15,7 +15,6 @@ mod crossing;
 mod curve_point;
 mod divergence;
 mod double;
-mod eigenpair;
 mod family;
 mod found;
 mod map;

@@ -210,7 +210,8 @@ fn add_up_some<S: Simd, const N: usize>(
     sums.copy_from_slice(&of);
 }
 
-/// The determinant by elimination with partial pivoting, each lane with its own pivots; the matrix is overwritten.
+/// The determinant by elimination with partial pivoting, each lane with its own pivots; the matrix is overwritten. Apart from
+/// [`certified::lu`]: one small matrix in each lane.
 #[inline(always)]
 fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> ComplexLanes<S> {
     let mut product = [o.splat(1.0), o.splat(0.0)];

@@ -40,7 +40,8 @@ enum SearchStage {
     GivenUp,
 }
 
-/// The secant method for one wanted mode: the last point with the function there, and the next point.
+/// The secant method for one wanted mode: the last point with the function there, and the next point. Apart from the corrector of paths:
+/// derivatives of the determinant would cost as much as a value, and values of all modes are computed side by side.
 struct Secant {
     mode: usize,
     before: (Complex<f64>, Complex<f64>),
