@@ -26,6 +26,35 @@ pub struct Options {
     pub margin: f64,
     /// Directions that add less than this to a residual are left out of it; what they may add is counted to the residual.
     pub residual_floor: f64,
+    /// Ways to the modes at a point that may be taken.
+    pub ways: Ways,
+}
+
+/// The ways to the modes at a point that may be taken before the whole spectrum of the reduced system, which is always there: in this order,
+/// each for what the ones before it leave open. None of them changes which modes are found; each is there for the time that it saves, and can
+/// be taken away to see what that is, or to judge it by the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ways {
+    /// Discs around the modes of a known friction, where all channels have one gain ([`FrictionModes`](crate::FrictionModes)).
+    pub discs: bool,
+    /// Guesses from the modes of a known friction, corrected one by one and counted ([`FrictionModes`](crate::FrictionModes)).
+    pub guesses: bool,
+    /// Following all modes from an anchor ([`Reduced`](crate::Reduced)).
+    pub following: bool,
+    /// Whole spectra of several points at once, in the lanes of vector registers; off, one after another.
+    pub batches: bool,
+}
+
+impl Ways {
+    /// Whole spectra alone.
+    pub const SPECTRA: Self = Self { discs: false, guesses: false, following: false, batches: false };
+}
+
+impl Default for Ways {
+    /// All that are faster, measured in docs/performance.md.
+    fn default() -> Self {
+        Self { discs: true, guesses: true, following: true, batches: false }
+    }
 }
 
 impl Default for Options {
@@ -40,6 +69,7 @@ impl Default for Options {
             vectors: Vectors::Right,
             margin: 0.02,
             residual_floor: 1e-10,
+            ways: Ways::default(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A reduced brake: a dense affine system over the columns of a basis, with what tells how good its modes are.
 
-use cea::{EigenSolver, QrSolver, Workspace};
+use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, WholeSpectra, Workspace};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -12,7 +12,7 @@ use super::follow::{Doubt, Goal, comes_near, follow};
 use super::full::largest;
 use super::residual::{Pairs, ResidualAt, ResidualForm, Truncation, reduced_residual};
 use super::{Options, split};
-use crate::ReductionError;
+use crate::{ReductionError, Route, Ways};
 
 /// A reduction of a [`SparseAffineSystem`] for the modes in a rectangle.
 ///
@@ -27,18 +27,6 @@ pub struct Reduced {
     /// Those in which the first anchors differ.
     directions: Directions,
     options: Options,
-}
-
-/// How the modes at a point were found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Route {
-    /// From an anchor, with this many corrections of single modes.
-    Followed {
-        /// Corrections, summed over modes.
-        corrections: u64,
-    },
-    /// From the whole spectrum of the reduced system, because of a doubt or because it was asked for.
-    Spectrum(Option<Doubt>),
 }
 
 /// The modes of a reduced system in the rectangle at one operating point, ascending in frequency.
@@ -93,6 +81,19 @@ impl Reduced {
         Ok(())
     }
 
+    /// The same reduction, with these ways to the modes at a point.
+    #[must_use]
+    pub fn with_ways(mut self, ways: Ways) -> Self {
+        self.options.ways = ways;
+        self
+    }
+
+    /// The ways to the modes at a point that may be taken.
+    #[must_use]
+    pub fn ways(&self) -> Ways {
+        self.options.ways
+    }
+
     /// The reduced system: a brake like any other.
     #[must_use]
     pub fn system(&self) -> &AffineSystem {
@@ -134,7 +135,7 @@ impl Reduced {
     /// # Errors
     /// A point of another system, or a reduced system that the dense solver does not support.
     pub fn modes(&self, point: &OperatingPoint) -> Result<ReducedModes, ReductionError> {
-        self.modes_where(point, &self.system.assemble(point)?, &|_| true)
+        self.modes_among(point, &|_| true)
     }
 
     /// Those of the modes in the rectangle at a point whose eigenvalues are asked for: residuals of others cost nothing.
@@ -146,21 +147,63 @@ impl Reduced {
         point: &OperatingPoint,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
     ) -> Result<ReducedModes, ReductionError> {
-        self.modes_where(point, &self.system.assemble(point)?, is_wanted)
+        let system = self.system.assemble(point)?;
+        match self.followed(point, &system, is_wanted)? {
+            Ok(found) => Ok(found),
+            Err(doubt) => {
+                let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default());
+                self.by_spectrum(&system, spectrum, &self.form.at(point), doubt, is_wanted)
+            }
+        }
     }
 
-    fn modes_where(
+    /// [`Reduced::modes_among`] of each of several points; those of whole spectra together, where [`Ways::batches`] has it so.
+    ///
+    /// # Errors
+    /// As [`Reduced::modes`], of each point.
+    pub fn modes_of_all(
+        &self,
+        points: &[OperatingPoint],
+        is_wanted: &dyn Fn(Complex<f64>) -> bool,
+    ) -> Vec<Result<ReducedModes, ReductionError>> {
+        if !self.options.ways.batches {
+            return points.iter().map(|point| self.modes_among(point, is_wanted)).collect();
+        }
+        let mut open = Vec::new();
+        let mut followed = |point: &OperatingPoint| -> Result<Option<ReducedModes>, ReductionError> {
+            let system = self.system.assemble(point)?;
+            Ok(self.followed(point, &system, is_wanted)?.map_err(|doubt| open.push((system, doubt))).ok())
+        };
+        let found: Vec<_> = points.iter().map(|point| followed(point).transpose()).collect();
+        let (systems, doubts): (Vec<SecondOrder>, Vec<_>) = open.into_iter().unzip();
+        let mut spectra = Vec::with_capacity(systems.len());
+        WholeSpectra(&BatchSolver).eigenvalues_of_all(&systems, &mut Workspace::default(), &mut spectra);
+        let mut left = systems.iter().zip(spectra).zip(doubts);
+        let each = |(found, point): (Option<Result<ReducedModes, ReductionError>>, &OperatingPoint)| {
+            found.or_else(|| {
+                let ((system, spectrum), doubt) = left.next()?;
+                Some(self.by_spectrum(system, spectrum, &self.form.at(point), doubt, is_wanted))
+            })
+        };
+        found.into_iter().zip(points).filter_map(each).collect()
+    }
+
+    /// Modes followed from an anchor, or why a whole spectrum is needed.
+    fn followed(
         &self,
         point: &OperatingPoint,
         system: &SecondOrder,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
-    ) -> Result<ReducedModes, ReductionError> {
+    ) -> Result<Result<ReducedModes, Option<Doubt>>, ReductionError> {
+        if !self.options.ways.following {
+            return Ok(Err(None));
+        }
         let residual = self.form.at(point);
         let mut anchors: Vec<(f64, &Anchor)> =
             self.anchors.iter().map(|anchor| (anchor.distance(point), anchor)).collect();
         anchors.sort_by(|a, b| a.0.total_cmp(&b.0));
         if anchors.is_empty() {
-            return self.by_spectrum(system, &residual, Some(Doubt::NoStart), is_wanted);
+            return Ok(Err(Some(Doubt::NoStart)));
         }
         let goal = Goal {
             rectangle: &self.rectangle,
@@ -170,19 +213,16 @@ impl Reduced {
         // One from where no other mode is predicted to come near.
         let is_apart = |anchor: &&Anchor| !comes_near(anchor, point, &goal);
         let Some(anchor) = anchors.iter().take(MOST_ANCHORS).map(|&(_, anchor)| anchor).find(is_apart) else {
-            return self.by_spectrum(system, &residual, Some(Doubt::Moved), is_wanted);
+            return Ok(Err(Some(Doubt::Moved)));
         };
-        match follow(anchor, point, system, |lambda| residual.norms.size(lambda), &goal)? {
-            Ok(found) => {
-                let route = Route::Followed { corrections: found.corrections };
-                let kept: Vec<usize> = (0..found.lambdas.len()).filter(|&at| is_wanted(found.lambdas[at])).collect();
-                let lambdas = kept.iter().map(|&at| found.lambdas[at]).collect();
-                let (shapes, inner) =
-                    (split::selected(&found.shapes, &kept), kept.iter().map(|&at| found.residuals[at]));
-                Ok(self.judged(&residual, lambdas, shapes, &inner.collect::<Vec<_>>(), route, found.multiply_adds))
-            }
-            Err(doubt) => self.by_spectrum(system, &residual, Some(doubt), is_wanted),
-        }
+        let found = follow(anchor, point, system, |lambda| residual.norms.size(lambda), &goal)?;
+        Ok(found.map_err(Some).map(|found| {
+            let route = Route::Followed { corrections: found.corrections };
+            let kept: Vec<usize> = (0..found.lambdas.len()).filter(|&at| is_wanted(found.lambdas[at])).collect();
+            let lambdas = kept.iter().map(|&at| found.lambdas[at]).collect();
+            let (shapes, inner) = (split::selected(&found.shapes, &kept), kept.iter().map(|&at| found.residuals[at]));
+            self.judged(&residual, lambdas, shapes, &inner.collect::<Vec<_>>(), route, found.multiply_adds)
+        }))
     }
 
     /// [`Reduced::modes`] from the whole spectrum of the reduced system: slower, and without an anchor.
@@ -190,7 +230,9 @@ impl Reduced {
     /// # Errors
     /// As [`Reduced::modes`].
     pub fn modes_by_spectrum(&self, point: &OperatingPoint) -> Result<ReducedModes, ReductionError> {
-        self.by_spectrum(&self.system.assemble(point)?, &self.form.at(point), None, &|_| true)
+        let system = self.system.assemble(point)?;
+        let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default());
+        self.by_spectrum(&system, spectrum, &self.form.at(point), None, &|_| true)
     }
 
     /// What residuals are computed by.
@@ -237,12 +279,12 @@ impl Reduced {
     fn by_spectrum(
         &self,
         system: &SecondOrder,
+        spectrum: Result<Spectrum, CeaError>,
         residual: &ResidualAt<'_>,
         doubt: Option<Doubt>,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
     ) -> Result<ReducedModes, ReductionError> {
-        let mut work = Workspace::default();
-        let spectrum = QrSolver.eigenvalues(system, &mut work)?;
+        let (mut work, spectrum) = (Workspace::default(), spectrum?);
         let is_meant = |lambda: &Complex<f64>| self.rectangle.contains_to_the_right(*lambda, 0.0) && is_wanted(*lambda);
         let wanted: Vec<_> = spectrum.eigenvalues.into_iter().filter(is_meant).collect();
         let shapes = cea::right_vectors(system, &wanted, &mut work)?;

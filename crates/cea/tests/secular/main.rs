@@ -4,6 +4,7 @@
 
 mod chains;
 mod critical;
+mod kinds;
 mod modes;
 
 use std::cell::Cell;

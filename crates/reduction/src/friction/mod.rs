@@ -38,10 +38,10 @@ use self::coarse::Coarse;
 use self::coupling::Coupled;
 use self::ports::Ports;
 use self::residuals::{OfSample, Residuals};
-use self::search::{Memory, Search};
+use self::search::{Memory, Search, Way};
 use self::shapes::Found;
 use self::table::GROWING;
-use super::{Reduced, ReducedModes};
+use super::{Reduced, ReducedModes, Route};
 use crate::ReductionError;
 use cea::certified::lanes::cast;
 
@@ -167,12 +167,11 @@ impl FrictionSearch<'_> {
             }
         }
         let judged = residuals.judged(reduced, &ports.shapes, &samples);
-        let mut found = judged.into_iter().zip(amplitudes).peekable();
-        let of_point = |(point, is_found): (&OperatingPoint, bool)| match found.next_if(|_| is_found) {
-            Some(found) => Ok(found),
-            None => Ok((reduced.modes_among(point, is_wanted)?, Vec::new())),
-        };
-        points.iter().zip(is_found).map(of_point).collect()
+        let open: Vec<_> = points.iter().zip(&is_found).filter(|(_, is_found)| !**is_found).collect();
+        let open: Vec<OperatingPoint> = open.into_iter().map(|(point, _)| point.clone()).collect();
+        let mut left = reduced.modes_of_all(&open, is_wanted).into_iter().map(|found| Ok((found?, Vec::new())));
+        let mut found = judged.into_iter().zip(amplitudes).map(Ok);
+        is_found.into_iter().filter_map(|is_found| if is_found { found.next() } else { left.next() }).collect()
     }
 
     /// The modes of a sample, in the order in which they are judged; `None` where the search leaves it open.
@@ -183,15 +182,16 @@ impl FrictionSearch<'_> {
         part: f64,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
     ) -> Option<OfSample> {
-        if !self.modes.is_of(point) {
+        let ways = reduced.ways();
+        if !(ways.discs || ways.guesses) || !self.modes.is_of(point) {
             return None;
         }
         let FrictionModes { channels, ports, coarse, own, added, anchors, .. } = self.modes;
         self.gains.clear();
         self.gains.extend(channels.iter().map(|&channel| point.channels[channel]));
-        let search = Search { ports, coarse, own, added, anchors, rectangle: reduced.rectangle() };
+        let search = Search { ports, coarse, own, added, anchors, rectangle: reduced.rectangle(), ways };
         let before = self.memory.corrections;
-        let mut found = search.growing(&self.gains, part, &mut self.memory).ok()?;
+        let (mut found, way) = search.growing(&self.gains, part, &mut self.memory).ok()?;
         found.retain(|found| is_wanted(found.lambda));
         // What grows faster is not held by the tables.
         if found.iter().any(|mode| mode.lambda.re > GROWING * reduced.rectangle().im[1]) {
@@ -199,7 +199,12 @@ impl FrictionSearch<'_> {
         }
         found.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
         let point = OperatingPoint { coefficients: vec![1.0], channels: point.channels.clone() };
-        Some(OfSample { point, found, corrections: self.memory.corrections - before })
+        let corrections = self.memory.corrections - before;
+        let route = match way {
+            Way::Discs => Route::Discs { corrections },
+            Way::Guesses => Route::Guesses { corrections },
+        };
+        Some(OfSample { point, found, route })
     }
 
     /// The amplitudes of a mode of the last sample.

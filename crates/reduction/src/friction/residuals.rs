@@ -22,7 +22,7 @@ pub(super) struct Residuals {
 pub(super) struct OfSample {
     pub point: OperatingPoint,
     pub found: Vec<Found>,
-    pub corrections: u64,
+    pub route: Route,
 }
 
 impl Residuals {
@@ -41,12 +41,11 @@ impl Residuals {
         let at = of.iter().map(|&sample| &forms[sample]).collect();
         let residuals = reduced.residuals(&Pairs { at, lambdas: &lambdas, y: &shapes, inner: &inner });
         let mut first = 0;
-        let of_sample = |OfSample { found, corrections, .. }: &OfSample| {
+        let of_sample = |OfSample { found, route, .. }: &OfSample| {
             let own: Vec<usize> = (first..first + found.len()).collect();
             first += found.len();
             let (lambdas, residuals) = own.iter().map(|&at| (lambdas[at], residuals[at])).unzip();
-            let route = Route::Followed { corrections: *corrections };
-            reduced.with_residuals(lambdas, &split::selected(&shapes, &own), residuals, route, 0)
+            reduced.with_residuals(lambdas, &split::selected(&shapes, &own), residuals, *route, 0)
         };
         samples.iter().map(of_sample).collect()
     }

@@ -12,6 +12,7 @@ use super::discs::{Around, Discs, LEAST};
 use super::ports::Ports;
 use super::refinement::{Approached, Refinement, Sample, Start};
 use super::shapes::Found;
+use crate::Ways;
 use crate::rows::{Rows, combined};
 
 /// From how many known samples, the nearest first, discs are tried; chosen.
@@ -82,11 +83,19 @@ pub(super) struct Search<'a> {
     pub added: &'a Coupled<f32>,
     pub anchors: &'a [Anchor],
     pub rectangle: &'a Rectangle,
+    pub ways: Ways,
+}
+
+/// Which way led to the modes of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    Discs,
+    Guesses,
 }
 
 impl Search<'_> {
     /// All modes in the rectangle with `Re lambda >= -part |lambda|`.
-    pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Found>, Open> {
+    pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<(Vec<Found>, Way), Open> {
         let pulls = Pulls::of(self.ports, gains);
         let distances = self.anchors.iter().map(|anchor| anchor.distance(self.ports, &pulls)).zip(0..);
         let mut distances: Vec<(f64, usize)> = distances.collect();
@@ -97,16 +106,19 @@ impl Search<'_> {
         };
         memory.nearest.clear();
         memory.nearest.extend(distances.iter().map(|(_, at)| *at));
-        if let Some(gain) = shared(gains) {
+        if let Some(gain) = shared(gains).filter(|_| self.ways.discs) {
             let expanded = distances.iter().map(|(_, at)| *at).filter(|&at| self.anchors[at].expansion.is_some());
             for at in expanded.take(MOST_TRIES) {
                 if let Ok(found) = self.by_discs(at, gain, gains, &is_wanted, memory) {
-                    return Ok(found);
+                    return Ok((found, Way::Discs));
                 }
             }
         }
+        if !self.ways.guesses {
+            return Err(Open::NotClear);
+        }
         let &(_, nearest) = distances.first().ok_or(Open::NoAnchor)?;
-        self.by_guesses(&self.anchors[nearest], gains, &is_wanted, memory)
+        Ok((self.by_guesses(&self.anchors[nearest], gains, &is_wanted, memory)?, Way::Guesses))
     }
 
     /// Modes that are wanted, by discs around those of an anchor; all ports have one gain.

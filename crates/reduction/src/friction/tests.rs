@@ -101,7 +101,8 @@ fn compared_with_whole_spectra(of: fn(usize) -> OperatingPoint) -> usize {
             );
             grown += 1;
         }
-        followed += usize::from(matches!(found.route, Route::Followed { corrections: 1.. }));
+        followed +=
+            usize::from(matches!(found.route, Route::Discs { corrections: 1.. } | Route::Guesses { corrections: 1.. }));
     }
     assert!(followed > 40, "{followed}");
     grown

@@ -189,11 +189,7 @@ impl CurvePoint {
         crossing.map(|crossing| Self::new(part, at, crossing)).transpose()
     }
 
-    fn new<B: UncertainBrake>(
-        part: &Part<'_, B>,
-        at: Vector2<f64>,
-        mut crossing: Crossing,
-    ) -> Result<Self, Error> {
+    fn new<B: UncertainBrake>(part: &Part<'_, B>, at: Vector2<f64>, mut crossing: Crossing) -> Result<Self, Error> {
         let mut rates = Vector2::from_element(Complex::default());
         let mut mean_rates = rates;
         for axis in 0..2 {

@@ -1,0 +1,243 @@
+//! Each way to the growing modes of a sample, forced: on a chain, on a small disc with a pad, and on a ring whose modes are double, it finds those
+//! that whole spectra of the same samples have, and answers for some samples at least. Written against what a user calls, so that another
+//! reduction is judged by the same.
+
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
+use linsys::{Channel, ChannelGain, Lag, OperatingPoint};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+use reduction::{FrictionModes, Options, Reduced, RouteCounts, Ways};
+use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
+use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
+
+const SAMPLES: usize = 200;
+/// Draws at which modes are known, of other numbers than those of samples.
+const KNOWN: std::ops::Range<usize> = 1000..1024;
+
+/// A brake whose samples differ in friction alone.
+struct Brake {
+    system: SparseAffineSystem,
+    rectangle: Rectangle,
+    /// The largest coefficient of friction that is drawn, and the limits of its slope.
+    mu: f64,
+    slopes: [f64; 2],
+}
+
+fn brake(
+    [m, c, k]: [DMatrix<f64>; 3],
+    channels: Vec<Channel>,
+    rectangle: Rectangle,
+    friction: (f64, [f64; 2]),
+) -> Brake {
+    let [m, c, k] = [m, c, k].map(|matrix| CscMatrix::from(&CooMatrix::from(&matrix)));
+    let matrices = SparseSecondOrder::new(m, c, k).unwrap();
+    let terms = vec![SparseTerm { name: "structure".into(), family: "structure".into(), matrices }];
+    Brake { system: SparseAffineSystem::new(terms, channels).unwrap(), rectangle, mu: friction.0, slopes: friction.1 }
+}
+
+/// Adds a spring between two degrees of freedom, or from one to the ground.
+fn spring(k: &mut DMatrix<f64>, a: usize, b: Option<usize>, stiffness: f64) {
+    k[(a, a)] += stiffness;
+    if let Some(b) = b {
+        k[(b, b)] += stiffness;
+        k[(a, b)] -= stiffness;
+        k[(b, a)] -= stiffness;
+    }
+}
+
+/// A chain of fourteen masses that are all different, with friction in three places.
+fn chain() -> Brake {
+    const N: usize = 14;
+    let mut k = DMatrix::zeros(N, N);
+    let stiffness = |i: usize| 3.0 + (i * i % 7) as f64;
+    (0..N).for_each(|i| spring(&mut k, i, (i + 1 < N).then_some(i + 1), stiffness(i + 1)));
+    spring(&mut k, 0, None, stiffness(0));
+    let m = DMatrix::from_fn(N, N, |i, j| if i == j { 1.0 + (i % 3) as f64 * 0.2 } else { 0.0 });
+    let c = &k * 0.004 + &m * 0.01;
+    let channel = |at: usize| {
+        Channel::new(format!("{at}"), "friction", vec![(at, 1.0), (at + 1, -0.7)], vec![(at + 2, 2.0), (at, -0.5)])
+    };
+    let rectangle = Rectangle { re: [-0.4, 2.0], im: [0.6, 3.5] };
+    brake([m, c, k], [1, 5, 10].map(channel).into(), rectangle, (0.45, [-0.08, -0.03]))
+}
+
+/// A ring of nodes that move along and across it, held by springs, with a pad of some masses on a part of it, or with friction against a
+/// massless counterpart all around.
+fn ring(nodes: usize, pad: usize) -> Brake {
+    let [along, across] = [|node: usize| 2 * node, |node: usize| 2 * node + 1];
+    let order = 2 * (nodes + pad);
+    let (mut m, mut k) = (DMatrix::zeros(order, order), DMatrix::zeros(order, order));
+    for node in 0..nodes {
+        let next = (node + 1) % nodes;
+        for direction in [along, across] {
+            m[(direction(node), direction(node))] = 1.0;
+        }
+        spring(&mut k, along(node), Some(along(next)), 6.0);
+        spring(&mut k, across(node), Some(across(next)), 4.0);
+        spring(&mut k, along(node), None, 1.0);
+        spring(&mut k, across(node), None, 1.5);
+    }
+    for of_pad in nodes..nodes + pad {
+        let mass = 0.7 + 0.1 * (of_pad - nodes) as f64;
+        (m[(along(of_pad), along(of_pad))], m[(across(of_pad), across(of_pad))]) = (mass, mass);
+        spring(&mut k, along(of_pad), None, 2.0);
+        spring(&mut k, across(of_pad), None, 0.8);
+        let next = Some(of_pad + 1).filter(|next| *next < nodes + pad);
+        spring(&mut k, along(of_pad), next.map(along), if next.is_some() { 5.0 } else { 0.0 });
+        spring(&mut k, across(of_pad), next.map(across), if next.is_some() { 5.0 } else { 0.0 });
+    }
+    let contact = 3.0;
+    let channel = |at: usize| {
+        let (force, reading) = match pad {
+            0 => (vec![(along(at), 1.0)], vec![(across(at), -contact)]),
+            _ => {
+                let own = nodes + at;
+                (vec![(along(at), 1.0), (along(own), -1.0)], vec![(across(at), contact), (across(own), -contact)])
+            }
+        };
+        Channel::new(format!("{at}"), "friction", force, reading)
+    };
+    let count = if pad == 0 { nodes } else { pad };
+    for at in 0..count {
+        spring(&mut k, across(at), (pad > 0).then(|| across(nodes + at)), contact);
+        // A slope of the contact couples both directions, without which friction would drive nothing.
+        let tilt = 0.4;
+        (k[(along(at), across(at))], k[(across(at), along(at))]) = (tilt, tilt);
+    }
+    let c = &k * 0.004 + &m * 0.02;
+    let rectangle = Rectangle { re: [-0.5, 2.0], im: [1.0, 4.5] };
+    brake([m, c, k], (0..count).map(channel).collect(), rectangle, (0.9, [-0.02, 0.01]))
+}
+
+/// Friction of sample `at`: alike in all channels or in each its own, with internal states in one sample of three.
+fn point(brake: &Brake, at: usize, is_alike: bool) -> OperatingPoint {
+    let part = |seed: usize| ((at * 7919 + seed * 104_729) as f64 * 0.618_033_988_75).fract();
+    let [from, to] = brake.slopes;
+    let gain = |channel: usize| {
+        let seed = if is_alike { 0 } else { 5 * channel };
+        let lag = Lag { decay: 2.0 + 3.0 * part(seed + 2), drive: 0.3 + part(seed + 3), force: -0.4 };
+        ChannelGain {
+            mu: brake.mu * part(seed),
+            slope: from + (to - from) * part(seed + 1),
+            lag: at.is_multiple_of(3).then_some(lag),
+        }
+    };
+    OperatingPoint { coefficients: vec![1.0], channels: (0..brake.system.channels().len()).map(gain).collect() }
+}
+
+/// The growing modes of all samples by some ways, and how many samples each found.
+struct Reduction<'a> {
+    brake: &'a Brake,
+    reduced: Reduced,
+    friction: FrictionModes,
+    points: Vec<OperatingPoint>,
+}
+
+impl<'a> Reduction<'a> {
+    fn new(brake: &'a Brake, is_alike: bool) -> Self {
+        let order = brake.system.order();
+        let known: Vec<_> = KNOWN.map(|at| point(brake, at, is_alike)).collect();
+        let basis = DMatrix::identity(order, order);
+        let reduced = Reduced::new(&brake.system, basis, brake.rectangle, &known[..8], &Options::default()).unwrap();
+        let channels: Vec<usize> = (0..brake.system.channels().len()).collect();
+        let friction = FrictionModes::new(&reduced, &known, &channels).unwrap().unwrap();
+        let points = (0..SAMPLES).map(|at| point(brake, at, is_alike)).collect();
+        Self { brake, reduced, friction, points }
+    }
+
+    fn growing(&self, ways: Ways) -> (Vec<Vec<Complex<f64>>>, RouteCounts) {
+        let (reduced, mut counts) = (self.reduced.clone().with_ways(ways), RouteCounts::default());
+        let found = self.friction.search().modes(&reduced, &self.points, 0.0, &|lambda| lambda.re >= 0.0);
+        let of_sample = |found: Result<(reduction::ReducedModes, _), _>| {
+            let (modes, _) = found.unwrap();
+            counts.record(modes.route);
+            modes.lambdas
+        };
+        let found = found.into_iter().map(of_sample).collect();
+        (found, counts)
+    }
+
+    /// Compares each way alone, and all together, with whole spectra; how many samples each answered, and how many modes grow in all.
+    fn judged(&self) -> ([u64; 4], usize) {
+        let (expected, counts) = self.growing(Ways::SPECTRA);
+        assert_eq!(counts, RouteCounts { spectra: SAMPLES as u64, ..RouteCounts::default() });
+        let with = |change: fn(&mut Ways)| {
+            let mut ways = Ways::SPECTRA;
+            change(&mut ways);
+            let (found, counts) = self.growing(ways);
+            self.compare(&found, &expected, ways);
+            counts
+        };
+        let discs = with(|ways| ways.discs = true);
+        let guesses = with(|ways| ways.guesses = true);
+        let followed = with(|ways| ways.following = true);
+        let batches = with(|ways| ways.batches = true);
+        with(|ways| *ways = Ways::default());
+        assert_eq!((discs.guesses, discs.followed, guesses.discs, guesses.followed), (0, 0, 0, 0));
+        assert_eq!((followed.discs, followed.guesses), (0, 0));
+        let grown = expected.iter().map(Vec::len).sum();
+        ([discs.discs, guesses.guesses, followed.followed, batches.spectra], grown)
+    }
+
+    /// The modes found are those expected, as sets.
+    fn compare(&self, found: &[Vec<Complex<f64>>], expected: &[Vec<Complex<f64>>], ways: Ways) {
+        let highest = self.brake.rectangle.im[1];
+        for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
+            let mut left = expected.clone();
+            for lambda in found {
+                let nearest =
+                    (0..left.len()).min_by(|&a, &b| (left[a] - lambda).norm().total_cmp(&(left[b] - lambda).norm()));
+                let place = nearest.filter(|&place| (left[place] - lambda).norm() <= 1e-7 * highest);
+                assert!(place.is_some(), "{ways:?}, {at}: {lambda} of {expected:?}");
+                left.swap_remove(place.unwrap());
+            }
+            assert!(left.is_empty(), "{ways:?}, {at}: without {left:?} of {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn each_way_finds_the_growing_modes_of_a_chain() {
+    let brake = chain();
+    let ([discs, guesses, followed, batches], grown) = Reduction::new(&brake, true).judged();
+    assert!(
+        discs > 0 && guesses > 0 && followed > 0 && batches > 0 && grown > 50,
+        "{discs} {guesses} {followed} {grown}"
+    );
+    let ([discs, guesses, followed, batches], grown) = Reduction::new(&brake, false).judged();
+    assert!(
+        discs == 0 && guesses > 0 && followed > 0 && batches > 0 && grown > 50,
+        "{discs} {guesses} {followed} {grown}"
+    );
+}
+
+#[test]
+fn each_way_finds_the_growing_modes_of_a_disc_with_a_pad() {
+    let brake = ring(16, 4);
+    let ([discs, guesses, followed, batches], grown) = Reduction::new(&brake, true).judged();
+    assert!(
+        discs > 0 && guesses > 0 && followed > 0 && batches > 0 && grown > 50,
+        "{discs} {guesses} {followed} {grown}"
+    );
+    let ([discs, guesses, followed, batches], grown) = Reduction::new(&brake, false).judged();
+    assert!(
+        discs == 0 && guesses > 0 && followed > 0 && batches > 0 && grown > 50,
+        "{discs} {guesses} {followed} {grown}"
+    );
+}
+
+#[test]
+fn each_way_finds_the_growing_modes_of_a_ring_with_double_ones() {
+    let brake = ring(8, 0);
+    let ([discs, guesses, followed, batches], grown) = Reduction::new(&brake, true).judged();
+    assert!(
+        discs > 0 && guesses > 0 && followed > 0 && batches > 0 && grown > 50,
+        "{discs} {guesses} {followed} {grown}"
+    );
+    let ([discs, guesses, followed, batches], grown) = Reduction::new(&brake, false).judged();
+    assert!(
+        discs == 0 && guesses > 0 && followed > 0 && batches > 0 && grown > 50,
+        "{discs} {guesses} {followed} {grown}"
+    );
+}
