@@ -2,7 +2,9 @@
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
-use study::{Input, NamedParameter, Plan, Scene, StudySource, UncertainBrake};
+use study::{
+    DrawnInputs, Input, NamedParameter, Parametrised, Plan, Scene, SingleParameter, StudySource, UncertainBrake,
+};
 
 use crate::Error;
 use crate::case::{MatricesCase, Parameter};
@@ -70,12 +72,16 @@ impl UncertainBrake for MatricesBrake {
         Ok(self.case.operating_point(sample)?)
     }
 
-    fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<Vec<f64>> {
-        let parameters = self.case.parameters.iter().zip(0..);
-        let independent = parameters.map(|(parameter, dimension)| parameter.distribution.quantile(uniform(dimension)));
-        Some(self.case.correlated(independent.collect()))
+    fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<Vec<f64>>> {
+        Some(self)
     }
 
+    fn parametrised(&self) -> Option<&dyn Parametrised> {
+        Some(self)
+    }
+}
+
+impl DrawnInputs<Vec<f64>> for MatricesBrake {
     fn inputs(&self, _: &Scene) -> Vec<Input> {
         let input = |(at, parameter): (usize, &Parameter)| Input {
             name: parameter.name.clone(),
@@ -90,16 +96,24 @@ impl UncertainBrake for MatricesBrake {
         self.varying().map(|(at, _)| sample[at]).collect()
     }
 
-    fn single_parameter(&self, _: &Scene) -> Option<&Distribution> {
-        Some(&self.case.parameters[self.only_parameter()?].distribution)
+    fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> Vec<f64> {
+        let parameters = self.case.parameters.iter().zip(0..);
+        let independent = parameters.map(|(parameter, dimension)| parameter.distribution.quantile(uniform(dimension)));
+        self.case.correlated(independent.collect())
     }
 
-    fn with_parameter(&self, _: &Scene, value: f64) -> Option<Vec<f64>> {
-        let mut sample = self.median();
-        sample[self.only_parameter()?] = value;
-        Some(sample)
+    fn single_parameter(&self, _: &Scene) -> Option<SingleParameter<'_, Vec<f64>>> {
+        let only = self.only_parameter()?;
+        let with = move |value: f64| {
+            let mut sample = self.median();
+            sample[only] = value;
+            sample
+        };
+        Some(SingleParameter::new(&self.case.parameters[only].distribution, with))
     }
+}
 
+impl Parametrised for MatricesBrake {
     fn parameters(&self, _: &Scene) -> Vec<NamedParameter> {
         let named = |parameter: &Parameter| NamedParameter {
             name: parameter.name.clone(),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use brakes::FiniteElementBrake;
 use brakes::case::{CaseFile, FiniteElementCase};
 use nalgebra::Complex;
-use squeal::study::{Study, UncertainBrake};
+use squeal::study::{DrawnInputs, ModeSource, Modifiable, Parametrised, Study, UncertainBrake};
 use squeal::sweep::{Over, stability_map, sweep};
 
 fn folder() -> PathBuf {
@@ -303,7 +303,7 @@ fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same(
         let brake = FiniteElementBrake::new(case, &()).unwrap();
         let (scene, mut growing_modes) = (&brake.plan.scenes[0], 0);
         for mu in [0.3, 0.5, 0.8, 1.2] {
-            let at = brake.operating_point(scene, &brake.with_parameter(scene, mu).unwrap()).unwrap();
+            let at = brake.operating_point(scene, &brake.single_parameter(scene).unwrap().sample(mu)).unwrap();
             let full = brake.full_point(scene, &at);
             let rectangle = sparse::Rectangle { re: [0.0, 20_000.0], im: [5700.0 * TAU, 6500.0 * TAU] };
             let whole = brake.sets[0].system.assemble(&full).unwrap();

@@ -13,7 +13,7 @@ use montecarlo::rand::{Rng, RngExt};
 use montecarlo::stream;
 use nalgebra::{Complex, DMatrix, DVector, Matrix3, Vector3};
 use squeal::results::Results;
-use squeal::study::{Scene, Study, UncertainBrake};
+use squeal::study::{ModeSource, Scene, Study, UncertainBrake};
 
 /// Nodes 1, 2, ... with three degrees of freedom each: pairs (pad, disc) at one place, then nodes of the structure between.
 struct Structure {

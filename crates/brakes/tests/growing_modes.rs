@@ -7,7 +7,7 @@ use std::path::Path;
 use brakes::FiniteElementBrake;
 use brakes::case::CaseFile;
 use montecarlo::stream;
-use squeal::study::UncertainBrake;
+use squeal::study::{ModeSource, UncertainBrake};
 
 /// Growth up to which modes are counted, as a part of the highest frequency of the band: as far as the line around it is. Under LuGre friction
 /// single pairs of nodes may grow by far faster, which neither the search nor the basis holds (docs/large-problems.md).

@@ -16,7 +16,7 @@ use osc_model::Brake;
 use reduction::ReducedModes;
 use serde_json::{Value, json};
 use squeal::results::hertz;
-use squeal::study::{Scene, UncertainBrake, check_range, mode_work};
+use squeal::study::{ModeSource, Scene, UncertainBrake, check_range, mode_work};
 use squeal::why::Why;
 use work::ModeWork;
 

@@ -123,7 +123,8 @@ impl InfluenceArgs {
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];
         let heading = format!("{}: {}; {draws} draws, seed {}", plan.name, plan.describe(scene), plan.seed);
-        let doubt = divergence_doubt(brake.has_band_modes(), brake.full_checks());
+        let source = brake.mode_source();
+        let doubt = divergence_doubt(source.is_some(), source.and_then(|source| source.full_checks()));
         let warning = doubt.map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));
         let answer = format!("{warning}{}", found.text(plan));
         if let Some(dir) = &self.out {

@@ -111,6 +111,9 @@ fn influences(why: &Why) -> String {
         "  {shown} of {all}, by the change of the growth; {:.0e} of a derivative could be rounding\n",
         why.blur
     );
+    if !why.names_parameters {
+        text += "  the brake names no parameters: of contacts and terms alone\n";
+    }
     if !why.not_varied.is_empty() {
         text += &format!("  not varied, at an end of what is allowed: {}\n", why.not_varied.join(", "));
     }

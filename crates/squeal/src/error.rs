@@ -41,11 +41,19 @@ pub enum Error {
         /// Constraints, law, contacts and speed.
         scene: String,
     },
-    /// A scene whose samples are no functions of a point of the unit cube, or of which no such sample can be evaluated.
-    #[error("{scene}: no sample by quantiles can be evaluated; allowed: a brake whose samples are functions of them")]
+    /// A design of a scene of which no sample can be evaluated.
+    #[error("{scene}: no sample by quantiles can be evaluated")]
     NoQuantiles {
         /// Constraints, law, contacts and speed.
         scene: String,
+    },
+    /// A capability that something needs, and the type of the brake does not give.
+    #[error("{needed_by} needs {capability} of the brake, which its type does not give")]
+    NotGiven {
+        /// The method of [`UncertainBrake`](study::UncertainBrake) that is `None`.
+        capability: &'static str,
+        /// What asks for it.
+        needed_by: &'static str,
     },
     /// An argument that does not fit the brake.
     #[error("{argument} = {value}; allowed: {allowed}")]

@@ -17,7 +17,10 @@ use nalgebra::dmatrix;
 use num_complex::Complex;
 use osc_model::{Body, Brake};
 use squeal::results::Results;
-use squeal::study::{Contradiction, Input, LawLabel, NamedParameter, Plan, Scene, Study, UncertainBrake, check};
+use squeal::study::{
+    Contradiction, DrawnInputs, Input, LawLabel, NamedParameter, Parametrised, Plan, Scene, SingleParameter, Study,
+    UncertainBrake, check,
+};
 
 /// What is drawn: a coefficient of friction, a stiffness and a dashpot.
 type Sample = [f64; 3];
@@ -30,11 +33,12 @@ struct Faults {
     median: fn(&Sample) -> Sample,
     inputs: fn(Vec<Input>) -> Vec<Input>,
     input_values: fn(&Sample) -> Vec<f64>,
-    quantile_sample: fn(&[Distribution; 3], &dyn Fn(u32) -> f64) -> Option<Sample>,
+    draws_inputs: bool,
+    quantile_sample: fn(&[Distribution; 3], &dyn Fn(u32) -> f64) -> Sample,
     parameters: fn(Vec<NamedParameter>) -> Vec<NamedParameter>,
-    with: Option<fn(&Sample, &[(usize, f64)]) -> Sample>,
+    with: fn(&Sample, &[(usize, f64)]) -> Sample,
     is_single: bool,
-    with_parameter: fn(&Sample, f64) -> Option<Sample>,
+    with_parameter: fn(&Sample, f64) -> Sample,
 }
 
 fn right_with(median: &Sample, values: &[(usize, f64)]) -> Sample {
@@ -49,11 +53,12 @@ impl Faults {
             median: |median| *median,
             inputs: |inputs| inputs,
             input_values: |sample| sample.to_vec(),
-            quantile_sample: |drawn, u| Some([0, 1, 2].map(|d| drawn[d as usize].quantile(u(d)))),
+            draws_inputs: true,
+            quantile_sample: |drawn, u| [0, 1, 2].map(|d| drawn[d as usize].quantile(u(d))),
             parameters: |parameters| parameters,
-            with: Some(right_with),
+            with: right_with,
             is_single: false,
-            with_parameter: |median, mu| Some([mu, median[1], median[2]]),
+            with_parameter: |median, mu| [mu, median[1], median[2]],
         }
     }
 }
@@ -133,7 +138,17 @@ impl UncertainBrake for Slider {
         Ok(at(scene.key.law, sample))
     }
 
-    fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<Sample> {
+    fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<Sample>> {
+        self.faults.draws_inputs.then_some(self as _)
+    }
+
+    fn parametrised(&self) -> Option<&dyn Parametrised> {
+        Some(self)
+    }
+}
+
+impl DrawnInputs<Sample> for Slider {
+    fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> Sample {
         (self.faults.quantile_sample)(&self.drawn, uniform)
     }
 
@@ -151,14 +166,13 @@ impl UncertainBrake for Slider {
         (self.faults.input_values)(sample)
     }
 
-    fn single_parameter(&self, _: &Scene) -> Option<&Distribution> {
-        self.faults.is_single.then_some(&self.drawn[0])
+    fn single_parameter(&self, _: &Scene) -> Option<SingleParameter<'_, Sample>> {
+        let with = |value| (self.faults.with_parameter)(&self.median(), value);
+        self.faults.is_single.then(|| SingleParameter::new(&self.drawn[0], with))
     }
+}
 
-    fn with_parameter(&self, _: &Scene, value: f64) -> Option<Sample> {
-        (self.faults.with_parameter)(&self.median(), value)
-    }
-
+impl Parametrised for Slider {
     fn parameters(&self, _: &Scene) -> Vec<NamedParameter> {
         let named = |((name, unit), median): (&(&str, &str), f64)| NamedParameter {
             name: (*name).into(),
@@ -170,41 +184,7 @@ impl UncertainBrake for Slider {
     }
 
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::study::Error> {
-        match self.faults.with {
-            Some(with) => self.system(scene, &with(&self.median(), values)),
-            None => Forgetful(self).system_with(scene, values),
-        }
-    }
-}
-
-/// A brake that implements nothing but what it must, and parameters.
-struct Forgetful<'a>(&'a Slider);
-
-impl UncertainBrake for Forgetful<'_> {
-    type Sample = Sample;
-
-    fn plan(&self) -> &Plan {
-        self.0.plan()
-    }
-
-    fn draw(&self, rng: &mut StreamRng) -> Result<Sample, squeal::study::Error> {
-        self.0.draw(rng)
-    }
-
-    fn median(&self) -> Sample {
-        self.0.median()
-    }
-
-    fn operating_point(&self, scene: &Scene, sample: &Sample) -> Result<OperatingPoint, squeal::study::Error> {
-        self.0.operating_point(scene, sample)
-    }
-
-    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
-        self.0.parameters(scene)
-    }
-
-    fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
-        self.0.single_parameter(scene)
+        self.system(scene, &(self.faults.with)(&self.median(), values))
     }
 }
 
@@ -233,7 +213,7 @@ fn a_right_brake_is_studied() {
             faults.inputs = |_| Vec::new();
             faults.input_values = |_| Vec::new();
         },
-        |faults| faults.quantile_sample = |_, _| None,
+        |faults| faults.draws_inputs = false,
         |faults| faults.parameters = |_| Vec::new(),
         |faults| faults.is_single = false,
     ];
@@ -248,7 +228,7 @@ fn a_right_brake_is_studied() {
 fn what_a_brake_forgets_or_contradicts_is_refused_by_name() {
     type Expected = fn(&Contradiction) -> bool;
     use Contradiction as C;
-    let faults: [(&str, fn(&mut Faults), Expected); 20] = [
+    let faults: [(&str, fn(&mut Faults), Expected); 19] = [
         (
             "no values of inputs",
             |f| f.input_values = |_| Vec::new(),
@@ -280,13 +260,13 @@ fn what_a_brake_forgets_or_contradicts_is_refused_by_name() {
             "an input that depends on another in secret",
             |f| {
                 f.quantile_sample =
-                    |d, u| Some([d[0].quantile(u(0)), d[1].quantile((u(1) + u(0)) / 2.0), d[2].quantile(u(2))])
+                    |d, u| [d[0].quantile(u(0)), d[1].quantile((u(1) + u(0)) / 2.0), d[2].quantile(u(2))]
             },
             |c| matches!(c, C::SharedCoordinate { .. }),
         ),
         (
             "quantiles of another distribution",
-            |f| f.quantile_sample = |d, u| Some([0.9 * d[0].quantile(u(0)), d[1].quantile(u(1)), d[2].quantile(u(2))]),
+            |f| f.quantile_sample = |d, u| [0.9 * d[0].quantile(u(0)), d[1].quantile(u(1)), d[2].quantile(u(2))],
             |c| matches!(c, C::Differ { .. }),
         ),
         ("another median of friction", |f| f.median = |m| [0.3 * m[0], m[1], m[2]], |c| matches!(c, C::Medians { .. })),
@@ -295,42 +275,41 @@ fn what_a_brake_forgets_or_contradicts_is_refused_by_name() {
             |f| f.median = |m| [m[0], m[1], 3.0 * m[2]],
             |c| matches!(c, C::Medians { .. }),
         ),
-        ("system_with forgotten", |f| f.with = None, |c| matches!(c, C::NotGiven { method: "system_with()", .. })),
-        ("values not used", |f| f.with = Some(|m, _| *m), |c| matches!(c, C::Differ { .. })),
+        ("values not used", |f| f.with = |m, _| *m, |c| matches!(c, C::Differ { .. })),
         (
             "values not used, nothing drawn by quantiles",
             |f| {
-                f.with = Some(|m, _| *m);
-                f.quantile_sample = |_, _| None;
+                f.with = |m, _| *m;
+                f.draws_inputs = false;
             },
             |c| matches!(c, C::IdleParameter { .. }),
         ),
         (
             "one value not used, nothing drawn by quantiles",
             |f| {
-                f.with = Some(|m, v| right_with(m, &v.iter().copied().filter(|v| v.0 != 2).collect::<Vec<_>>()));
-                f.quantile_sample = |_, _| None;
+                f.with = |m, v| right_with(m, &v.iter().copied().filter(|v| v.0 != 2).collect::<Vec<_>>());
+                f.draws_inputs = false;
             },
             |c| matches!(c, C::IdleParameter { parameter, .. } if parameter == "c"),
         ),
         (
             "the first value alone",
-            |f| f.with = Some(|m, v| right_with(m, &v[..v.len().min(1)])),
+            |f| f.with = |m, v| right_with(m, &v[..v.len().min(1)]),
             |c| matches!(c, C::LostValues { .. }),
         ),
         (
             "the last value alone",
-            |f| f.with = Some(|m, v| right_with(m, &v[v.len().saturating_sub(1)..])),
+            |f| f.with = |m, v| right_with(m, &v[v.len().saturating_sub(1)..]),
             |c| matches!(c, C::LostValues { .. }),
         ),
         (
             "places exchanged",
-            |f| f.with = Some(|m, v| right_with(m, &v.iter().map(|&(p, x)| (2 - p, x)).collect::<Vec<_>>())),
+            |f| f.with = |m, v| right_with(m, &v.iter().map(|&(p, x)| (2 - p, x)).collect::<Vec<_>>()),
             |c| matches!(c, C::Differ { .. }),
         ),
         (
             "another system without values",
-            |f| f.with = Some(|m, v| if v.is_empty() { [0.0, m[1], m[2]] } else { right_with(m, v) }),
+            |f| f.with = |m, v| if v.is_empty() { [0.0, m[1], m[2]] } else { right_with(m, v) },
             |c| matches!(c, C::Differ { .. }),
         ),
         (
@@ -356,15 +335,11 @@ fn what_a_brake_forgets_or_contradicts_is_refused_by_name() {
 #[test]
 fn the_one_parameter_of_a_scene_is_the_one() {
     use Contradiction as C;
-    let mut forgotten = Slider::of_friction();
-    forgotten.faults.with_parameter = |_, _| None;
-    assert!(matches!(fault(&forgotten), Some(C::NotGiven { method: "with_parameter()", .. })));
-    assert!(matches!(fault(&Forgetful(&Slider::of_friction())), Some(C::NotGiven { .. })));
     let mut constant = Slider::of_friction();
-    constant.faults.with_parameter = |median, _| Some(*median);
+    constant.faults.with_parameter = |median, _| *median;
     assert!(matches!(fault(&constant), Some(C::NotSingle { .. })));
     let mut other = Slider::of_friction();
-    other.faults.with_parameter = |median, mu| Some([1.1 * mu, median[1], median[2]]);
+    other.faults.with_parameter = |median, mu| [1.1 * mu, median[1], median[2]];
     assert!(matches!(fault(&other), Some(C::Differ { .. })));
     // Nothing says that more is drawn but the draws.
     let mut secret = Slider::right();

@@ -16,7 +16,7 @@ use montecarlo::stream;
 use squeal::Error;
 use squeal::estimators::{Estimator, scene_occurrences};
 use squeal::influence::{Influence, OutputKind, influence};
-use squeal::study::{ModeLabel, Study, UncertainBrake as _};
+use squeal::study::{DrawnInputs, ModeLabel, Study, UncertainBrake as _};
 
 /// A mass of 1 kg on a spring and a dashpot d, with friction that falls with speed, worth a dashpot -s: growth (s - d) / 2.
 const BELT: &str = r#"
@@ -180,7 +180,7 @@ fn parameters_of_matrices_are_drawn_together() {
     let quantiles = |index: u32| {
         let mut rng = stream(8, u64::from(index));
         let uniform: [f64; 3] = std::array::from_fn(|_| montecarlo::rand::RngExt::random(&mut rng));
-        let at = strong.quantile_sample(&strong.plan.scenes[0], &|d| uniform[d as usize]).unwrap();
+        let at = strong.quantile_sample(&strong.plan.scenes[0], &|d| uniform[d as usize]);
         [at[0], at[2]]
     };
     let pairs: Vec<[f64; 2]> = (0..4_000).map(quantiles).collect();

@@ -9,7 +9,7 @@ use brakes::MatricesBrake;
 use brakes::case::{CaseFile, Law, MatricesCase};
 use cea::{EigenSolver, QrSolver, Workspace};
 use montecarlo::Distribution;
-use squeal::study::{Study, UncertainBrake};
+use squeal::study::{Parametrised, Study, UncertainBrake};
 use squeal::sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
 
 #[path = "common/cases.rs"]

@@ -10,7 +10,7 @@ use cea::{EigenSolver, Eigentriple, QrSolver, Workspace};
 use linsys::{OperatingPoint, SecondOrder};
 use num_complex::Complex;
 use squeal::run_study;
-use squeal::study::UncertainBrake;
+use squeal::study::{Parametrised, UncertainBrake};
 use squeal::why::{Explainer, Influence, InfluenceKind, Why};
 
 #[path = "common/cases.rs"]

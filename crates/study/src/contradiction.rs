@@ -84,16 +84,6 @@ pub enum Contradiction {
         /// Its upper end.
         to: f64,
     },
-    /// A method that something needs, and that has its default, which has no answer.
-    #[error("{scene}: {needed_by} needs {method} of the brake, which its type does not implement")]
-    NotGiven {
-        /// The scene in words.
-        scene: String,
-        /// The method.
-        method: &'static str,
-        /// What asks for it.
-        needed_by: &'static str,
-    },
     /// A naming point that is no operating point of the medians.
     #[error(
         "configuration {configuration} is named at another point than its medians: {what} is {named} there, and {median} of the sample \

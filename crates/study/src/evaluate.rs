@@ -142,20 +142,22 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
-        let bridge = |configuration: usize, modes: [&[Mode]; 2]| brake.bridge(configuration, modes);
-        let bridge: Option<&Bridges<'_>> = if brake.has_band_modes() { Some(&bridge) } else { None };
-        let paths = |scene: &Scene, [from, to]: [&OperatingPoint; 2]| brake.path(scene, from, to);
+        let source = brake.mode_source();
+        let bridge =
+            source.map(|source| move |configuration: usize, modes: [&[Mode]; 2]| source.bridge(configuration, modes));
+        let bridge = bridge.as_ref().map(|bridge| bridge as &Bridges<'_>);
+        let paths = |scene: &Scene, [from, to]: [&OperatingPoint; 2]| source?.path(scene, from, to);
         let References { origins, scenes } =
             references(plan, &points, bridge, &paths, by_likeness, &solver, progress).map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
-        let certificates = match options.certificates && !brake.has_band_modes() {
+        let certificates = match options.certificates && source.is_none() {
             true => certificates(brake)?,
             false => vec![Certificate::default(); plan.configurations.len()],
         };
-        let equations = match brake.has_band_modes() {
-            true => plan.configurations.iter().map(SecularEquations::none).collect(),
-            false => equations(&plan.configurations)?,
+        let equations = match source {
+            Some(_) => plan.configurations.iter().map(SecularEquations::none).collect(),
+            None => equations(&plan.configurations)?,
         };
         let anchors = anchors(brake, &equations, &certificates, &solver, progress)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
@@ -279,9 +281,9 @@ impl<B: UncertainBrake> montecarlo::Experiment for Study<'_, B> {
                 }));
             }
         });
-        let found = match self.brake.has_band_modes() {
-            true => self.band_samples(scene, &points, scratch),
-            false => self.open_samples(scene, &points, scratch),
+        let found = match self.brake.mode_source() {
+            Some(source) => self.band_samples(source, scene, &points, scratch),
+            None => self.open_samples(scene, &points, scratch),
         };
         for (at, outcome) in open.into_iter().zip(found) {
             outcomes[at] = outcome;

@@ -15,18 +15,23 @@ mod comparison;
 mod contradiction;
 mod cost;
 mod divergence;
+mod drawn_inputs;
 mod error;
 pub mod estimators;
 mod evaluate;
 mod fingerprint;
+mod full_checks;
 pub mod identity;
 mod kept_samples;
 mod known_names;
 pub mod memory;
 mod mode_label;
+mod mode_source;
+mod modifiable;
 mod named_shapes;
 mod near_axis;
 mod net_work;
+mod parametrised;
 mod plan;
 mod reference;
 mod scratch;
@@ -35,23 +40,25 @@ mod secular_equations;
 mod set_links;
 mod tally;
 
-pub use brake::{
-    BandMode, Bridge, Direction, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
-    UncertainBrake, WholeContact, WholeEigenvalue, wider,
-};
+pub use brake::UncertainBrake;
 pub use certificate::Certificate;
 pub use check::check;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use contradiction::Contradiction;
 pub use cost::{Cost, samples_together};
 pub use divergence::{divergence_doubt, divergence_of_reduced};
+pub use drawn_inputs::{DrawnInputs, Input, SingleParameter};
 pub use error::Error;
 pub use evaluate::{Outcome, Study, StudyOptions, UnstableMode};
 pub use fingerprint::fingerprint;
+pub use full_checks::{FullChecks, wider};
 pub use kept_samples::{KeptSample, KeptSamples};
 pub use mode_label::ModeLabel;
+pub use mode_source::{BandMode, Bridge, KnownMode, ModeResidual, ModeSource, WholeEigenvalue};
+pub use modifiable::{Direction, Modifiable, ModifiablePlan, OwnSize, Place, Symmetry, WholeContact};
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
+pub use parametrised::{NamedParameter, Parametrised};
 pub use plan::{
     Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels,
     SpeedLabel, StudySource,

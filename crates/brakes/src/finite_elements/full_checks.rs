@@ -5,7 +5,7 @@ use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
 use reduction::{Compared, compared};
-use study::{BandMode, FullChecks, UncertainBrake, wider};
+use study::{BandMode, FullChecks, ModeSource, UncertainBrake, wider};
 
 use super::reduce::{Trained, modes_beside, rectangle};
 use super::{Bases, FiniteElementBrake};

@@ -24,8 +24,9 @@ use num_complex::Complex;
 use reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, Rung};
 use squeal::sweep::Over;
 use study::{
-    BandMode, Bridge, Cost, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, Place, Plan, Scene,
-    UncertainBrake, WholeContact, WholeEigenvalue,
+    BandMode, Bridge, Cost, DrawnInputs, FullChecks, Input, KnownMode, ModeResidual, ModeSource, Modifiable,
+    NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
+    WholeEigenvalue,
 };
 use tracking::{OwnedPath, clear_likeness};
 
@@ -260,14 +261,24 @@ impl UncertainBrake for FiniteElementBrake {
         Ok(points::scene_point(&self.case, self.closed(scene), self.law_and_speed(scene, sample), sample)?)
     }
 
-    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<FiniteElementSample> {
-        let parameters = self.case.parameters.iter().zip(self.first_parameter()..);
-        Some(FiniteElementSample {
-            values: parameters.map(|(p, coordinate)| p.distribution.quantile(uniform(coordinate))).collect(),
-            contacts: self.drawn(scene).map(|drawn| drawn.sample(self.drawn_contacts(), uniform)),
-        })
+    fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<FiniteElementSample>> {
+        Some(self)
     }
 
+    fn parametrised(&self) -> Option<&dyn Parametrised> {
+        Some(self)
+    }
+
+    fn modifiable(&self) -> Option<&dyn Modifiable> {
+        Some(self)
+    }
+
+    fn mode_source(&self) -> Option<&dyn ModeSource> {
+        Some(self)
+    }
+}
+
+impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
     fn inputs(&self, scene: &Scene) -> Vec<Input> {
         let of_contact = self.drawn(scene).map(|drawn| drawn.inputs(self.closed(scene), self.speed_is_drawn(scene)));
         let mut inputs = of_contact.unwrap_or_default();
@@ -291,25 +302,44 @@ impl UncertainBrake for FiniteElementBrake {
         values
     }
 
+    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> FiniteElementSample {
+        let parameters = self.case.parameters.iter().zip(self.first_parameter()..);
+        FiniteElementSample {
+            values: parameters.map(|(p, coordinate)| p.distribution.quantile(uniform(coordinate))).collect(),
+            contacts: self.drawn(scene).map(|drawn| drawn.sample(self.drawn_contacts(), uniform)),
+        }
+    }
+
     /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn and none acts across the sliding.
-    fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
+    fn single_parameter(&self, scene: &Scene) -> Option<SingleParameter<'_, FiniteElementSample>> {
         let contact = self.case.contact.as_ref()?;
         let is_single = !points::depends_on_speed(contact, contact.laws[scene.key.law])
             && contact.draws == Draws::Shared
             && self.case.parameters.iter().all(|p| matches!(p.distribution, Distribution::Constant { .. }));
-        is_single.then_some(&contact.friction.mu)
+        let with = |mu: f64| {
+            let median = self.median();
+            let contacts = median.contacts.map(|sample| {
+                let draw = super::FrictionDraw { mu, lateral_mu: mu, ..*sample.contact(0) };
+                LatticeSample::shared(draw, sample.speed_quantile)
+            });
+            FiniteElementSample { contacts, ..median }
+        };
+        is_single.then(|| SingleParameter::new(&contact.friction.mu, with))
+    }
+}
+
+impl Parametrised for FiniteElementBrake {
+    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
+        parameters::named(&self.scene_of(scene))
     }
 
-    fn with_parameter(&self, scene: &Scene, mu: f64) -> Option<FiniteElementSample> {
-        self.single_parameter(scene)?;
-        let median = self.median();
-        let contacts = median.contacts.map(|sample| {
-            let draw = super::FrictionDraw { mu, lateral_mu: mu, ..*sample.contact(0) };
-            LatticeSample::shared(draw, sample.speed_quantile)
-        });
-        Some(FiniteElementSample { contacts, ..median })
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
+        let at = parameters::point(&self.scene_of(scene), values)?;
+        Ok(self.part(scene).reduced.system().assemble(&at)?)
     }
+}
 
+impl Modifiable for FiniteElementBrake {
     fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
         places::contacts(self, scene)
     }
@@ -318,14 +348,16 @@ impl UncertainBrake for FiniteElementBrake {
         Ok(places::places(self, constraints).map(Some)?)
     }
 
-    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {
-        Ok(bridge::bridge(self, configuration, modes)?)
+    fn symmetries(&self, _: usize) -> Vec<Symmetry> {
+        Vec::new()
     }
 
-    fn has_band_modes(&self) -> bool {
-        true
+    fn symmetry_of_member(&self, _: &Scene, _: usize) -> usize {
+        0
     }
+}
 
+impl ModeSource for FiniteElementBrake {
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
         let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
         let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
@@ -364,29 +396,20 @@ impl UncertainBrake for FiniteElementBrake {
         all.into_iter().map(|(_, found)| Ok(found.map(modes).map_err(Error::from)?)).collect()
     }
 
-    fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint> {
-        let (gains, _) = self.part(scene).friction.as_ref()?.known_points().nth(point)?;
-        let reference = self.operating_point(scene, &self.median()).ok()?;
-        Some(OperatingPoint { channels: gains.to_vec(), ..reference })
-    }
-
     fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
         let friction = self.part(scene).friction.as_ref()?;
         let path = friction.path(&self.full_point(scene, from), &self.full_point(scene, to))?;
         Some(Box::new(FrictionalPath { path, brake: &self.plan.brake(scene).system, from: from.clone() }))
     }
 
-    fn full_checks(&self) -> Option<FullChecks> {
-        self.full_checks
+    fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint> {
+        let (gains, _) = self.part(scene).friction.as_ref()?.known_points().nth(point)?;
+        let reference = self.operating_point(scene, &self.median()).ok()?;
+        Some(OperatingPoint { channels: gains.to_vec(), ..reference })
     }
 
-    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
-        parameters::named(&self.scene_of(scene))
-    }
-
-    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
-        let at = parameters::point(&self.scene_of(scene), values)?;
-        Ok(self.part(scene).reduced.system().assemble(&at)?)
+    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {
+        Ok(bridge::bridge(self, configuration, modes)?)
     }
 
     fn relative_error(&self, scene: &Scene) -> f64 {
@@ -399,8 +422,11 @@ impl UncertainBrake for FiniteElementBrake {
         scene: &Scene,
         values: &[(usize, f64)],
         near: Complex<f64>,
-    ) -> Result<Option<WholeEigenvalue>, study::Error> {
+    ) -> Result<WholeEigenvalue, study::Error> {
         whole::eigenvalue(self.part(scene), &self.sets, &parameters::point(&self.scene_of(scene), values)?, near)
-            .map(Some)
+    }
+
+    fn full_checks(&self) -> Option<FullChecks> {
+        self.full_checks
     }
 }

@@ -8,14 +8,14 @@ pub use draw::{FrictionDraw, LatticeSample};
 pub(crate) use sobol::{DrawnFriction, OF_CONTACT};
 
 use linsys::{OperatingPoint, SecondOrder};
-use montecarlo::{Distribution, StreamRng};
+use montecarlo::StreamRng;
 use osc_model::{
     Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
     Reversal, Sliding,
 };
 use study::{
-    Configuration, Cost, Input, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
-    Symmetry, UncertainBrake, WholeContact,
+    Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, NamedParameter, Origin, Parametrised, Place,
+    Plan, Scene, SceneKey, SceneLabels, SingleParameter, StudySource, Symmetry, UncertainBrake, WholeContact,
 };
 
 use crate::Error;
@@ -190,14 +190,20 @@ impl UncertainBrake for LatticeBrake {
         Ok(self.lattice(scene).operating_point(&self.sliding(scene, sample)?)?)
     }
 
-    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<LatticeSample> {
-        let contacts = match self.case.readings.draws {
-            Draws::Shared => 1,
-            Draws::Each => self.case.lattice.grid.oscillators(),
-        };
-        Some(self.drawn(scene).sample(contacts, uniform))
+    fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<LatticeSample>> {
+        Some(self)
     }
 
+    fn parametrised(&self) -> Option<&dyn Parametrised> {
+        Some(self)
+    }
+
+    fn modifiable(&self) -> Option<&dyn Modifiable> {
+        Some(self)
+    }
+}
+
+impl DrawnInputs<LatticeSample> for LatticeBrake {
     fn inputs(&self, scene: &Scene) -> Vec<Input> {
         self.drawn(scene).inputs(self.lattice(scene).arrangement().in_contact(), self.speed_is_drawn(scene))
     }
@@ -208,37 +214,38 @@ impl UncertainBrake for LatticeBrake {
         values
     }
 
+    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> LatticeSample {
+        let contacts = match self.case.readings.draws {
+            Draws::Shared => 1,
+            Draws::Each => self.case.lattice.grid.oscillators(),
+        };
+        self.drawn(scene).sample(contacts, uniform)
+    }
+
     /// Shared Amontons-Coulomb friction with given loads depends on mu alone. What is computed from that knows modes by
     /// continuation in mu.
-    fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
+    fn single_parameter(&self, scene: &Scene) -> Option<SingleParameter<'_, LatticeSample>> {
         let readings = &self.case.readings;
         let is_single = self.law(scene.key) == Law::AmontonsCoulomb
             && readings.draws == Draws::Shared
             && readings.identity == ModeIdentity::Continuation
             && readings.lateral != Lateral::Vector
             && !matches!(readings.preload, Preload::Equilibrium(_));
-        is_single.then_some(&self.case.friction.mu)
+        is_single.then(|| SingleParameter::new(&self.case.friction.mu, |mu| self.with_mu(mu)))
+    }
+}
+
+impl Parametrised for LatticeBrake {
+    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
+        parameters::named(self, scene)
     }
 
-    fn with_parameter(&self, scene: &Scene, mu: f64) -> Option<LatticeSample> {
-        self.single_parameter(scene).map(|_| self.with_mu(mu))
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
+        Ok(parameters::system(self, scene, values)?)
     }
+}
 
-    fn symmetries(&self, constraints: usize) -> Vec<Symmetry> {
-        let grid = self.case.lattice.grid;
-        let oscillators = grid.oscillators();
-        let symmetry = |reversal: &Reversal| Symmetry {
-            dofs: (0..3 * (oscillators + 1)).map(|dof| reversal.dof(grid, dof)).collect(),
-            contacts: (0..oscillators).map(|contact| reversal.oscillator(grid, contact)).collect(),
-        };
-        self.symmetries[constraints].iter().map(symmetry).collect()
-    }
-
-    fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
-        let reversal = self.members[scene.configuration][member];
-        self.symmetries[scene.key.constraints].iter().position(|&other| other == reversal).unwrap_or(0)
-    }
-
+impl Modifiable for LatticeBrake {
     /// An oscillator in contact: its friction along the sliding and across it, and its contact spring.
     fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
         let (lattice, channels) = (self.lattice(scene), self.plan.brake(scene).system.channels());
@@ -256,12 +263,23 @@ impl UncertainBrake for LatticeBrake {
         oscillators.iter().enumerate().map(whole).collect()
     }
 
-    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
-        parameters::named(self, scene)
+    fn places(&self, _: usize) -> Result<Option<Vec<Place>>, study::Error> {
+        Ok(None)
     }
 
-    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
-        Ok(parameters::system(self, scene, values)?)
+    fn symmetries(&self, constraints: usize) -> Vec<Symmetry> {
+        let grid = self.case.lattice.grid;
+        let oscillators = grid.oscillators();
+        let symmetry = |reversal: &Reversal| Symmetry {
+            dofs: (0..3 * (oscillators + 1)).map(|dof| reversal.dof(grid, dof)).collect(),
+            contacts: (0..oscillators).map(|contact| reversal.oscillator(grid, contact)).collect(),
+        };
+        self.symmetries[constraints].iter().map(symmetry).collect()
+    }
+
+    fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
+        let reversal = self.members[scene.configuration][member];
+        self.symmetries[scene.key.constraints].iter().position(|&other| other == reversal).unwrap_or(0)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use montecarlo::{Experiment as _, Progress};
 use rayon::prelude::*;
-use study::{KeptSample, KeptSamples, ModeLabel, Scene, Scratch, Study, UncertainBrake};
+use study::{DrawnInputs, KeptSample, KeptSamples, ModeLabel, Scene, Scratch, Study, UncertainBrake};
 
 use crate::Error;
 
@@ -40,22 +40,22 @@ impl Evaluated {
 }
 
 /// The samples that a study has kept of a scene, in the order of their indices; `None` for one that failed.
-pub(super) fn of_kept<B: UncertainBrake>(
-    brake: &B,
+pub(super) fn of_kept<S>(
+    of: &dyn DrawnInputs<S>,
     scene: &Scene,
-    drawn: &[Option<B::Sample>],
+    drawn: &[Option<S>],
     kept: &KeptSamples,
 ) -> Vec<Option<Evaluated>> {
-    let evaluated = |(sample, index): (&Option<B::Sample>, u64)| {
+    let evaluated = |(sample, index): (&Option<S>, u64)| {
         let sample = sample.as_ref().filter(|_| !kept.has_failed(index))?;
-        Some(Evaluated::new(brake.input_values(scene, sample), kept.sample(index)))
+        Some(Evaluated::new(of.input_values(scene, sample), kept.sample(index)))
     };
     drawn.iter().zip(0..).map(evaluated).collect()
 }
 
 /// Evaluates the samples of the first indices in a scene, in the order of the indices whatever the threads; `None` for one that fails.
 pub(super) fn evaluate<B: UncertainBrake>(
-    study: &Study<'_, B>,
+    (study, of): (&Study<'_, B>, &dyn DrawnInputs<B::Sample>),
     scene: usize,
     count: u64,
     progress: &dyn Progress,
@@ -76,7 +76,7 @@ pub(super) fn evaluate<B: UncertainBrake>(
         let evaluated = |(sample, index): (&Option<B::Sample>, u64)| {
             let sample = sample.as_ref()?;
             let kept = KeptSample::new(index, &outcomes.next()?.ok()?);
-            Some(Evaluated::new(study.brake().input_values(of_scene, sample), kept.as_ref()))
+            Some(Evaluated::new(of.input_values(of_scene, sample), kept.as_ref()))
         };
         let found: Vec<Option<Evaluated>> = drawn.iter().zip(first..).map(evaluated).collect();
         progress.advance(indices.end - indices.start);

@@ -12,7 +12,7 @@ mod samples;
 use montecarlo::rand::RngExt as _;
 use montecarlo::{Confidence, PickFreeze, Progress, SobolIndex, first_order_by_ranks, stream};
 use rayon::prelude::*;
-use study::{Input, KeptSamples, Scene, Study, UncertainBrake};
+use study::{DrawnInputs, Input, KeptSamples, Scene, Study, UncertainBrake};
 
 use crate::Error;
 use evaluated::{Evaluated, evaluate, of_kept};
@@ -81,7 +81,8 @@ pub fn influence<B: UncertainBrake>(
 ) -> Result<Influence, Error> {
     let (brake, plan) = (study.brake(), study.plan());
     let of_scene = &plan.scenes[scene];
-    let inputs = brake.inputs(of_scene);
+    let drawn = brake.drawn_inputs().ok_or(Error::NotGiven { capability: "drawn_inputs()", needed_by: "influence" })?;
+    let inputs = drawn.inputs(of_scene);
     if inputs.is_empty() {
         return Err(Error::NoInputs { scene: plan.describe(of_scene) });
     }
@@ -91,9 +92,10 @@ pub fn influence<B: UncertainBrake>(
     }
     let of_design = rows.unwrap_or(0) * (inputs.len() as u64 + 2);
     progress.begin(draws + of_design, 0);
-    let of_draws = evaluate(study, scene, draws, progress, |index| Ok(brake.draw(&mut stream(plan.seed, index))?))?;
+    let of_draws =
+        evaluate((study, drawn), scene, draws, progress, |index| Ok(brake.draw(&mut stream(plan.seed, index))?))?;
     let design = match rows {
-        Some(rows) => Some(design(study, scene, &inputs, rows, progress)?),
+        Some(rows) => Some(design((study, drawn), scene, &inputs, rows, progress)?),
         None => None,
     };
     progress.end();
@@ -104,10 +106,11 @@ pub fn influence<B: UncertainBrake>(
 /// inputs.
 pub fn influence_of_kept<B: UncertainBrake>(brake: &B, samples: u64, kept: &[KeptSamples]) -> Vec<Option<Influence>> {
     let plan = brake.plan();
+    let Some(of) = brake.drawn_inputs() else { return kept.iter().map(|_| None).collect() };
     let drawn = drawn_again(brake, samples);
     let of_scene = |(scene, kept): (&Scene, &KeptSamples)| {
-        let inputs = brake.inputs(scene);
-        (!inputs.is_empty()).then(|| Influence::new(inputs, of_kept(brake, scene, &drawn, kept), None))
+        let inputs = of.inputs(scene);
+        (!inputs.is_empty()).then(|| Influence::new(inputs, of_kept(of, scene, &drawn, kept), None))
     };
     plan.scenes.par_iter().zip(kept).map(of_scene).collect()
 }
@@ -184,13 +187,13 @@ impl Influence {
 
 /// What the points of a design gave: at A, at B, and at A with each input from B.
 fn design<B: UncertainBrake>(
-    study: &Study<'_, B>,
+    (study, drawn): (&Study<'_, B>, &dyn DrawnInputs<B::Sample>),
     scene: usize,
     inputs: &[Input],
     rows: u64,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec<Evaluated>>, Error> {
-    let (brake, plan) = (study.brake(), study.plan());
+    let plan = study.plan();
     let coordinates = inputs.iter().map(|input| input.coordinate + 1).max().unwrap_or(0) as usize;
     // Not the draws of the study: they are another estimate.
     let seed = plan.seed.wrapping_add(1);
@@ -204,14 +207,13 @@ fn design<B: UncertainBrake>(
         std::mem::take(&mut both[side])
     };
     let column = |from_b: Option<u32>, side: usize| {
-        evaluate(study, scene, rows, progress, |row| {
+        evaluate((study, drawn), scene, rows, progress, |row| {
             let mut at = point(row, side);
             if let Some(coordinate) = from_b {
                 at[coordinate as usize] = point(row, 1)[coordinate as usize];
             }
             let uniform = |coordinate: u32| at.get(coordinate as usize).copied().unwrap_or(0.5);
-            let sample = brake.quantile_sample(&plan.scenes[scene], &uniform);
-            sample.ok_or_else(|| Error::NoQuantiles { scene: plan.describe(&plan.scenes[scene]) })
+            Ok(drawn.quantile_sample(&plan.scenes[scene], &uniform))
         })
     };
     let mut columns = vec![column(None, 0)?, column(None, 1)?];

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use montecarlo::Summary;
 use output::write_csv;
-use study::{KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, UncertainBrake};
+use study::{DrawnInputs, KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, UncertainBrake};
 
 use super::report::write_influences;
 use super::{drawn_again, influence_of_kept};
@@ -30,8 +30,11 @@ pub fn write_kept_samples<B: UncertainBrake>(
     let known = plan.scenes.iter().zip(&found).filter_map(|(scene, influence)| Some((scene, influence.as_ref()?)));
     write_influences(plan, known, dir)?;
 
+    let of = brake.drawn_inputs();
+    let names =
+        |of: &dyn DrawnInputs<B::Sample>, scene: &Scene| of.inputs(scene).into_iter().map(|input| input.name).collect();
     let inputs: Vec<Vec<String>> =
-        plan.scenes.iter().map(|scene| brake.inputs(scene).into_iter().map(|input| input.name).collect()).collect();
+        plan.scenes.iter().map(|scene| of.map_or_else(Vec::new, |of| names(of, scene))).collect();
     let mut columns: Vec<&str> = Vec::new();
     for name in inputs.iter().flatten() {
         if !columns.contains(&name.as_str()) {
@@ -42,7 +45,8 @@ pub fn write_kept_samples<B: UncertainBrake>(
     let of_scene = |((scene, kept), own): ((&Scene, &KeptSamples), &Vec<String>)| {
         let places: Vec<Option<usize>> = columns.iter().map(|name| own.iter().position(|it| it == name)).collect();
         let row = |(sample, index): (&Option<B::Sample>, u64)| {
-            let values = brake.input_values(scene, sample.as_ref()?);
+            let sample = sample.as_ref()?;
+            let values = of.map_or_else(Vec::new, |of| of.input_values(scene, sample));
             let mut row = plan.labels.scene_columns(scene);
             row.push(index.to_string());
             row.extend(in_words(kept, index));

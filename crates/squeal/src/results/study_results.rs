@@ -79,8 +79,9 @@ impl<'a> Results<'a> {
         let (plan, origins) = (study.plan(), study.origin_references());
         let panels = study::panels(plan);
         let comparisons = study::comparisons(plan, &panels);
+        let source = study.brake().mode_source();
         let (labels, full_checks, has_band_modes) =
-            (plan.mode_labels, study.brake().full_checks(), study.brake().has_band_modes());
+            (plan.mode_labels, source.and_then(|source| source.full_checks()), source.is_some());
         let notes = Mutex::default();
         Self { labels, plan, origins, references, summary, full_checks, has_band_modes, panels, comparisons, notes }
     }

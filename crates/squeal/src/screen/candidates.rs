@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use study::{Direction, OwnSize, Place, Symmetry, UncertainBrake, origin_of_set};
+use study::{Direction, Modifiable, ModifiablePlan, OwnSize, Place, Plan, Symmetry, UncertainBrake, origin_of_set};
 
 use super::change::{Attached, Change};
+use super::modified::modifiable_of;
 use crate::Error;
 
 /// A kind of changes. Sets are of one kind: what a constraint costs against a dashpot is not for a program to say.
@@ -138,24 +139,26 @@ impl Candidates {
     /// What can be changed on a brake under a set of constraints, kind by kind.
     ///
     /// # Errors
-    /// Those of [`UncertainBrake::places`].
+    /// Those of [`Modifiable::places`].
     pub fn all<B: UncertainBrake>(
         brake: &B,
         constraints: usize,
         kinds: &[ChangeKind],
         sizes: &Sizes,
     ) -> Result<Vec<Self>, Error> {
-        let given = brake.places(constraints)?;
+        let by_plan = ModifiablePlan(brake.plan());
+        let modifiable = modifiable_of(brake, &by_plan)?;
+        let given = modifiable.places(constraints)?;
         let places = match given {
             Some(places) => places,
-            None => degrees_of_freedom(brake, constraints)?,
+            None => degrees_of_freedom(brake.plan(), constraints)?,
         };
         let of_kind = |&kind: &ChangeKind| {
             let singles = match kind {
-                ChangeKind::Contact => contacts(brake, constraints),
+                ChangeKind::Contact => contacts(brake.plan(), modifiable, constraints),
                 _ => places.iter().flat_map(|place| attached(kind, place, sizes)).collect(),
             };
-            Self::new(kind, singles, &brake.symmetries(constraints))
+            Self::new(kind, singles, &modifiable.symmetries(constraints))
         };
         Ok(kinds.iter().map(of_kind).collect())
     }
@@ -240,10 +243,10 @@ fn attached(kind: ChangeKind, place: &Place, sizes: &Sizes) -> Vec<SingleChange>
 }
 
 /// The contacts that are closed in any scene of a set of constraints, each once.
-fn contacts<B: UncertainBrake>(brake: &B, constraints: usize) -> Vec<SingleChange> {
+fn contacts(plan: &Plan, modifiable: &dyn Modifiable, constraints: usize) -> Vec<SingleChange> {
     let mut found: Vec<(usize, String)> = Vec::new();
-    for scene in brake.plan().scenes.iter().filter(|scene| scene.key.constraints == constraints) {
-        for contact in brake.contacts(scene) {
+    for scene in plan.scenes.iter().filter(|scene| scene.key.constraints == constraints) {
+        for contact in modifiable.contacts(scene) {
             if found.iter().all(|(number, _)| *number != contact.number) {
                 found.push((contact.number, contact.name));
             }
@@ -256,8 +259,7 @@ fn contacts<B: UncertainBrake>(brake: &B, constraints: usize) -> Vec<SingleChang
 
 /// The free degrees of freedom as places: each body that is a point mass is one, with its directions, each other degree of freedom
 /// one by itself.
-fn degrees_of_freedom<B: UncertainBrake>(brake: &B, constraints: usize) -> Result<Vec<Place>, Error> {
-    let plan = brake.plan();
+fn degrees_of_freedom(plan: &Plan, constraints: usize) -> Result<Vec<Place>, Error> {
     let Some(origin) = origin_of_set(plan, constraints) else { return Ok(Vec::new()) };
     let origin = &plan.origins[origin];
     let structure = origin.brake.system.structure(&origin.naming_point.coefficients)?;

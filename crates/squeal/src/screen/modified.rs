@@ -6,7 +6,8 @@ use linsys::OperatingPoint;
 use montecarlo::StreamRng;
 use study::identity::{Identity, Written};
 use study::{
-    Configuration, ModeIdentity, ModeNaming, Origin, Plan, Scene, SceneKey, SceneLabels, Symmetry, UncertainBrake,
+    Configuration, DrawnInputs, ModeIdentity, ModeNaming, ModeSource, Modifiable, ModifiablePlan, Origin, Parametrised,
+    Plan, Scene, SceneKey, SceneLabels, Symmetry, UncertainBrake, WholeContact,
 };
 
 use super::change::{Attached, Change, ChangedBrake};
@@ -67,6 +68,25 @@ pub struct Modified<'a, B> {
     from: Vec<FromInner>,
 }
 
+/// What can be modified in a brake: what it says, or what its plan shows.
+///
+/// # Errors
+/// [`Error::NotGiven`] for a brake that says nothing, and has a scene that stands for several arrangements: which symmetry makes one of
+/// another is not in a plan.
+pub(super) fn modifiable_of<'a, B: UncertainBrake>(
+    brake: &'a B,
+    by_plan: &'a ModifiablePlan<'a>,
+) -> Result<&'a dyn Modifiable, Error> {
+    match brake.modifiable() {
+        Some(given) => Ok(given),
+        None if by_plan.0.scenes.iter().all(|scene| scene.members.len() == 1) => Ok(by_plan),
+        None => Err(Error::NotGiven {
+            capability: "modifiable()",
+            needed_by: "a screen of scenes that stand for several arrangements",
+        }),
+    }
+}
+
 /// A configuration of the inner brake with changes.
 struct FromInner {
     /// The inner set of constraints.
@@ -86,6 +106,8 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
     /// Changes that leave nothing free.
     pub fn new(inner: &'a B, sets: &[ChangeSet]) -> Result<Self, Error> {
         let of = inner.plan();
+        let by_plan = ModifiablePlan(of);
+        let modifiable = modifiable_of(inner, &by_plan)?;
         let plan = Plan {
             identity: Identity::read(&of.name, &of.identity)
                 .part("changes", |to| to.list(sets, ChangeSet::written))
@@ -100,23 +122,28 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         };
         let mut modified = Self { inner, plan, from: Vec::new() };
         for (place, set) in sets.iter().enumerate() {
-            modified.lay_out(place, set)?;
+            modified.lay_out(modifiable, place, set)?;
         }
         Ok(modified)
     }
 
     /// Adds the configurations and scenes of a set of changes.
-    fn lay_out(&mut self, place: usize, set: &ChangeSet) -> Result<(), Error> {
-        let images = Images::new(&set.changes, &self.inner.symmetries(set.of));
+    fn lay_out(&mut self, modifiable: &dyn Modifiable, place: usize, set: &ChangeSet) -> Result<(), Error> {
+        let images = Images::new(&set.changes, &modifiable.symmetries(set.of));
         let mut laid_out = LaidOut::default();
         for scene in self.inner.plan().scenes.iter().filter(|scene| scene.key.constraints == set.of) {
             let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
             for (at, &member) in scene.members.iter().enumerate() {
-                let image = images.of_member(self.inner.symmetry_of_member(scene, at));
+                let image = images.of_member(modifiable.symmetry_of_member(scene, at));
                 members.entry(image).or_default().push(member);
             }
             for (image, members) in members {
-                let configuration = self.configuration(scene, &images.distinct[image], image, &mut laid_out)?;
+                let configuration = self.configuration(
+                    scene,
+                    &modifiable.contacts(scene),
+                    (&images.distinct[image], image),
+                    &mut laid_out,
+                )?;
                 let key = SceneKey { constraints: place, ..scene.key };
                 self.plan.scenes.push(Scene { key, members, configuration, wants_work: false });
             }
@@ -128,15 +155,15 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
     fn configuration(
         &mut self,
         scene: &Scene,
-        changes: &[Change],
-        image: usize,
+        contacts: &[WholeContact],
+        (changes, image): (&[Change], usize),
         laid_out: &mut LaidOut,
     ) -> Result<usize, Error> {
         if let Some(&known) = laid_out.get(&(scene.configuration, image)) {
             return Ok(known);
         }
         let from = self.inner.plan().configuration(scene);
-        let changed = ChangedBrake::new(&from.brake, &self.inner.contacts(scene), changes)?;
+        let changed = ChangedBrake::new(&from.brake, contacts, changes)?;
         let (brake, naming_point) = (changed.brake.clone(), changed.point(from.naming_point.clone()));
         // Modes have no names here but their ranks, so that each configuration is the origin of its own.
         self.plan.origins.push(Origin { brake: brake.clone(), naming_point: naming_point.clone() });
@@ -213,5 +240,25 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         let key = SceneKey { constraints: *constraints, ..scene.key };
         let inner = Scene { key, configuration: *configuration, ..Scene::default() };
         Ok(changed.point(self.inner.operating_point(&inner, sample)?))
+    }
+
+    /// Scenes here are not those of the inner brake, whose inputs belong to its own.
+    fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<B::Sample>> {
+        None
+    }
+
+    /// Its systems with values of parameters are those without the changes.
+    fn parametrised(&self) -> Option<&dyn Parametrised> {
+        None
+    }
+
+    /// Changes are made once, in [`Modified::new`].
+    fn modifiable(&self) -> Option<&dyn Modifiable> {
+        None
+    }
+
+    /// Modes that the inner brake finds are those without the changes: spectra are taken instead.
+    fn mode_source(&self) -> Option<&dyn ModeSource> {
+        None
     }
 }

@@ -6,10 +6,10 @@ use montecarlo::{Progress, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
-use study::{Configuration, Plan, Scene, SceneKey, Symmetry, UncertainBrake, WholeContact};
+use study::{Configuration, ModifiablePlan, Plan, Scene, SceneKey, Symmetry, UncertainBrake, WholeContact};
 
 use super::change::{Change, ChangedBrake};
-use super::modified::inverse;
+use super::modified::{inverse, modifiable_of};
 use crate::Error;
 
 /// Arrangements of a panel that are looked at; chosen: the prediction only ranks.
@@ -53,7 +53,9 @@ impl<'a> Probes<'a> {
         // Streams from the other end than those of the samples of a study.
         let samples = (0..draws).map(|draw| brake.draw(&mut stream(plan.seed, u64::MAX - draw)));
         let samples = samples.collect::<Result<Vec<_>, study::Error>>()?;
-        let symmetries = brake.symmetries(constraints);
+        let by_plan = ModifiablePlan(plan);
+        let modifiable = modifiable_of(brake, &by_plan)?;
+        let symmetries = modifiable.symmetries(constraints);
         let mut panels: Vec<(SceneKey, Vec<(&Scene, usize)>)> = Vec::new();
         for scene in plan.scenes.iter().filter(|scene| scene.key.constraints == constraints) {
             let members = (0..scene.members.len()).map(|at| (scene, at));
@@ -71,8 +73,8 @@ impl<'a> Probes<'a> {
                 let points = samples.iter().map(|sample| brake.operating_point(scene, sample));
                 probes.push(Probe {
                     configuration: plan.configuration(scene),
-                    contacts: brake.contacts(scene),
-                    symmetry: symmetries.get(brake.symmetry_of_member(scene, at)).map(inverse),
+                    contacts: modifiable.contacts(scene),
+                    symmetry: symmetries.get(modifiable.symmetry_of_member(scene, at)).map(inverse),
                     points: points.collect::<Result<_, study::Error>>()?,
                     weight: (plan.speeds_of(*key) * members.len()) as f64 / taken as f64,
                 });

@@ -137,6 +137,7 @@ pub fn confirm<B: UncertainBrake>(
     let differences = (0..count).map(of_set).collect();
     let failures =
         summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();
+    let source = brake.mode_source();
     Ok(Screen {
         sets,
         differences,
@@ -149,7 +150,7 @@ pub fn confirm<B: UncertainBrake>(
         scenes: plan.scenes.len() as u64,
         failures,
         growing: growing_modes(&study, 0),
-        divergence_doubt: divergence_doubt(brake.has_band_modes(), brake.full_checks()),
+        divergence_doubt: divergence_doubt(source.is_some(), source.and_then(|source| source.full_checks())),
     })
 }
 

@@ -8,7 +8,7 @@ use montecarlo::Progress;
 use num_complex::Complex;
 use osc_model::{Sector, Sectors};
 use serde::Serialize;
-use study::{Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
+use study::{ModeSource, Parametrised, Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
 use tracking::{Ambiguity, KeptSpectra, RootLocus, SystemAt, SystemChange};
 
 use super::changes::{Change, ChangeOf};
@@ -65,6 +65,7 @@ fn is_zero(count: &u64) -> bool {
 /// A scene of a brake with some of its parameters swept.
 pub(super) struct Family<'a, B: UncertainBrake> {
     pub study: &'a Study<'a, B>,
+    of: &'a dyn Parametrised,
     /// Place of the scene.
     pub scene: usize,
     pub solver: WholeSpectra<'a>,
@@ -104,9 +105,10 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         solver: &'a dyn EigenSolver,
         progress: &'a dyn Progress,
     ) -> Result<Self, Error> {
-        let (brake, of) = (study.brake(), &study.plan().scenes[scene]);
-        let parameters = swept(&brake.parameters(of), &study.plan().describe(of), over)?;
-        let family = Self { study, scene, solver: WholeSpectra(solver), progress, parameters };
+        let (brake, at) = (study.brake(), &study.plan().scenes[scene]);
+        let of = brake.parametrised().ok_or(Error::NotGiven { capability: "parametrised()", needed_by: "a sweep" })?;
+        let parameters = swept(&of.parameters(at), &study.plan().describe(at), over)?;
+        let family = Self { study, of, scene, solver: WholeSpectra(solver), progress, parameters };
         family.corners().iter().try_for_each(|corner| family.system(corner).map(drop))?;
         Ok(family)
     }
@@ -123,7 +125,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     /// The system at values of the swept parameters.
     pub fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
         self.progress.go_on()?;
-        self.study.brake().system_with(self.scene(), &self.placed(values)).map_err(|source| {
+        self.of.system_with(self.scene(), &self.placed(values)).map_err(|source| {
             let named = || self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name));
             Error::from(source).in_sweep(|| named().collect::<Vec<_>>().join(", "))
         })
@@ -131,7 +133,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
 
     /// Whether divergence counts: of a reduced brake nothing is known that does not oscillate.
     pub fn counts_divergence(&self) -> bool {
-        !self.study.brake().has_band_modes()
+        self.study.brake().mode_source().is_none()
     }
 
     fn scene(&self) -> &Scene {
@@ -191,12 +193,13 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
     /// The eigenvalue next to `near` of the brake that this one is a reduction of, at parts of the ranges; `None` of one that is none.
     pub fn whole_eigenvalue(&self, parts: &[f64], near: Complex<f64>) -> Result<Option<WholeEigenvalue>, Error> {
         let (family, values) = (self.family, self.family.values(parts));
-        Ok(family.study.brake().whole_eigenvalue(family.scene(), &family.placed(&values), near)?)
+        let found = |source: &dyn ModeSource| source.whole_eigenvalue(family.scene(), &family.placed(&values), near);
+        Ok(family.study.brake().mode_source().map(found).transpose()?)
     }
 
     /// Within which part of its size an eigenvalue is taken to be that of the brake that this one is a reduction of.
     pub fn relative_error(&self) -> f64 {
-        self.family.study.brake().relative_error(self.family.scene())
+        self.family.study.brake().mode_source().map_or(0.0, |source| source.relative_error(self.family.scene()))
     }
 
     /// From where on a mode counts as unstable.

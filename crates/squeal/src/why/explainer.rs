@@ -45,6 +45,8 @@ pub struct Why {
     pub is_simple: bool,
     /// What changes it, the one that changes the growth by most per cent first; empty where it is not simple.
     pub influences: Vec<Influence>,
+    /// Whether the brake names its parameters; of one that does not, contacts and terms alone are listed.
+    pub names_parameters: bool,
     /// Parameters that cannot be varied at their medians.
     pub not_varied: Vec<String>,
     /// Who feeds it and who drains it, and where its energy is.
@@ -160,6 +162,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
             blur,
             is_simple: separation.is_simple(),
             influences: Vec::new(),
+            names_parameters: self.brake.parametrised().is_some(),
             not_varied: Vec::new(),
             balance: Balance::new(self.model(), &self.at, &mode)?,
             structure_modes,
@@ -173,10 +176,11 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         &self,
         mut each: impl FnMut(&study::NamedParameter, Option<[&SecondOrder; 3]>, f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let at = self.brake.system_with(self.scene, &[])?;
-        for (place, parameter) in self.brake.parameters(self.scene).iter().enumerate() {
+        let Some(of) = self.brake.parametrised() else { return Ok(()) };
+        let at = of.system_with(self.scene, &[])?;
+        for (place, parameter) in of.parameters(self.scene).iter().enumerate() {
             let half_step = DIFFERENCE * if parameter.median == 0.0 { 1.0 } else { parameter.median.abs() };
-            let system = |by: f64| self.brake.system_with(self.scene, &[(place, parameter.median + by)]);
+            let system = |by: f64| of.system_with(self.scene, &[(place, parameter.median + by)]);
             // Where one side is refused, such as negative values, the systems go on smoothly from the other side.
             let beyond = |near: &SecondOrder, sign: f64| {
                 Ok::<_, study::Error>(extrapolated(&at, near, &system(2.0 * sign * half_step)?))

@@ -5,7 +5,7 @@ use linsys::SecondOrder;
 use super::first_of_each;
 use super::same::{Difference, systems_differ};
 use crate::Error;
-use crate::{Contradiction, NamedParameter, Plan, Scene, UncertainBrake};
+use crate::{Contradiction, NamedParameter, Parametrised, Plan, Scene, UncertainBrake};
 
 /// Factors of the median by which a parameter is changed until the system changes, the nearest first.
 const FACTORS: [f64; 8] = [1.1, 0.9, 1.01, 0.99, 1.5, 0.5, 2.0, 0.1];
@@ -15,10 +15,10 @@ const SUMMANDS: [f64; 6] = [1.0, -1.0, 1e-3, -1e-3, 1e3, -1e3];
 const COORDINATE: f64 = 0.75;
 
 pub(super) fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
-    let plan = brake.plan();
+    let (plan, Some(parametrised)) = (brake.plan(), brake.parametrised()) else { return Ok(()) };
     for scene in first_of_each(&plan.scenes, |scene| (scene.key.constraints, scene.key.law, scene.key.speed)) {
-        if !brake.parameters(scene).is_empty() {
-            let (found, expected) = (brake.system_with(scene, &[])?, brake.system(scene, &brake.median())?);
+        if !parametrised.parameters(scene).is_empty() {
+            let (found, expected) = (parametrised.system_with(scene, &[])?, brake.system(scene, &brake.median())?);
             agree(plan, scene, "system_with() without values", "the system of median()", &found, &expected)?;
         }
     }
@@ -29,7 +29,7 @@ pub(super) fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     let mut idle: Vec<Idle> = Vec::new();
     let mut moving: Vec<String> = Vec::new();
     for scene in first_of_each(&plan.scenes, |scene| scene.key.law) {
-        let changed = Changed::new(brake, scene)?;
+        let changed = Changed::new(brake, parametrised, scene)?;
         changed.as_drawn()?;
         changed.all_count()?;
         for (parameter, moved) in changed.parameters.iter().zip(&changed.moved) {
@@ -72,26 +72,27 @@ enum Moved {
 /// The systems of a scene with each parameter changed.
 struct Changed<'a, B> {
     brake: &'a B,
+    parametrised: &'a dyn Parametrised,
     scene: &'a Scene,
     parameters: Vec<NamedParameter>,
     moved: Vec<Moved>,
 }
 
 impl<'a, B: UncertainBrake> Changed<'a, B> {
-    fn new(brake: &'a B, scene: &'a Scene) -> Result<Self, Error> {
-        let parameters = brake.parameters(scene);
+    fn new(brake: &'a B, parametrised: &'a dyn Parametrised, scene: &'a Scene) -> Result<Self, Error> {
+        let parameters = parametrised.parameters(scene);
         let mut moved = Vec::with_capacity(parameters.len());
         if !parameters.is_empty() {
-            let unchanged = brake.system_with(scene, &[])?;
+            let unchanged = parametrised.system_with(scene, &[])?;
             for (place, &NamedParameter { ref name, median, .. }) in parameters.iter().enumerate() {
                 let one = format!("system_with() at the median of {name}, {median},");
-                let found = brake.system_with(scene, &[(place, median)])?;
+                let found = parametrised.system_with(scene, &[(place, median)])?;
                 agree(brake.plan(), scene, &one, "the system of median()", &found, &unchanged)?;
                 let values: Vec<f64> = match median == 0.0 {
                     true => SUMMANDS.to_vec(),
                     false => FACTORS.map(|factor| factor * median).to_vec(),
                 };
-                let of = |&value: &f64| Some((value, brake.system_with(scene, &[(place, value)]).ok()?));
+                let of = |&value: &f64| Some((value, parametrised.system_with(scene, &[(place, value)]).ok()?));
                 let mut allowed = values.iter().filter_map(of).peekable();
                 moved.push(if allowed.peek().is_none() {
                     Moved::Refused
@@ -102,20 +103,22 @@ impl<'a, B: UncertainBrake> Changed<'a, B> {
                 });
             }
         }
-        Ok(Self { brake, scene, parameters, moved })
+        Ok(Self { brake, parametrised, scene, parameters, moved })
     }
 
     /// Whether a value that a sample by quantiles has makes the system of that sample.
     fn as_drawn(&self) -> Result<(), Error> {
-        let Self { brake, scene, .. } = *self;
-        for (at, input) in brake.inputs(scene).iter().enumerate().filter(|(_, input)| !input.is_correlated) {
+        let Self { brake, parametrised, scene, .. } = *self;
+        let Some(drawn) = brake.drawn_inputs() else { return Ok(()) };
+        for (at, input) in drawn.inputs(scene).iter().enumerate().filter(|(_, input)| !input.is_correlated) {
             let Some(place) = self.parameters.iter().position(|parameter| parameter.name == input.name) else {
                 continue;
             };
             let uniform = |coordinate| if coordinate == input.coordinate { COORDINATE } else { 0.5 };
-            let Some(sample) = brake.quantile_sample(scene, &uniform) else { continue };
-            let Some(&value) = brake.input_values(scene, &sample).get(at) else { continue };
-            let (found, expected) = (brake.system_with(scene, &[(place, value)])?, brake.system(scene, &sample)?);
+            let sample = drawn.quantile_sample(scene, &uniform);
+            let Some(&value) = drawn.input_values(scene, &sample).get(at) else { continue };
+            let (found, expected) =
+                (parametrised.system_with(scene, &[(place, value)])?, brake.system(scene, &sample)?);
             let one = format!("system_with() at {} = {value}", input.name);
             agree(brake.plan(), scene, &one, "the system of the sample with this value", &found, &expected)?;
         }
@@ -131,7 +134,7 @@ impl<'a, B: UncertainBrake> Changed<'a, B> {
             }
         }
         let values: Vec<(usize, f64)> = moved.iter().map(|&(place, value, _)| (place, value)).collect();
-        if let ([_, _, ..], Ok(all)) = (&moved[..], self.brake.system_with(self.scene, &values))
+        if let ([_, _, ..], Ok(all)) = (&moved[..], self.parametrised.system_with(self.scene, &values))
             && let Some(&(place, ..)) = moved.iter().find(|(_, _, alone)| ***alone == all)
         {
             let (scene, parameter) = (self.brake.plan().describe(self.scene), self.parameters[place].name.clone());

@@ -1,11 +1,11 @@
 //! What a brake computes of samples: medians, inputs with their coordinates, and the one parameter of a scene that has one.
 
-use montecarlo::{Distribution, stream};
+use montecarlo::stream;
 
 use super::first_of_each;
 use super::same::{Difference, numbers, points_differ};
 use crate::Error;
-use crate::{Contradiction, Input, Scene, UncertainBrake};
+use crate::{Contradiction, DrawnInputs, Input, Scene, SingleParameter, UncertainBrake};
 
 /// Rounding of a number of an operating point that is computed twice, as a part of it.
 const ROUNDING: f64 = 1e-9;
@@ -25,9 +25,10 @@ const COORDINATES: [f64; 6] = [0.75, 0.25, 0.95, 0.05, 0.999, 0.001];
 
 pub(super) fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     medians(brake)?;
+    let Some(drawn) = brake.drawn_inputs() else { return Ok(()) };
     for scene in first_of_each(&brake.plan().scenes, |scene| scene.key) {
-        inputs(brake, scene)?;
-        single_parameter(brake, scene)?;
+        inputs(brake, drawn, scene)?;
+        single_parameter(brake, drawn, scene)?;
     }
     Ok(())
 }
@@ -61,16 +62,19 @@ fn medians<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
 }
 
 /// Whether each input has a value, and those of samples by quantiles are functions of their coordinates.
-fn inputs<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), Error> {
-    let (plan, median, inputs) = (brake.plan(), brake.median(), brake.inputs(scene));
+fn inputs<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: &Scene) -> Result<(), Error> {
+    let (plan, median, inputs) = (brake.plan(), brake.median(), of.inputs(scene));
     let drawn = brake.draw(&mut stream(plan.seed, 0)).ok();
     for sample in [Some(&median), drawn.as_ref()].into_iter().flatten() {
-        let values = brake.input_values(scene, sample).len();
+        let values = of.input_values(scene, sample).len();
         if values != inputs.len() {
             return Err(Contradiction::InputValues { scene: plan.describe(scene), inputs: inputs.len(), values }.into());
         }
     }
-    let Some(middle) = brake.quantile_sample(scene, &|_| 0.5).filter(|_| !inputs.is_empty()) else { return Ok(()) };
+    if inputs.is_empty() {
+        return Ok(());
+    }
+    let middle = of.quantile_sample(scene, &|_| 0.5);
     if plan.source_file.is_none()
         && inputs.iter().all(|input| !input.is_correlated)
         && let (Ok(found), Ok(expected)) =
@@ -81,11 +85,11 @@ fn inputs<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), Error> {
         let (one, other) = ("quantile_sample() at one half".into(), "median()".into());
         return Err(Contradiction::Differ { scene: plan.describe(scene), one, other, what, found, expected }.into());
     }
-    let middle = brake.input_values(scene, &middle);
+    let middle = of.input_values(scene, &middle);
     for (at, Input { name, coordinate, is_correlated, .. }) in inputs.iter().enumerate() {
         let moved = |u: f64| {
-            let sample = brake.quantile_sample(scene, &|d| if d == *coordinate { u } else { 0.5 })?;
-            Some(brake.input_values(scene, &sample)).filter(|values| values.get(at) != middle.get(at))
+            let sample = of.quantile_sample(scene, &|d| if d == *coordinate { u } else { 0.5 });
+            Some(of.input_values(scene, &sample)).filter(|values| values.get(at) != middle.get(at))
         };
         let Some(values) = COORDINATES.into_iter().find_map(moved) else {
             let (scene, input) = (plan.describe(scene), name.clone());
@@ -107,35 +111,32 @@ fn inputs<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), Error> {
 }
 
 /// Whether a scene that is said to have one parameter has it, and no other.
-fn single_parameter<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), Error> {
-    let Some(distribution) = brake.single_parameter(scene) else { return Ok(()) };
+fn single_parameter<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: &Scene) -> Result<(), Error> {
+    let Some(single) = of.single_parameter(scene) else { return Ok(()) };
     let described = || brake.plan().describe(scene);
     let not_single = |found: String| Err(Contradiction::NotSingle { scene: described(), found }.into());
-    let inputs = brake.inputs(scene);
+    let inputs = of.inputs(scene);
     if inputs.len() > 1 {
         let names: Vec<&str> = inputs.iter().map(|input| input.name.as_str()).collect();
         return not_single(format!("inputs() lists {}", names.join(", ")));
     }
-    let Some(sample) = brake.with_parameter(scene, distribution.median()) else {
-        let (method, needed_by) = ("with_parameter()", "single_parameter()");
-        return Err(Contradiction::NotGiven { scene: described(), method, needed_by }.into());
-    };
+    let sample = single.sample(single.distribution.median());
     let system = &brake.plan().brake(scene).system;
     let (found, expected) = (brake.operating_point(scene, &sample)?, brake.operating_point(scene, &brake.median())?);
     if let Some(Difference { what, found, expected }) = points_differ(system, &found, &expected, OF_QUANTILES) {
-        let (one, other) = ("with_parameter() at the median".into(), "median()".into());
+        let (one, other) = ("single_parameter() at the median".into(), "median()".into());
         return Err(Contradiction::Differ { scene: described(), one, other, what, found, expected }.into());
     }
     // Of a case file it is known which parameters its formulas hold; these may oscillate, so that no search finds a draw on the curve.
     if brake.plan().source_file.is_some() {
         return Ok(());
     }
-    let curve = Curve::new(brake, scene, distribution);
+    let curve = Curve::new(brake, scene, &single);
     let drawn = (0..DRAWS).filter_map(|index| {
         let sample = brake.draw(&mut stream(brake.plan().seed, index)).ok()?;
         let point = brake.operating_point(scene, &sample).ok()?;
         // The value of the one input says where on the curve a draw is.
-        let same = brake.input_values(scene, &sample).first().and_then(|&value| brake.with_parameter(scene, value));
+        let same = of.input_values(scene, &sample).first().map(|&value| single.sample(value));
         let is_on_curve =
             same.and_then(|same| brake.operating_point(scene, &same).ok()).is_some_and(|same| same == point);
         let point = || numbers(system, &point).into_iter().map(|(_, number)| number).collect();
@@ -144,7 +145,7 @@ fn single_parameter<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), E
     let (draws, drawn): (Vec<u64>, Vec<Vec<f64>>) = drawn.unzip();
     match drawn.iter().position(|point| curve.distance(point, &drawn) > OFF_CURVE).map(|place| draws[place]) {
         None => Ok(()),
-        Some(at) => not_single(format!("draw {at} has an operating point that with_parameter() has at no value")),
+        Some(at) => not_single(format!("draw {at} has an operating point that single_parameter() has at no value")),
     }
 }
 
@@ -155,10 +156,10 @@ struct Curve<'a> {
 }
 
 impl<'a> Curve<'a> {
-    fn new<B: UncertainBrake>(brake: &'a B, scene: &'a Scene, distribution: &'a Distribution) -> Self {
+    fn new<B: UncertainBrake>(brake: &'a B, scene: &'a Scene, single: &'a SingleParameter<'_, B::Sample>) -> Self {
         let system = &brake.plan().brake(scene).system;
         let at = move |u: f64| {
-            let sample = brake.with_parameter(scene, distribution.quantile(u))?;
+            let sample = single.sample(single.distribution.quantile(u));
             let point = brake.operating_point(scene, &sample).ok()?;
             Some(numbers(system, &point).into_iter().map(|(_, number)| number).collect::<Vec<f64>>())
         };

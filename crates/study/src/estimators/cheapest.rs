@@ -5,7 +5,7 @@ use std::fmt;
 
 use cea::QrSolver;
 use linsys::OperatingPoint;
-use montecarlo::{Confidence, Distribution, trials_for_half_width};
+use montecarlo::{Confidence, trials_for_half_width};
 use serde::{Deserialize, Serialize};
 
 use super::contradiction::{Rejected, contradiction};
@@ -13,7 +13,7 @@ use super::sampling::ScrambledSobol;
 use super::{
     Estimated, Estimates, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo,
 };
-use crate::{ModeLabel, Scene, SceneTally, Study, UncertainBrake};
+use crate::{ModeLabel, Scene, SceneTally, SingleParameter, Study, UncertainBrake};
 
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
@@ -187,7 +187,7 @@ pub fn friction_points<B: UncertainBrake>(
 ) -> Result<Option<FrictionPoints>, EstimatorError> {
     let plan = study.plan();
     // The exact integral is over onsets of the bare sign.
-    let is_single = plan.threshold.is_axis() && study.brake().single_parameter(&plan.scenes[scene]).is_some();
+    let is_single = plan.threshold.is_axis() && single_parameter(study.brake(), &plan.scenes[scene]).is_some();
     if is_single { Ok(None) } else { points_of_friction(study, scene, half_width) }
 }
 
@@ -221,8 +221,8 @@ fn by_integral<B: UncertainBrake>(
 ) -> Result<Result<SceneOccurrences, DoesNotApply>, EstimatorError> {
     let of_scene = &study.plan().scenes[scene];
     let does_not_apply = || Ok(Err(DoesNotApply { evaluations: 0 }));
-    if let Some(distribution) = study.brake().single_parameter(of_scene)
-        && !is_affine_throughout(study.brake(), of_scene, distribution, half_width)
+    if let Some(single) = single_parameter(study.brake(), of_scene)
+        && !is_affine_throughout(study.brake(), of_scene, &single, half_width)
     {
         return does_not_apply();
     }
@@ -258,18 +258,23 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
+/// The one parameter of a scene, of a brake that says which numbers are drawn.
+fn single_parameter<'a, B: UncertainBrake>(brake: &'a B, scene: &Scene) -> Option<SingleParameter<'a, B::Sample>> {
+    brake.drawn_inputs()?.single_parameter(scene)
+}
+
 /// Whether the coefficients and gains of a scene are affine in its one parameter at values of equal probability, of which a quarter of
 /// the half width lies between two: what a formula does in an interval as narrow as the half width is seen. A value at which the brake
 /// does not exist is none of an affine one.
 fn is_affine_throughout<B: UncertainBrake>(
     brake: &B,
     scene: &Scene,
-    distribution: &Distribution,
+    single: &SingleParameter<'_, B::Sample>,
     half_width: f64,
 ) -> bool {
     let count = (4.0 / half_width).clamp(FEWEST_PROBES, MOST_PROBES) as u64;
-    let at = |value: f64| brake.operating_point(scene, &brake.with_parameter(scene, value)?).map(numbers).ok();
-    let quantile = |i: u64| distribution.quantile((i as f64 + 0.5) / count as f64);
+    let at = |value: f64| brake.operating_point(scene, &single.sample(value)).map(numbers).ok();
+    let quantile = |i: u64| single.distribution.quantile((i as f64 + 0.5) / count as f64);
     let [from, to] = [quantile(0), quantile(count - 1)];
     let (Some(first), Some(last)) = (at(from), at(to)) else { return false };
     let is_affine = |i: u64| {

@@ -154,5 +154,5 @@ pub(super) fn sobol_sample<B: UncertainBrake>(
         }
         _ => f64::from(sobol_burley::sample(index, dimension, seed)) + 0.5_f64.powi(25),
     };
-    brake.quantile_sample(scene, &uniform).ok_or(EstimatorError::NotShared)
+    brake.drawn_inputs().map(|drawn| drawn.quantile_sample(scene, &uniform)).ok_or(EstimatorError::NotShared)
 }

@@ -12,7 +12,7 @@ use num_complex::Complex;
 use tracking::{BranchPoint, Branches, KeptSpectra, Onsets, RefinedPoint, SystemAt, SystemChange, find_onsets};
 
 use super::EstimatorError;
-use crate::{Contradiction, Scene, UncertainBrake};
+use crate::{Scene, UncertainBrake};
 
 /// Shortest step in mu: what is still open there stays open; chosen.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
@@ -46,7 +46,7 @@ impl<'a> OneParameterFamily<'a> {
         scene: &Scene,
         solver: &'a dyn EigenSolver,
     ) -> Result<Self, EstimatorError> {
-        let Some(distribution) = brake.single_parameter(scene) else {
+        let Some(single) = brake.drawn_inputs().and_then(|drawn| drawn.single_parameter(scene)) else {
             let found = format!("another dependence in {}", brake.plan().source());
             return Err(EstimatorError::NotOneParameter { needed: "one uncertain parameter", found });
         };
@@ -57,13 +57,7 @@ impl<'a> OneParameterFamily<'a> {
         }
         let of_scene = &brake.plan().brake(scene).system;
         let assembled = |value: f64| -> Result<SecondOrder, crate::Error> {
-            let not_given = || Contradiction::NotGiven {
-                scene: brake.plan().describe(scene),
-                method: "with_parameter()",
-                needed_by: "single_parameter()",
-            };
-            let sample = brake.with_parameter(scene, value).ok_or_else(not_given)?;
-            Ok(of_scene.assemble(&brake.operating_point(scene, &sample)?)?)
+            Ok(of_scene.assemble(&brake.operating_point(scene, &single.sample(value))?)?)
         };
         // Some of the values lie outside of the distribution, where the brake need not exist.
         let at = |value: f64| {
@@ -76,6 +70,7 @@ impl<'a> OneParameterFamily<'a> {
         linear.m -= &constant.m;
         linear.c -= &constant.c;
         linear.k -= &constant.k;
+        let distribution = single.distribution;
         let (from, to) = distribution.support();
         // Not at whole numbers alone: a sine may vanish at all of them.
         for value in [2.0, from, to].into_iter().chain(PROBES.map(|u| distribution.quantile(u))) {

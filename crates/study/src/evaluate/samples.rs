@@ -13,7 +13,7 @@ use crate::net_work::work_with;
 use crate::scratch::{Scratch, timed};
 use crate::sector_modes::{SectorModes, SecularAnswer, UnstableSectorMode};
 use crate::secular_equations::growing_modes;
-use crate::{BandMode, KnownMode, ModeLabel, UncertainBrake};
+use crate::{BandMode, KnownMode, ModeLabel, ModeSource, UncertainBrake};
 
 /// Memory, bytes, of the matrices of the samples of a block that are solved together; chosen: all of a block where they are small.
 const BYTES_TOGETHER: usize = 16_000_000;
@@ -28,6 +28,7 @@ impl<B: UncertainBrake> Study<'_, B> {
     /// The outcomes at operating points of a scene of a brake that finds its modes itself.
     pub(super) fn band_samples(
         &self,
+        source: &dyn ModeSource,
         scene: usize,
         points: &[OperatingPoint],
         scratch: &mut Scratch,
@@ -43,20 +44,19 @@ impl<B: UncertainBrake> Study<'_, B> {
         let reference = &self.reference_points[scene];
         let of_scene = &self.plan().scenes[scene];
         let model = &self.plan().brake(of_scene).system;
-        let found = timed(&mut memory.spent.search, || self.brake.band_modes(of_scene, points));
+        let found = timed(&mut memory.spent.search, || source.band_modes(of_scene, points));
         let outcome = |(at, found): (&OperatingPoint, Result<Vec<BandMode>, Error>)| {
             let found = found?;
             if found.is_empty() {
                 return Ok(Outcome::default());
             }
             let mass = self.mass(scene, at)?;
-            let start = || match self.brake.path(of_scene, at, reference) {
+            let start = || match source.path(of_scene, at, reference) {
                 Some(path) => Ok(BandStart::Owned(path)),
                 None => Ok(BandStart::System(Box::new(model.assemble(at)?))),
             };
-            let from_known = |known: &KnownMode| {
-                self.brake.path(of_scene, &self.brake.known_point(of_scene, known.point)?, reference)
-            };
+            let from_known =
+                |known: &KnownMode| source.path(of_scene, &source.known_point(of_scene, known.point)?, reference);
             let modes = names.sector_modes(found, &mass, start, from_known, memory)?;
             timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))
         };

@@ -1,0 +1,111 @@
+//! The capability of a brake that finds its modes itself: a reduction of a full model, which knows some of its modes.
+
+use cea::Mode;
+use linsys::{OperatingPoint, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use tracking::OwnedPath;
+
+use crate::{Error, FullChecks, Scene};
+
+/// The residual of a mode in the system that a brake is a reduction of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeResidual {
+    /// Relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
+    pub value: f64,
+    /// Whether it is above the one that was asked for.
+    pub is_above: bool,
+}
+
+/// A mode at a point where a brake knows its modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownMode {
+    /// Which of the known points of a scene, from 0: [`ModeSource::known_point`].
+    pub point: usize,
+    /// Which of the modes there, from 0.
+    pub mode: usize,
+    /// Its eigenvalue, rad/s.
+    pub lambda: Complex<f64>,
+}
+
+/// A mode that a brake finds itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BandMode {
+    /// The eigenvalue, rad/s.
+    pub lambda: Complex<f64>,
+    /// The shape over the free degrees of freedom of the configuration.
+    pub shape: DVector<Complex<f64>>,
+    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided.
+    pub bound: f64,
+    /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    pub residual: Option<ModeResidual>,
+    /// The mode at a known point near by that it clearly looks like; `None` where there is none.
+    pub like: Option<KnownMode>,
+}
+
+/// An eigenvalue of the brake that another one is a reduction of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WholeEigenvalue {
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// Its error to first order, rad/s: its condition number times its backward error.
+    pub bound: f64,
+}
+
+/// A larger brake of which an origin and a configuration are reductions, in coordinates that they have in common: there the modes of
+/// the origin are followed to those of the configuration.
+#[derive(Debug)]
+pub struct Bridge {
+    /// The larger brake at the operating point of the origin.
+    pub from: SecondOrder,
+    /// The larger brake at the naming point of the configuration.
+    pub to: SecondOrder,
+    /// The path between these, where the brake evaluates it in a cheaper way than by matrices.
+    pub path: Option<Box<dyn OwnedPath>>,
+    /// The coordinates of the origin in terms of those in common, as columns.
+    pub origin: DMatrix<f64>,
+    /// Those of the configuration.
+    pub own: DMatrix<f64>,
+    /// The coordinates of the origin in terms of those of the configuration: the nearest that these have.
+    pub between: DMatrix<f64>,
+}
+
+/// The modes of a brake in the band of its plan, which it must have, found by the brake. It has one sector, and shows no divergence.
+pub trait ModeSource: Sync {
+    /// The modes of some samples of a scene in the band of the plan; those that are surely stable may be missing.
+    ///
+    /// # Errors
+    /// Of a sample: an operating point of another scene, a system that is not supported.
+    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>>;
+
+    /// The path between two operating points of a scene, where the brake evaluates it in a cheaper way than by matrices.
+    fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>>;
+
+    /// A point at which the brake knows the modes of a scene, from which samples near by may have their names; `None` beyond the last.
+    fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint>;
+
+    /// What the modes of a configuration, by its place in the plan, have in common with those of its origin, where the degrees of
+    /// freedom of both are not the same; `modes` are those of the origin and its own.
+    ///
+    /// # Errors
+    /// Medians that have no operating point.
+    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, Error>;
+
+    /// Within which part of its size an eigenvalue of a scene is taken to be that of the full model: a rule, not a bound.
+    fn relative_error(&self, scene: &Scene) -> f64;
+
+    /// The eigenvalue of the full model next to `near`, with parameters at some values, as
+    /// [`Parametrised::system_with`](crate::Parametrised::system_with) takes them.
+    ///
+    /// # Errors
+    /// Values without an operating point, an eigenvalue that cannot be found.
+    fn whole_eigenvalue(
+        &self,
+        scene: &Scene,
+        values: &[(usize, f64)],
+        near: Complex<f64>,
+    ) -> Result<WholeEigenvalue, Error>;
+
+    /// What draws against the full model have shown; `None` where none was checked.
+    fn full_checks(&self) -> Option<FullChecks>;
+}

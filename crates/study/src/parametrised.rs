@@ -1,0 +1,29 @@
+//! The capability of a brake whose parameters have names: for sweeps, and for how growth changes with each of them.
+
+use linsys::SecondOrder;
+
+use crate::{Error, Scene};
+
+/// A parameter of a brake that has a name, by which a sweep varies it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedParameter {
+    /// Its name, as the case file has it.
+    pub name: String,
+    /// Its unit, for people.
+    pub unit: String,
+    /// Its value where it is not varied.
+    pub median: f64,
+}
+
+/// Systems as functions of parameters that have names.
+pub trait Parametrised: Sync {
+    /// The parameters that [`Parametrised::system_with`] gives values to: all on which the systems of a scene depend.
+    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter>;
+
+    /// The system of a scene in which some of its [`Parametrised::parameters`], by their places, have values, and all others
+    /// their medians.
+    ///
+    /// # Errors
+    /// A value that is not allowed; as [`UncertainBrake::operating_point`](crate::UncertainBrake::operating_point).
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error>;
+}
