@@ -60,7 +60,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), TaskError> {
     let mut cards = Vec::new();
     let brake = LatticeBrake::new(case.clone())?;
     let bars = RunBars::default();
-    let options = RunOptions { threads: args.threads, progress: bars.progress(), ..RunOptions::default() };
+    let options = RunOptions::default().with_threads(args.threads).with_progress(bars.progress());
     let manifest = run_study_with::<_, TaskError>(&brake, &out, options, &mut |_, results, dir| {
         draw_paper(results, &brake, dir)?;
         let own = claims(results, &brake)?;
@@ -91,7 +91,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), TaskError> {
             let brake = LatticeBrake::new(case.with(alternative))?;
             let mut found = Vec::new();
             let bars = RunBars::default();
-            let options = RunOptions { progress: bars.progress(), ..options };
+            let options = options.with_progress(bars.progress());
             let manifest = run_study_with::<_, TaskError>(&brake, &dir, options, &mut |_, results, dir| {
                 found = claims(results, &brake)?;
                 write_claims(&found, dir)

@@ -36,7 +36,7 @@ pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
 
 /// Writes `shapes-SET.vtu` for each set of constraints: the modes from which the others have their names, with all patches in contact at
 /// the medians, at the nodes of the mesh. No file where the case has no mesh.
-pub(super) fn write_mesh_shapes(brake: &FiniteElementBrake, results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+pub(super) fn write_mesh_shapes(brake: &FiniteElementBrake, results: &Results, dir: &Path) -> Result<(), Error> {
     let Some(mesh) = &brake.case.mesh else { return Ok(()) };
     for (constraints, name) in brake.plan.labels.constraints.iter().enumerate() {
         let path = dir.join(format!("shapes-{name}.vtu"));

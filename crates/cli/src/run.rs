@@ -60,7 +60,7 @@ pub struct RunArgs {
 /// What a kind of brake has beside its study.
 struct More<'a> {
     /// Writes files of its own.
-    files: &'a (dyn Fn(&Results<'_>, &Path) -> Result<(), Error> + Sync),
+    files: &'a (dyn Fn(&Results, &Path) -> Result<(), Error> + Sync),
     /// How the page draws its modes.
     geometry: &'a (dyn Fn() -> Geometry<'a> + Sync),
 }
@@ -94,7 +94,7 @@ impl RunArgs {
                 sized::bases(&case, self.memory)?;
                 let brake =
                     workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &Bar::of("reductions")))?;
-                let files = |results: &Results<'_>, dir: &Path| {
+                let files = |results: &Results, dir: &Path| {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)
                 };
@@ -105,7 +105,7 @@ impl RunArgs {
     }
 
     /// The complaint about a study of which more than half has failed: its results are written, but of the other half.
-    fn most_failed(&self, results: &Results<'_>) -> Option<Error> {
+    fn most_failed(&self, results: &Results) -> Option<Error> {
         let (failures, scenes) = (&results.summary.failures, results.plan().scenes.len() as u64);
         let failed = failures.draws() * scenes + failures.by_scene().iter().sum::<u64>();
         let evaluations = results.summary.samples * scenes;
@@ -130,10 +130,10 @@ impl RunArgs {
         let (mut summary, mut estimates) = (String::new(), String::new());
         let mut doubts = String::new();
         let mut most_failed = None;
-        let (until_half_width, keeps_samples) = (self.until_half_width, self.keep_samples);
         let bars = RunBars::default();
         let progress = bars.progress();
-        let options = RunOptions { threads: self.threads, until_half_width, keeps_samples, progress };
+        let options = RunOptions::default().with_threads(self.threads).with_progress(progress);
+        let options = options.until_half_width(self.until_half_width).keeping_samples(self.keep_samples);
         let manifest = run_study_with::<_, Error>(brake, &self.out, options, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
             write_kept_samples(brake, &results.summary, dir)?;

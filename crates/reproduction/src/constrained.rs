@@ -19,13 +19,13 @@ use crate::claims::{Claim, Holds};
 const NO_INSTABILITY: f64 = 0.01;
 
 /// The largest occurrence of any mode in one arrangement of a panel.
-fn largest_occurrence(results: &Results<'_>, panel: &Panel) -> f64 {
+fn largest_occurrence(results: &Results, panel: &Panel) -> f64 {
     let occurrences = results.occurrences(panel);
     occurrences.values().flatten().map(|occurrence| occurrence.estimate().value).fold(0.0, f64::max)
 }
 
 /// C7: fewer unstable modes with the corners held in x.
-pub(super) fn corners_reduce(results: &Results<'_>, judgement: Judgement) -> Claim {
+pub(super) fn corners_reduce(results: &Results, judgement: Judgement) -> Claim {
     let is_meant = |_: &Panel, after: &Panel| after.key.constraints == CORNERS_HELD;
     let pairs = differences(results, judgement, ComparisonKind::Constraints, is_meant);
     let mut worst = Vec::new();
@@ -46,7 +46,7 @@ pub(super) fn corners_reduce(results: &Results<'_>, judgement: Judgement) -> Cla
 
 /// C8: with the corners held one mode is left, and which oscillators do its work.
 pub(super) fn after_corners(
-    results: &Results<'_>,
+    results: &Results,
     paper: &Paper,
     judgement: Judgement,
     subject: Subject,
@@ -113,7 +113,7 @@ pub(super) fn after_corners(
 }
 
 /// C9: with six constraints and six in contact nothing is unstable.
-pub(super) fn none_at_six(results: &Results<'_>, judgement: Judgement) -> Claim {
+pub(super) fn none_at_six(results: &Results, judgement: Judgement) -> Claim {
     let claim = Claim::new("C9", "six constraints, six in contact: no instability for any law or speed", "0");
     let is_meant = |p: &&Panel| p.key.constraints == SIX_HELD && number_in_contact(results, p) == 6;
     let scenes: Vec<usize> = results.panels().iter().filter(is_meant).flat_map(|panel| panel.scenes.clone()).collect();
@@ -139,7 +139,7 @@ pub(super) fn none_at_six(results: &Results<'_>, judgement: Judgement) -> Claim 
 
 /// C10: with six constraints and more in contact one mode is unstable under all laws, but never often.
 pub(super) fn after_six(
-    results: &Results<'_>,
+    results: &Results,
     paper: &Paper,
     judgement: Judgement,
     subject: Subject,
@@ -202,7 +202,7 @@ pub(super) fn after_six(
 }
 
 /// The least, over the laws and the numbers in contact, of the largest occurrence of a mode in any arrangement and speed range.
-fn unstable_everywhere(results: &Results<'_>, panels: &[&Panel], mode: ModeLabel, limits: &Limits) -> Estimate {
+fn unstable_everywhere(results: &Results, panels: &[&Panel], mode: ModeLabel, limits: &Limits) -> Estimate {
     let mut groups: std::collections::BTreeMap<(usize, usize), Vec<ArrangementOccurrence>> = Default::default();
     for panel in panels {
         let group = groups.entry((panel.key.law, panel.key.panel)).or_default();

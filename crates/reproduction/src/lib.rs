@@ -42,7 +42,7 @@ pub enum Subject {
 ///
 /// # Errors
 /// Those of statistics without data.
-pub fn claims(results: &Results<'_>, brake: &LatticeBrake) -> Result<Vec<Claim>, Error> {
+pub fn claims(results: &Results, brake: &LatticeBrake) -> Result<Vec<Claim>, Error> {
     claims_judged(results, brake, Judgement::ByLimits, Subject::Found)
 }
 
@@ -51,7 +51,7 @@ pub fn claims(results: &Results<'_>, brake: &LatticeBrake) -> Result<Vec<Claim>,
 /// # Errors
 /// As [`claims`].
 pub fn claims_judged(
-    results: &Results<'_>,
+    results: &Results,
     brake: &LatticeBrake,
     judgement: Judgement,
     subject: Subject,

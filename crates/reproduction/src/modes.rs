@@ -13,7 +13,7 @@ use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 
 /// The modes that are ever unstable in some panels.
-pub(super) fn unstable_modes(results: &Results<'_>, panels: &[&Panel]) -> BTreeSet<ModeLabel> {
+pub(super) fn unstable_modes(results: &Results, panels: &[&Panel]) -> BTreeSet<ModeLabel> {
     panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect()
 }
 
@@ -24,7 +24,7 @@ pub(super) fn number_of_occurrences(modes: usize, panels: &[&Panel]) -> usize {
 
 /// The median occurrence of each mode in each of some panels.
 pub(super) fn medians(
-    results: &Results<'_>,
+    results: &Results,
     modes: &BTreeSet<ModeLabel>,
     panels: &[&Panel],
     limits: &Limits,
@@ -37,7 +37,7 @@ pub(super) fn medians(
 
 /// Modes under a constraint set by the smallest median occurrence over all panels, largest first.
 pub(crate) fn most_robust(
-    results: &Results<'_>,
+    results: &Results,
     constraints: usize,
     judgement: Judgement,
 ) -> Result<Vec<(ModeLabel, Estimate)>, Error> {
@@ -51,12 +51,12 @@ pub(crate) fn most_robust(
 }
 
 /// The label of a mode without constraints, with its place among all 2 n eigenvalues, as the paper may count.
-pub(crate) fn title(results: &Results<'_>, name: ModeLabel) -> String {
+pub(crate) fn title(results: &Results, name: ModeLabel) -> String {
     title_in(results, UNCONSTRAINED, name)
 }
 
 /// The label of a mode of a set of constraints, with its place among all 2 n eigenvalues.
-pub(crate) fn title_in(results: &Results<'_>, constraints: usize, name: ModeLabel) -> String {
+pub(crate) fn title_in(results: &Results, constraints: usize, name: ModeLabel) -> String {
     let (first, second) = cea::pair_numbers(results.rank_of(constraints, name));
     let label = results.mode_label(constraints, name);
     match results.labels {
@@ -70,7 +70,7 @@ pub(crate) fn title_in(results: &Results<'_>, constraints: usize, name: ModeLabe
 
 /// The modes without constraints that bear the paper's number among all 2 n eigenvalues, counted from the lowest frequency and from the
 /// highest.
-pub(crate) fn paper_modes(results: &Results<'_>, paper: &Paper) -> [ModeLabel; 2] {
+pub(crate) fn paper_modes(results: &Results, paper: &Paper) -> [ModeLabel; 2] {
     [ModeNaming::Pair, ModeNaming::PairDown].map(|counting| numbered(results, UNCONSTRAINED, paper.mode, counting))
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn paper_modes(results: &Results<'_>, paper: &Paper) -> [ModeLabel; 2
 /// # Errors
 /// Those of what it has.
 pub(super) fn of_paper_modes(
-    results: &Results<'_>,
+    results: &Results,
     paper: &Paper,
     has: impl Fn(ModeLabel) -> Result<String, Error>,
 ) -> Result<String, Error> {
@@ -89,19 +89,14 @@ pub(super) fn of_paper_modes(
 }
 
 /// The mode of a set of constraints that has a number when modes are counted in some way.
-pub(super) fn numbered(
-    results: &Results<'_>,
-    constraints: usize,
-    number: ModeLabel,
-    counting: ModeNaming,
-) -> ModeLabel {
+pub(super) fn numbered(results: &Results, constraints: usize, number: ModeLabel, counting: ModeNaming) -> ModeLabel {
     let rank = counting.rank(number, results.modes_under(constraints));
     results.name(constraints, ModeLabel::of_rank(rank))
 }
 
 /// Amplitudes of a mode shape, over all degrees of freedom of the lattice.
 pub(crate) fn shape(
-    results: &Results<'_>,
+    results: &Results,
     scene: &Scene,
     reference: &Reference,
     name: ModeLabel,
@@ -117,7 +112,7 @@ pub(crate) fn shape(
 /// By how much the least median net work of the `dominant` oscillators (from 1) exceeds the largest of the others, in units of
 /// the largest, under each law; the limits are of the sign, in the same units. Empty for a mode that is never unstable.
 pub(super) fn work_dominance(
-    results: &Results<'_>,
+    results: &Results,
     constraints: usize,
     name: ModeLabel,
     dominant: &[usize],
@@ -135,7 +130,7 @@ pub(super) fn work_dominance(
 }
 
 /// Oscillators of the brake under a constraint set; the plate comes after them.
-pub(super) fn brake_oscillators(results: &Results<'_>, constraints: usize) -> usize {
+pub(super) fn brake_oscillators(results: &Results, constraints: usize) -> usize {
     results.plan().origins.get(constraints).map_or(0, |origin| origin.brake.bodies.len() - 1)
 }
 

@@ -14,7 +14,7 @@ pub(super) type Difference<'a> = (&'a Panel, &'a Panel, Option<Estimate>);
 
 /// The comparisons of one kind that a claim is about, with limits that hold together.
 pub(super) fn differences<'a>(
-    results: &'a Results<'_>,
+    results: &'a Results,
     judgement: Judgement,
     kind: ComparisonKind,
     is_meant: impl Fn(&Panel, &Panel) -> bool,
@@ -44,7 +44,7 @@ pub(super) fn all_positive(claim: Claim, of: &[Difference<'_>], name: impl Fn(&P
 }
 
 /// C1: more oscillators in contact, more unstable modes.
-pub(super) fn contact_number(results: &Results<'_>, judgement: Judgement) -> Claim {
+pub(super) fn contact_number(results: &Results, judgement: Judgement) -> Claim {
     let claim = Claim::new("C1", "instabilities grow with the number of oscillators in contact", "9 > 8 > 7 > 6");
     let is_free = |more: &Panel, _: &Panel| more.key.constraints == UNCONSTRAINED;
     let steps = differences(results, judgement, ComparisonKind::Contact, is_free);
@@ -55,7 +55,7 @@ pub(super) fn contact_number(results: &Results<'_>, judgement: Judgement) -> Cla
 }
 
 /// C2: more unstable modes under the other laws than under Amontons-Coulomb.
-pub(super) fn laws(results: &Results<'_>, judgement: Judgement) -> Claim {
+pub(super) fn laws(results: &Results, judgement: Judgement) -> Claim {
     let statement = "velocity-dependent and LuGre friction have more unstable modes than Amontons-Coulomb";
     let claim = Claim::new("C2", statement, "more, low speed");
     let is_meant = |more: &Panel, _: &Panel| more.key.constraints == UNCONSTRAINED && more.key.speed == Some(0);
@@ -64,7 +64,7 @@ pub(super) fn laws(results: &Results<'_>, judgement: Judgement) -> Claim {
 }
 
 /// C3: fewer unstable modes at higher speed.
-pub(super) fn speeds(results: &Results<'_>, judgement: Judgement) -> Claim {
+pub(super) fn speeds(results: &Results, judgement: Judgement) -> Claim {
     let is_meant = |slow: &Panel, _: &Panel| {
         slow.key.constraints == UNCONSTRAINED && Some(slow.key.law) != results.plan().labels.baseline_law
     };
@@ -73,6 +73,6 @@ pub(super) fn speeds(results: &Results<'_>, judgement: Judgement) -> Claim {
     all_positive(claim, &pairs, |slow, _| of_law_and_number(results, slow))
 }
 
-fn of_law_and_number(results: &Results<'_>, panel: &Panel) -> String {
+fn of_law_and_number(results: &Results, panel: &Panel) -> String {
     format!("{} {} in contact", law_name(results, panel), number_in_contact(results, panel))
 }

@@ -24,7 +24,7 @@ use crate::{CORNERS_HELD, Judgement, SIX_HELD, UNCONSTRAINED, most_robust, paper
 ///
 /// # Errors
 /// Those of the figures.
-pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Result<(), Error> {
+pub fn draw_paper(results: &Results, brake: &LatticeBrake, dir: &Path) -> Result<(), Error> {
     let case = &brake.case;
     let grid = case.lattice.grid;
     let diagram = ModelDiagram {
@@ -72,7 +72,7 @@ pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Re
 }
 
 /// What the paper prints of the occurrences under a set of constraints, in the panels of which it says so.
-fn marks(results: &Results<'_>, constraints: usize, paper: &Paper) -> Vec<OccurrenceMark> {
+fn marks(results: &Results, constraints: usize, paper: &Paper) -> Vec<OccurrenceMark> {
     let labels = &results.plan().labels;
     let most = labels.panels.iter().map(|panel| panel.in_contact).max().unwrap_or(0);
     let panels = |law: Option<&str>, of_number: &dyn Fn(usize) -> bool| -> Vec<[usize; 2]> {
@@ -101,7 +101,7 @@ fn marks(results: &Results<'_>, constraints: usize, paper: &Paper) -> Vec<Occurr
 
 /// A mode with every oscillator in contact, under each law at its first speed range.
 fn mode_work(
-    results: &Results<'_>,
+    results: &Results,
     brake: &LatticeBrake,
     constraints: usize,
     name: ModeLabel,
@@ -174,7 +174,7 @@ fn three_digits(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-fn bodies(results: &Results<'_>, at: usize, name: ModeLabel, shape: &[Complex<f64>]) -> Result<Vec<BodyInMode>, Error> {
+fn bodies(results: &Results, at: usize, name: ModeLabel, shape: &[Complex<f64>]) -> Result<Vec<BodyInMode>, Error> {
     let map = &results.plan().brake(&results.plan().scenes[at]).dofs;
     let tracked = results.tracked_name(at, name);
     let sketches = tracked.and_then(|name| results.summary.tally.scenes[at].net_work.get(&name));

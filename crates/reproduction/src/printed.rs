@@ -9,7 +9,7 @@ use crate::claims::Claim;
 
 /// Undamped frequencies in Hz without friction, every oscillator in contact: those of the oscillators and of the plate,
 /// by where most of the kinetic energy is.
-fn undamped(results: &Results<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
+fn undamped(results: &Results) -> Option<(Vec<f64>, Vec<f64>)> {
     let (_, scene, _) = full_contact(results, UNCONSTRAINED).next()?;
     let brake = results.plan().brake(scene);
     let SecondOrder { m, k, .. } = brake.system.terms()[0].matrices();
@@ -29,7 +29,7 @@ fn undamped(results: &Results<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
 }
 
 /// C11: the natural frequencies.
-pub(super) fn natural_frequencies(results: &Results<'_>, paper: &Paper) -> Claim {
+pub(super) fn natural_frequencies(results: &Results, paper: &Paper) -> Claim {
     let ([a, b], [c, d]) = (paper.natural_frequencies_oscillators, paper.natural_frequencies_plate);
     let statement = "lowest and highest natural frequencies of the oscillators and of the plate";
     let claim = Claim::new("C11", statement, format!("{a} / {b} Hz and {c} / {d} Hz"));
@@ -51,7 +51,7 @@ pub(super) fn natural_frequencies(results: &Results<'_>, paper: &Paper) -> Claim
 }
 
 /// C12: the number of arrangements and of analyses.
-pub(super) fn counted(results: &Results<'_>, paper: &Paper) -> Claim {
+pub(super) fn counted(results: &Results, paper: &Paper) -> Claim {
     let said =
         format!("{} arrangements of six, {} CEAs each", paper.arrangements_of_six, paper.analyses_per_arrangement);
     let panels = &results.plan().labels.panels;

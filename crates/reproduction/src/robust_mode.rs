@@ -19,7 +19,7 @@ type Robust<'a> = &'a [(ModeLabel, Estimate)];
 
 /// The modes that the claims may be about: of those that the study finds the most robust one and all whose limits reach its own;
 /// otherwise the one with the paper's number, if it ever is unstable.
-fn candidates(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject: Subject) -> Vec<ModeLabel> {
+fn candidates(results: &Results, paper: &Paper, robust: Robust<'_>, subject: Subject) -> Vec<ModeLabel> {
     if let Subject::Numbered(counting) = subject {
         let theirs = numbered(results, UNCONSTRAINED, paper.mode, counting);
         return robust.iter().map(|(name, _)| *name).filter(|name| *name == theirs).collect();
@@ -31,7 +31,7 @@ fn candidates(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject:
 
 /// C4: one mode is unstable most often in every panel.
 pub(super) fn robust_mode(
-    results: &Results<'_>,
+    results: &Results,
     paper: &Paper,
     robust: Robust<'_>,
     subject: Subject,
@@ -74,7 +74,7 @@ fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
 
 /// C5: the corners dominate its shape.
 pub(super) fn robust_shape(
-    results: &Results<'_>,
+    results: &Results,
     paper: &Paper,
     robust: Robust<'_>,
     subject: Subject,
@@ -115,7 +115,7 @@ pub(super) fn robust_shape(
 
 /// C6: the corners dominate its net work.
 pub(super) fn robust_work(
-    results: &Results<'_>,
+    results: &Results,
     paper: &Paper,
     robust: Robust<'_>,
     judgement: Judgement,
@@ -154,7 +154,7 @@ pub(super) fn robust_work(
 }
 
 /// The candidates but the first, in words.
-fn others(results: &Results<'_>, candidates: &[ModeLabel]) -> String {
+fn others(results: &Results, candidates: &[ModeLabel]) -> String {
     let names: Vec<String> = candidates[1..].iter().map(|&name| title(results, name)).collect();
     if names.is_empty() { String::new() } else { format!("; the most robust may as well be {}", names.join(", ")) }
 }

@@ -10,27 +10,27 @@ pub(crate) const CORNERS_HELD: usize = 1;
 /// Index of the set with six constraints: the corners and two more.
 pub(crate) const SIX_HELD: usize = 2;
 
-pub(super) fn number_in_contact(results: &Results<'_>, panel: &Panel) -> usize {
+pub(super) fn number_in_contact(results: &Results, panel: &Panel) -> usize {
     results.plan().labels.panels[panel.key.panel].in_contact
 }
 
-pub(super) fn law_name<'a>(results: &'a Results<'_>, panel: &Panel) -> &'a str {
+pub(super) fn law_name<'a>(results: &'a Results, panel: &Panel) -> &'a str {
     &results.plan().labels.laws[panel.key.law].name
 }
 
-pub(super) fn speed_name<'a>(results: &'a Results<'_>, panel: &Panel) -> &'a str {
+pub(super) fn speed_name<'a>(results: &'a Results, panel: &Panel) -> &'a str {
     panel.key.speed.map_or("all speeds", |range| &results.plan().labels.speeds[range].name)
 }
 
 /// The name of the law of a scene.
-pub(super) fn law_of(results: &Results<'_>, scene: &Scene) -> String {
+pub(super) fn law_of(results: &Results, scene: &Scene) -> String {
     results.plan().labels.laws[scene.key.law].name.clone()
 }
 
 /// The scenes of a constraint set with every oscillator in contact, each with its index and its reference modes; of the laws
 /// that the results are of.
 pub(super) fn full_contact<'a>(
-    results: &'a Results<'_>,
+    results: &'a Results,
     constraints: usize,
 ) -> impl Iterator<Item = (usize, &'a Scene, &'a Reference)> {
     let scenes = results.plan().scenes.iter().zip(results.references()).enumerate();

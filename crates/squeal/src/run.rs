@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use cea::EigenSolver;
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, run_with};
 use study::identity::of_study;
 use study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake, samples_together};
@@ -18,7 +19,7 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
 /// What adds figures and estimates to the tables of a finished study: it writes files into the folder that it is given, from
 /// which they are published in the folder of the run when all are whole.
-pub type DrawResults<'a, B, E = Error> = dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), E> + Send + 'a;
+pub type DrawResults<'a, B, E = Error> = dyn FnMut(&Study<'_, B>, &Results, &Path) -> Result<(), E> + Send + 'a;
 
 /// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures and estimates.
 ///
@@ -34,7 +35,7 @@ pub fn run_study<B: UncertainBrake>(
     threads: Option<usize>,
     draw: &mut DrawResults<'_, B>,
 ) -> Result<Manifest, Error> {
-    run_study_with(brake, dir, RunOptions { threads, ..RunOptions::default() }, draw)
+    run_study_with(brake, dir, RunOptions::default().with_threads(threads), draw)
 }
 
 /// Who is told how far each stage of a run has come.
@@ -56,8 +57,11 @@ impl Default for RunProgress<'_> {
 }
 
 /// How a study is run. None of it changes a count.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
+#[non_exhaustive]
 pub struct RunOptions<'a> {
+    /// Solver of spectra: [`cea::BatchSolver`] unless another is given.
+    pub solver: &'a dyn EigenSolver,
     /// Worker threads; one per core without.
     pub threads: Option<usize>,
     /// Not the samples of the plan, but as many as it takes until every occurrence is known to this half width, see
@@ -69,6 +73,51 @@ pub struct RunOptions<'a> {
     pub progress: RunProgress<'a>,
 }
 
+impl Default for RunOptions<'_> {
+    /// One worker a core, the batched solver, the samples of the plan, nobody told.
+    fn default() -> Self {
+        Self {
+            solver: &cea::BatchSolver,
+            threads: None,
+            until_half_width: None,
+            keeps_samples: false,
+            progress: RunProgress::default(),
+        }
+    }
+}
+
+impl<'a> RunOptions<'a> {
+    /// The options with another solver of spectra.
+    #[must_use]
+    pub fn with_solver(self, solver: &'a dyn EigenSolver) -> Self {
+        Self { solver, ..self }
+    }
+
+    /// The options with a number of worker threads; `None` is one a core.
+    #[must_use]
+    pub fn with_threads(self, threads: Option<usize>) -> Self {
+        Self { threads, ..self }
+    }
+
+    /// The options with who is told, and can [cancel](Progress::is_cancelled).
+    #[must_use]
+    pub fn with_progress(self, progress: RunProgress<'a>) -> Self {
+        Self { progress, ..self }
+    }
+
+    /// The options with a half width to which every occurrence is sampled.
+    #[must_use]
+    pub fn until_half_width(self, until_half_width: Option<f64>) -> Self {
+        Self { until_half_width, ..self }
+    }
+
+    /// The options with samples that are kept, or not.
+    #[must_use]
+    pub fn keeping_samples(self, keeps_samples: bool) -> Self {
+        Self { keeps_samples, ..self }
+    }
+}
+
 /// As [`run_study`], with options, and errors of its caller's own from `draw`.
 ///
 /// # Errors
@@ -76,7 +125,7 @@ pub struct RunOptions<'a> {
 pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     brake: &B,
     dir: &Path,
-    RunOptions { threads, until_half_width, keeps_samples, progress }: RunOptions<'_>,
+    RunOptions { solver, threads, until_half_width, keeps_samples, progress }: RunOptions<'_>,
     draw: &mut DrawResults<'_, B, E>,
 ) -> Result<Manifest, E> {
     let plan = brake.plan();
@@ -86,9 +135,8 @@ pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     let mut seconds = Times::default();
 
     let start = Instant::now();
-    let solver = cea::BatchSolver;
     let pool = workers(threads)?;
-    let study = pool.install(|| Study::with_progress(brake, &solver, progress.preparation)).map_err(Error::from)?;
+    let study = pool.install(|| Study::with_progress(brake, solver, progress.preparation)).map_err(Error::from)?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.

@@ -7,6 +7,7 @@
 mod common;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use brakes::case::CaseFile;
 use brakes::{LatticeBrake, MatricesBrake};
@@ -392,27 +393,27 @@ fn a_plan_with_places_that_are_not_there_is_refused() {
         ("no labels", |p| p.labels = Default::default(), |c| matches!(c, C::Index { .. })),
         (
             "a body's degree of freedom",
-            |p| p.configurations[0].brake.bodies[1].dofs = vec![99],
+            |p| Arc::make_mut(&mut p.configurations[0].brake).bodies[1].dofs = vec![99],
             |c| matches!(c, C::BodyDof { dof: 99, order: 2, .. }),
         ),
         (
             "a body's degree of freedom of an origin",
-            |p| p.origins[0].brake.bodies[0].dofs.push(2),
+            |p| Arc::make_mut(&mut p.origins[0].brake).bodies[0].dofs.push(2),
             |c| matches!(c, C::BodyDof { dof: 2, .. }),
         ),
         (
             "a body's degree of freedom twice",
-            |p| p.configurations[0].brake.bodies[0].dofs = vec![0, 0],
+            |p| Arc::make_mut(&mut p.configurations[0].brake).bodies[0].dofs = vec![0, 0],
             |c| matches!(c, C::BodyDofTwice { dof: 0, .. }),
         ),
         (
             "degrees of freedom of another brake",
-            |p| p.configurations[0].brake.dofs = DofMap::all(3),
+            |p| Arc::make_mut(&mut p.configurations[0].brake).dofs = DofMap::all(3),
             |c| matches!(c, C::Order { found: 3, order: 2, .. }),
         ),
         (
             "sectors of another brake",
-            |p| p.configurations[0].brake.sectors = osc_model::Sectors::whole(5, 1),
+            |p| Arc::make_mut(&mut p.configurations[0].brake).sectors = osc_model::Sectors::whole(5, 1),
             |c| matches!(c, C::Order { found: 5, .. }),
         ),
         ("a band backwards", |p| p.band = Some([2.0, 1.0]), |c| matches!(c, C::Band { .. })),

@@ -41,7 +41,7 @@ fn brake(samples: u64) -> LatticeBrake {
 }
 
 fn run(brake: &LatticeBrake, dir: &Path, progress: RunProgress<'_>) -> Result<(), squeal::Error> {
-    let options = RunOptions { threads: Some(2), progress, ..RunOptions::default() };
+    let options = RunOptions::default().with_threads(Some(2)).with_progress(progress);
     run_study_with(brake, dir, options, &mut |_, _, _| Ok(())).map(drop)
 }
 

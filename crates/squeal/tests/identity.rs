@@ -114,7 +114,7 @@ fn others() -> Vec<(SlidingMass, &'static str)> {
     with(
         &|plan| {
             let body = |name: &str, dof| Body { name: name.into(), dofs: vec![dof] };
-            plan.configurations[0].brake.bodies = vec![body("x", 0), body("z", 1)];
+            std::sync::Arc::make_mut(&mut plan.configurations[0].brake).bodies = vec![body("x", 0), body("z", 1)];
         },
         "other equations",
     );
@@ -142,7 +142,7 @@ fn a_folder_of_another_study_of_an_own_type_is_refused_by_what_differs() {
             assert!(line.contains(&format!("{said}; allowed")), "{said}: {line}");
         }
     }
-    let options = RunOptions { keeps_samples: true, ..RunOptions::default() };
+    let options = RunOptions::default().keeping_samples(true);
     let line = refused(run_study_with(&right, &dir, options, &mut |_, _, _| Ok(())));
     assert!(line.contains("no samples"), "{line}");
     assert_eq!(std::fs::read(dir.join("occurrence.csv")).unwrap(), before);

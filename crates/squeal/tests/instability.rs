@@ -247,7 +247,8 @@ fn what_fails_may_be_unstable_and_is_said_first() {
     let none = DMatrix::zeros(2, 2);
     let linear = SecondOrder::new(none.clone(), dmatrix![-1.0, 0.0; 0.0, 0.0], none).unwrap();
     let mut brake = Family::new(one, linear, [0.0, 0.25], 300, 5);
-    brake.plan.configurations[0].brake.bodies = vec![Body { name: "mass".into(), dofs: vec![0, 99] }];
+    std::sync::Arc::make_mut(&mut brake.plan.configurations[0].brake).bodies =
+        vec![Body { name: "mass".into(), dofs: vec![0, 99] }];
     let growing = (0..300).filter(|&i| brake.draw(&mut stream(5, i)).unwrap() > 0.1).count() as u64;
     let Ok(study) = Study::new(&brake, &BatchSolver) else {
         // A body that cannot be is refused before anything is sampled.

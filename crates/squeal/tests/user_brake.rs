@@ -148,14 +148,14 @@ fn compare<B: UncertainBrake>(apart: &B, together: &B, names: [&str; 2]) -> usiz
 #[test]
 fn the_work_of_two_families_sums_to_the_net_work() {
     let (apart, mut together) = (SlidingMass::new(), SlidingMass::new());
-    together.plan.configurations[0].brake = in_one_family(&together.plan.configurations[0].brake);
+    together.plan.configurations[0].brake = in_one_family(&together.plan.configurations[0].brake).into();
     let modes = compare(&apart, &together, ["friction", "dashpots"]);
     assert!(modes > 5, "{modes}");
 
     // Sectors, and bristles that follow friction into its family.
     let [apart, mut together] = [(); 2].map(|()| LatticeBrake::new(common::case("two-by-two.toml", &[])).unwrap());
     for configuration in &mut together.plan.configurations {
-        configuration.brake = in_one_family(&configuration.brake);
+        configuration.brake = in_one_family(&configuration.brake).into();
     }
     let modes = compare(&apart, &together, ["friction", "damping"]);
     assert!(modes > 50, "{modes}");

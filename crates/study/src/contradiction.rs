@@ -1,5 +1,7 @@
 //! What a brake of a user's own type forgets, or says twice and differently.
 
+use montecarlo::DistributionFault;
+
 /// A fault of a plan or a brake that would make a wrong number, found when a study is made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -83,6 +85,22 @@ pub enum Contradiction {
         from: f64,
         /// Its upper end.
         to: f64,
+    },
+    /// A parameter of a distribution that is not allowed.
+    #[error("the distribution of {parameter}: {fault}")]
+    Distribution {
+        /// Name of the parameter that is drawn.
+        parameter: String,
+        /// Which number of the distribution, and what is allowed.
+        fault: DistributionFault,
+    },
+    /// Two of one name.
+    #[error("the {what} {name:?} is there twice; allowed: names that differ")]
+    NameTwice {
+        /// Kind of what is named.
+        what: &'static str,
+        /// Name of both.
+        name: String,
     },
     /// A naming point that is no operating point of the medians.
     #[error(

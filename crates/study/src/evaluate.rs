@@ -2,6 +2,8 @@
 
 mod samples;
 
+use std::sync::Arc;
+
 use cea::{Anchors, EigenSolver, Gain, Mode, WholeSpectra};
 use linsys::OperatingPoint;
 use montecarlo::{Progress, StreamRng};
@@ -77,8 +79,8 @@ pub struct Study<'a, B: UncertainBrake> {
     brake: &'a B,
     solver: WholeSpectra<'a>,
     /// Modes of each origin, by its place in [`Plan::origins`], from where names are continued.
-    origin_references: Vec<Reference>,
-    references: Vec<Reference>,
+    origin_references: Arc<[Reference]>,
+    references: Arc<[Reference]>,
     sector_references: Vec<Vec<Reference>>,
     certificates: Vec<Certificate>,
     /// By configuration.
@@ -149,7 +151,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let paths = |scene: &Scene, [from, to]: [&OperatingPoint; 2]| source?.path(scene, from, to);
         let References { origins, scenes } =
             references(plan, &points, bridge, &paths, by_likeness, &solver, progress).map_err(failed)?;
-        let (references, sector_references) =
+        let (references, sector_references): (Vec<_>, Vec<_>) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates && source.is_none() {
             true => certificates(brake)?,
@@ -163,8 +165,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
         let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
         Ok(Self {
-            origin_references: origins,
-            references,
+            origin_references: origins.into(),
+            references: references.into(),
             sector_references,
             certificates,
             equations,
@@ -196,6 +198,16 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// The reference of each scene.
     pub fn references(&self) -> &[Reference] {
         &self.references
+    }
+
+    /// The modes of each origin, for results that outlive the study.
+    pub fn shared_origin_references(&self) -> Arc<[Reference]> {
+        Arc::clone(&self.origin_references)
+    }
+
+    /// The reference of each scene, for results that outlive the study.
+    pub fn shared_references(&self) -> Arc<[Reference]> {
+        Arc::clone(&self.references)
     }
 
     /// The reference of each scene with its modes named by likeness; `None` of a study that does not ask for these names.

@@ -1,6 +1,8 @@
 //! What a study goes through: the configurations of a brake, and the scenes in which each sample is evaluated.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use cea::Threshold;
 use linsys::OperatingPoint;
@@ -8,7 +10,7 @@ use num_complex::Complex;
 use osc_model::Brake;
 use serde::{Deserialize, Serialize};
 
-use super::ModeLabel;
+use super::{Contradiction, ModeLabel};
 
 /// What tells scenes apart; indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -24,6 +26,7 @@ pub struct SceneKey {
 }
 
 /// One scene: it stands for all arrangements of its symmetry class.
+#[non_exhaustive]
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// Where it belongs.
@@ -39,8 +42,8 @@ pub struct Scene {
 /// A brake in one configuration of contacts and constraints, with the operating point by which its modes get names.
 #[derive(Debug, Clone)]
 pub struct Configuration {
-    /// The brake.
-    pub brake: Brake,
+    /// The brake, shared by all copies of the plan.
+    pub brake: Arc<Brake>,
     /// Where its modes are named: median parameters, of a baseline law where there are several.
     pub naming_point: OperatingPoint,
     /// Place in [`Plan::origins`] of the configuration from which its names come by continuation.
@@ -53,7 +56,7 @@ pub struct Configuration {
 #[derive(Debug, Clone)]
 pub struct Origin {
     /// The brake; of the degrees of freedom of every configuration that is named after it.
-    pub brake: Brake,
+    pub brake: Arc<Brake>,
     /// Its operating point.
     pub naming_point: OperatingPoint,
 }
@@ -225,7 +228,8 @@ pub struct StudySource {
 /// open contacts move a mode by less.
 const BAND_MARGIN: f64 = 1.2;
 
-/// All scenes of a study.
+/// All scenes of a study. It is made by its methods; [`check`](crate::check) sees to it that what is changed afterwards fits.
+#[non_exhaustive]
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The case file, where there is one.
@@ -300,13 +304,89 @@ impl Plan {
             self.labels.panels = vec![PanelLabel { in_contact, arrangements: vec![contacts.clone()] }];
             self.labels.named_at = "at median parameters".into();
         }
-        let key = SceneKey { constraints: self.labels.constraints.len(), ..SceneKey::default() };
+        let (constraints, first) =
+            (self.labels.constraints.len(), self.scenes.first().map(|scene| scene.key.constraints));
         let (origin, configuration) = (self.origins.len(), self.configurations.len());
         self.labels.constraints.push(name.into());
-        self.origins.push(Origin { brake: brake.clone(), naming_point: naming_point.clone() });
+        let brake = Arc::new(brake);
+        self.origins.push(Origin { brake: Arc::clone(&brake), naming_point: naming_point.clone() });
         self.configurations.push(Configuration { brake, naming_point, origin, contacts });
-        self.scenes.push(Scene { key, members: vec![0], configuration, wants_work: true });
+        // As many as the first set has: one for each law and range of speed.
+        let keys = self.scenes.iter().filter(|scene| Some(scene.key.constraints) == first).map(|scene| scene.key);
+        let mut keys: Vec<SceneKey> = keys.collect();
+        if keys.is_empty() {
+            keys.push(SceneKey::default());
+        }
+        for key in keys {
+            let key = SceneKey { constraints, ..key };
+            self.scenes.push(Scene { key, members: vec![0], configuration, wants_work: true });
+        }
         self.is_named_at_medians = true;
+    }
+
+    /// The plan with friction laws by name and title, in whose order [`SceneKey::law`] counts them: every scene is there once for each.
+    ///
+    /// # Errors
+    /// [`Contradiction::Empty`] without laws, [`Contradiction::NameTwice`].
+    pub fn with_laws(mut self, laws: &[(&str, &str)]) -> Result<Self, Contradiction> {
+        names_once("law", laws.iter().map(|(name, _)| *name))?;
+        self.labels.laws =
+            laws.iter().map(|(name, title)| LawLabel { name: (*name).into(), title: (*title).into() }).collect();
+        self.each_scene(laws.len(), |key, law| key.law = law);
+        Ok(self)
+    }
+
+    /// The plan with ranges of sliding speed by name and description, in whose order [`SceneKey::speed`] counts them: every scene is
+    /// there once for each.
+    ///
+    /// # Errors
+    /// [`Contradiction::Empty`] without ranges, [`Contradiction::NameTwice`].
+    pub fn with_speeds(mut self, speeds: &[(&str, &str)]) -> Result<Self, Contradiction> {
+        names_once("range of speed", speeds.iter().map(|(name, _)| *name))?;
+        let label = |(name, description): &(&str, &str)| SpeedLabel {
+            name: (*name).into(),
+            description: (*description).into(),
+        };
+        self.labels.speeds = speeds.iter().map(label).collect();
+        self.each_scene(speeds.len(), |key, speed| key.speed = Some(speed));
+        Ok(self)
+    }
+
+    /// Puts several scenes in the place of each, which differ in one entry of their keys; of scenes that do already the first stays.
+    fn each_scene(&mut self, count: usize, set: impl Fn(&mut SceneKey, usize)) {
+        let mut scenes: Vec<Scene> = Vec::new();
+        for mut scene in std::mem::take(&mut self.scenes) {
+            set(&mut scene.key, 0);
+            let is_known = |known: &Scene| known.key == scene.key && known.configuration == scene.configuration;
+            if scenes.iter().any(is_known) {
+                continue;
+            }
+            for at in 0..count {
+                set(&mut scene.key, at);
+                scenes.push(scene.clone());
+            }
+        }
+        self.scenes = scenes;
+    }
+
+    /// Adds a configuration of the set of constraints that its origin belongs to, and its scenes: one for each law and each of the
+    /// ranges of speed that the law tells apart. It stands for these `members` of the arrangements of a panel.
+    pub fn add_configuration(
+        &mut self,
+        configuration: Configuration,
+        panel: usize,
+        members: &[usize],
+        wants_work: bool,
+        speeds: impl Fn(usize) -> Vec<Option<usize>>,
+    ) {
+        let (constraints, place) = (configuration.origin, self.configurations.len());
+        for law in 0..self.labels.laws.len() {
+            for speed in speeds(law) {
+                let key = SceneKey { constraints, law, speed, panel };
+                self.scenes.push(Scene { key, members: members.to_vec(), configuration: place, wants_work });
+            }
+        }
+        self.configurations.push(configuration);
     }
 
     /// Where the study comes from, for messages: its file or its name.
@@ -361,4 +441,14 @@ impl Plan {
         let arrangements: usize = panels.iter().map(|panel| panel.arrangements.len()).sum();
         (constraints.len() * laws.len() * speeds.len().max(1) * arrangements) as u64
     }
+}
+
+fn names_once<'a>(what: &'static str, names: impl Iterator<Item = &'a str>) -> Result<(), Contradiction> {
+    let mut known = BTreeSet::new();
+    for name in names {
+        if !known.insert(name) {
+            return Err(Contradiction::NameTwice { what, name: name.into() });
+        }
+    }
+    if known.is_empty() { Err(Contradiction::Empty { what }) } else { Ok(()) }
 }

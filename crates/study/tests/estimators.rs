@@ -17,7 +17,7 @@ use study::estimators::{
     Estimated, Estimator, EstimatorError, Evaluations, Exact, FrictionPoints, OneParameterFamily, control_variate,
     exact, monte_carlo, quasi_monte_carlo, scene_occurrences,
 };
-use study::{Plan, Scene, Study, UncertainBrake};
+use study::{DrawnInputs, Input, Plan, Scene, SingleParameter, Study, UncertainBrake};
 use tracking::TrackingError;
 
 #[path = "common/paper_brake.rs"]
@@ -69,12 +69,26 @@ impl UncertainBrake for Oscillator {
         Ok(at((self.damping)(*w)))
     }
 
-    fn single_parameter(&self, _: &Scene) -> Option<&Distribution> {
-        self.is_single.then_some(&self.w)
+    fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<f64>> {
+        Some(self)
+    }
+}
+
+impl DrawnInputs<f64> for Oscillator {
+    fn inputs(&self, _: &Scene) -> Vec<Input> {
+        vec![Input { name: "w".into(), unit: "1/s".into(), coordinate: 0, is_correlated: false }]
     }
 
-    fn with_parameter(&self, _: &Scene, w: f64) -> Option<f64> {
-        Some(w)
+    fn input_values(&self, _: &Scene, w: &f64) -> Vec<f64> {
+        vec![*w]
+    }
+
+    fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> f64 {
+        self.w.quantile(uniform(0))
+    }
+
+    fn single_parameter(&self, _: &Scene) -> Option<SingleParameter<'_, f64>> {
+        self.is_single.then(|| SingleParameter::new(&self.w, |w| w))
     }
 }
 

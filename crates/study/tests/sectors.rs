@@ -20,8 +20,8 @@ use study::{Outcome, Plan, Scene, Study, UncertainBrake as _};
 fn whole(case: LatticeCase) -> LatticeBrake {
     let mut brake = LatticeBrake::new(case).unwrap();
     for configuration in &mut brake.plan.configurations {
-        let system = &configuration.brake.system;
-        configuration.brake.sectors = Sectors::whole(system.order(), system.channels().len());
+        let brake = std::sync::Arc::make_mut(&mut configuration.brake);
+        brake.sectors = Sectors::whole(brake.system.order(), brake.system.channels().len());
     }
     brake
 }

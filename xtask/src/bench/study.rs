@@ -52,7 +52,7 @@ impl StudyTimes {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let start = ProcessTime::now();
         let bars = RunBars::default();
-        let options = RunOptions { threads: Some(threads), progress: bars.progress(), ..RunOptions::default() };
+        let options = RunOptions::default().with_threads(Some(threads)).with_progress(bars.progress());
         let manifest = run_study_with(brake, folder, options, &mut |_, results, dir| draw_paper(results, brake, dir))?;
         let (processor_seconds, peak_mb) = (start.elapsed().as_secs_f64(), peak_mb());
         let parts = manifest.seconds;

@@ -1,7 +1,6 @@
 //! What tells a case from another: its parts written out field by field, with matrices in other files as they were read.
 
 use friction::BristleDamping;
-use montecarlo::Distribution;
 use nalgebra_sparse::CscMatrix;
 use osc_model::{
     ContactArrangement, Dof, Lateral, LatticeBody, LatticeParameters, Lean, PlateParameters, Preload, Sign,
@@ -214,13 +213,7 @@ fn speed(to: &mut Written, SpeedRange { name, from, to: highest }: &SpeedRange) 
 
 fn of_friction(to: &mut Written, friction: &FrictionDistributions) {
     let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = friction;
-    [mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2].into_iter().for_each(|each| distribution(to, each));
-}
-
-fn distribution(to: &mut Written, of: &Distribution) {
-    let (kind, values) = of.written_out();
-    to.text(kind);
-    to.list(values, |to, value| to.option(value, Written::number));
+    [mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2].into_iter().for_each(|each| to.distribution(each));
 }
 
 fn of_correlation(to: &mut Written, correlation: &Correlation) {
@@ -230,7 +223,7 @@ fn of_correlation(to: &mut Written, correlation: &Correlation) {
 
 fn parameter(to: &mut Written, Parameter { name, unit: _, distribution: drawn }: &Parameter) {
     to.text(name);
-    distribution(to, drawn);
+    to.distribution(drawn);
 }
 
 /// What an expression is: its text, with names of parameters that stand in the list of parameters.

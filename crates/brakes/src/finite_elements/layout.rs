@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
 use reduction::Reduced;
-use study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
+use study::{Configuration, Origin, Plan, SceneLabels, StudySource};
 
 use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};
 use crate::Error;
@@ -24,6 +24,9 @@ pub(super) fn plan(
     plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
     plan.threshold = case.threshold;
     plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
+    if let Some(contact) = &case.contact {
+        plan.labels = labels(contact);
+    }
     let mut closed = Vec::new();
     for (set, constraints) in origins.iter().zip(&case.constraints) {
         let all = all_patches(case);
@@ -35,13 +38,10 @@ pub(super) fn plan(
             }
             Some(contact) => {
                 plan.labels.constraints.push(constraints.name.clone());
-                plan.origins.push(Origin { brake: whole.0, naming_point: whole.1 });
+                plan.origins.push(Origin { brake: whole.0.into(), naming_point: whole.1 });
                 add_scenes(case, configurations, contact, &mut plan, &mut closed)?;
             }
         }
-    }
-    if let Some(contact) = &case.contact {
-        plan.labels = SceneLabels { constraints: plan.labels.constraints, ..labels(contact) };
     }
     Ok((plan, closed))
 }
@@ -58,20 +58,15 @@ fn add_scenes(
     for (panel, (_, arrangements)) in contact.panels.iter().enumerate() {
         for (at, arrangement) in arrangements.iter().enumerate() {
             let in_contact = arrangement.in_contact().to_vec();
-            let configuration = plan.configurations.len();
-            let wants_work = in_contact.len() == contact.patches.len();
-            for (law, &of_law) in contact.laws.iter().enumerate() {
-                for speed in speeds_of(contact, of_law) {
-                    let key = SceneKey { constraints, law, speed, panel };
-                    plan.scenes.push(Scene { key, members: vec![at], configuration, wants_work });
-                }
-            }
-            plan.configurations.push(Configuration {
-                brake: brake(case, configurations[configuration], &in_contact)?,
+            let configuration = Configuration {
+                brake: brake(case, configurations[plan.configurations.len()], &in_contact)?.into(),
                 naming_point: naming_point(case, &in_contact)?,
                 origin: constraints,
                 contacts: arrangement.to_string(),
-            });
+            };
+            let wants_work = in_contact.len() == contact.patches.len();
+            let speeds = |law: usize| speeds_of(contact, contact.laws[law]);
+            plan.add_configuration(configuration, panel, &[at], wants_work, speeds);
             closed.push(in_contact);
         }
     }

@@ -65,22 +65,10 @@ impl LatticeBrake {
     /// What the model refuses; [`study::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
     /// see [`LatticeBrake::least_cost`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
-        let plan = Plan {
-            source_file: Some(StudySource { path: case.path.clone(), text: case.text.clone() }),
-            name: case.name.clone(),
-            identity: case.identity(),
-            samples: case.samples,
-            seed: case.seed,
-            mode_labels: case.readings.labels,
-            mode_identity: case.readings.identity,
-            band: None,
-            threshold: case.threshold,
-            is_named_at_medians: false,
-            labels: labels(&case),
-            origins: Vec::new(),
-            configurations: Vec::new(),
-            scenes: Vec::new(),
-        };
+        let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
+        plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+        (plan.mode_labels, plan.mode_identity) = (case.readings.labels, case.readings.identity);
+        (plan.threshold, plan.labels) = (case.threshold, labels(&case));
         let mut brake = Self { case, plan, lattices: Vec::new(), symmetries: Vec::new(), members: Vec::new() };
         for constraints in 0..brake.case.constraints.len() {
             brake.lay_out(constraints)?;
@@ -95,27 +83,22 @@ impl LatticeBrake {
         let model = LatticeModel::new(case.lattice.clone(), case.readings.lateral, fixed)?;
         let full = prepared(case, &model, &ContactArrangement::full(case.lattice.grid.oscillators()))?;
         let named_at = naming_point(case, &full)?;
-        self.plan.origins.push(Origin { brake: full.brake().clone(), naming_point: named_at });
+        self.plan.origins.push(Origin { brake: full.brake().clone().into(), naming_point: named_at });
         self.symmetries.push(model.symmetries());
         for (panel, (_, arrangements)) in case.panels.iter().enumerate() {
             for class in model.symmetry_classes(arrangements)? {
                 let arrangement = &arrangements[class.representative];
                 let members: Vec<usize> = class.members.iter().map(|member| member.arrangement).collect();
                 let wants_work = arrangement.in_contact().len() == arrangement.oscillators();
-                let configuration = self.plan.configurations.len();
-                for (law, &of_law) in case.laws.iter().enumerate() {
-                    for speed in speeds_of(case, of_law) {
-                        let key = SceneKey { constraints, law, speed, panel };
-                        self.plan.scenes.push(Scene { key, members: members.clone(), configuration, wants_work });
-                    }
-                }
                 let lattice = prepared(case, &model, arrangement)?;
-                self.plan.configurations.push(Configuration {
-                    brake: lattice.brake().clone(),
+                let configuration = Configuration {
+                    brake: lattice.brake().clone().into(),
                     naming_point: naming_point(case, &lattice)?,
                     origin: constraints,
                     contacts: arrangement.to_string(),
-                });
+                };
+                let speeds = |law: usize| speeds_of(case, case.laws[law]);
+                self.plan.add_configuration(configuration, panel, &members, wants_work, speeds);
                 self.lattices.push(lattice);
                 self.members.push(class.members.iter().map(|member| member.reversal).collect());
             }

@@ -10,7 +10,7 @@ use super::text::{capitalised, escaped};
 use crate::Error;
 
 /// The answer of a study, as HTML.
-pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
+pub(super) fn answer(results: &Results) -> Result<String, Error> {
     let sets = results.plan().labels.constraints.len();
     let findings = (0..sets).map(|set| SetFindings::new(results, set)).collect::<Result<Vec<_>, squeal::Error>>()?;
     let doubt = |doubt: String| format!("<p class=\"doubt\">Warning: {}</p>\n", escaped(&doubt));
@@ -36,7 +36,7 @@ pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
 }
 
 /// One sentence on a set of constraints.
-fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> String {
+fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     let list = |wanted: &dyn Fn(&ModeRange<'_>) -> bool, range_in_words: &dyn Fn(&ModeRange<'_>) -> String| {
         let of = found.unstable.iter().filter(|(_, range)| wanted(range));
         let words =
@@ -71,7 +71,7 @@ fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> Stri
 }
 
 /// What each set of constraints changes, the one with the largest least drop first.
-fn helps(results: &Results<'_>) -> String {
+fn helps(results: &Results) -> String {
     let sets = results.plan().labels.constraints.len();
     let mut changes: Vec<(usize, Change<'_>)> =
         (1..sets).filter_map(|set| Some((set, Change::new(results, set)?))).collect();
@@ -100,7 +100,7 @@ fn helps(results: &Results<'_>) -> String {
     text + "</ul>\n"
 }
 
-fn how_sure(results: &Results<'_>, findings: &[SetFindings<'_>]) -> String {
+fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> String {
     let OpenCounts { unstable_modes, ambiguous_modes, divergent, undecided, marginal, failures } =
         OpenCounts::new(results);
     let quiet: usize = findings.iter().map(|found| found.stable.len()).sum();
@@ -132,7 +132,7 @@ fn how_sure(results: &Results<'_>, findings: &[SetFindings<'_>]) -> String {
     text
 }
 
-fn modes_table(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> String {
+fn modes_table(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     let caption = set_in_words(results, set);
     if found.unstable.is_empty() {
         return format!("<p>{caption}: none.</p>\n");
@@ -161,7 +161,7 @@ fn modes_table(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> St
     text + "</tbody></table></div>\n"
 }
 
-fn mode_in_words(results: &Results<'_>, set: usize, name: ModeLabel) -> String {
+fn mode_in_words(results: &Results, set: usize, name: ModeLabel) -> String {
     if !name.is_mode() {
         return results.in_words(set, name);
     }
@@ -169,7 +169,7 @@ fn mode_in_words(results: &Results<'_>, set: usize, name: ModeLabel) -> String {
     results.frequency(set, name).map_or(label.clone(), |f| format!("{label} ({} Hz)", hertz(f)))
 }
 
-fn set_in_words(results: &Results<'_>, set: usize) -> String {
+fn set_in_words(results: &Results, set: usize) -> String {
     let sets = &results.plan().labels.constraints;
     match sets.len() {
         1 => format!("Constraints \u{201c}{}\u{201d}", escaped(&sets[set])),

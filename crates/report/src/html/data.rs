@@ -28,7 +28,7 @@ const TABLES: [(&str, &str); 9] = [
 ];
 
 /// All that the page of a study draws and lists. The tables are those in `dir`.
-pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry<'_>, dir: &Path) -> Result<Value, Error> {
+pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>, dir: &Path) -> Result<Value, Error> {
     let labels = &results.plan().labels;
     let mut tables = vec![by_panel(results)?];
     if let Some(table) = Table::read(dir, "occurrence.csv")? {
@@ -51,7 +51,7 @@ pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry<'_>, dir: &Pat
 }
 
 /// The occurrence of every mode in every panel, as the figure shows it.
-fn by_panel(results: &Results<'_>) -> Result<Value, Error> {
+fn by_panel(results: &Results) -> Result<Value, Error> {
     let labels = &results.plan().labels;
     let mut rows = Vec::new();
     for panel in results.panels() {

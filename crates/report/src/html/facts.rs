@@ -22,7 +22,7 @@ const ASSUMPTIONS: [&str; 7] = [
 ];
 
 /// Assumptions, counts, versions and case of a study, as HTML.
-pub(super) fn of_study(results: &Results<'_>) -> String {
+pub(super) fn of_study(results: &Results) -> String {
     let plan = results.plan();
     // Without times and threads: the page has the same bytes whatever these were.
     let manifest = Manifest::new(results, None, Times::default());

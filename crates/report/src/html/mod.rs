@@ -40,7 +40,7 @@ const FILE: &str = "report.html";
 ///
 /// # Errors
 /// A table that cannot be read, a file that cannot be written.
-pub fn write_page(results: &Results<'_>, geometry: &Geometry<'_>, dir: &Path) -> Result<(), Error> {
+pub fn write_page(results: &Results, geometry: &Geometry<'_>, dir: &Path) -> Result<(), Error> {
     let page = Page {
         title: results.plan().name.clone(),
         answer: answer::answer(results)?,

@@ -64,7 +64,7 @@ pub(super) fn moving<'m>(
 ///
 /// # Errors
 /// As [`moving`].
-pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry<'_>) -> Result<Value, Error> {
+pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>) -> Result<Value, Error> {
     let plan = results.plan();
     let mut listed = Vec::new();
     for constraints in 0..plan.labels.constraints.len() {

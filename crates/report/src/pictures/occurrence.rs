@@ -16,7 +16,7 @@ use crate::Error;
 ///
 /// # Errors
 /// Those of the figures.
-pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+pub fn draw_occurrence(results: &Results, dir: &Path) -> Result<(), Error> {
     let Plan { name, labels, .. } = results.plan();
     for (constraints, set) in labels.constraints.iter().enumerate() {
         for (law, label) in labels.laws.iter().enumerate() {
@@ -35,7 +35,7 @@ pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 }
 
 /// What a set of constraints is called in headings.
-pub fn set_heading(results: &Results<'_>, constraints: usize) -> String {
+pub fn set_heading(results: &Results, constraints: usize) -> String {
     let sets = &results.plan().labels.constraints;
     match sets.len() {
         1 => format!("constraints \"{}\"", sets[constraints]),
@@ -45,7 +45,7 @@ pub fn set_heading(results: &Results<'_>, constraints: usize) -> String {
 
 /// The figure of some laws' occurrences under one constraint set, by the places of both in the plan.
 pub fn occurrence(
-    results: &Results<'_>,
+    results: &Results,
     constraints: usize,
     laws: &[usize],
     title: String,
@@ -102,7 +102,7 @@ pub fn occurrence(
 }
 
 /// The ranges of speed, and all together where a law has no speed in it.
-fn series(results: &Results<'_>, has_speed: bool, laws: usize) -> Vec<OccurrenceSeries> {
+fn series(results: &Results, has_speed: bool, laws: usize) -> Vec<OccurrenceSeries> {
     let speeds = &results.plan().labels.speeds;
     let all = match (speeds.is_empty(), has_speed && laws > 1) {
         (true, _) => "all samples".to_owned(),
@@ -119,7 +119,7 @@ fn series(results: &Results<'_>, has_speed: bool, laws: usize) -> Vec<Occurrence
 }
 
 /// What the names of the modes mean.
-fn mode_note(results: &Results<'_>, constraints: usize) -> String {
+fn mode_note(results: &Results, constraints: usize) -> String {
     let labels = &results.plan().labels;
     let counted = match results.labels {
         ModeNaming::Tracked => None,
@@ -150,7 +150,7 @@ fn mode_note(results: &Results<'_>, constraints: usize) -> String {
 }
 
 /// The arrangements of a panel, each with the number of the scene that was solved for it.
-fn arrangements(results: &Results<'_>, panel: &Panel) -> Vec<OccurrenceArrangement> {
+fn arrangements(results: &Results, panel: &Panel) -> Vec<OccurrenceArrangement> {
     let names = &results.plan().labels.panels[panel.key.panel].arrangements;
     let system = |arrangement: usize| {
         let of_scene = |&scene: &usize| results.plan().scenes[scene].members.contains(&arrangement);

@@ -9,7 +9,7 @@ use brakes::{LatticeBrake, LatticeSample};
 use squeal::linsys::OperatingPoint;
 use squeal::montecarlo::StreamRng;
 use squeal::osc_model::{Lateral, Preload};
-use squeal::study::{Configuration, Plan, Scene, SceneKey, UncertainBrake};
+use squeal::study::{Configuration, Plan, Scene, UncertainBrake};
 
 /// Several brakes in one: the plan of the first, and every law of the others that is another one.
 pub struct Family {
@@ -44,7 +44,7 @@ impl Family {
                 self.laws.push((member, law));
                 self.plan.labels.laws.push(brake.plan.labels.laws[law].clone());
                 let of_law = brake.plan.scenes.iter().filter(|scene| scene.key.law == law);
-                let moved = of_law.map(|scene| Scene { key: SceneKey { law: place, ..scene.key }, ..scene.clone() });
+                let moved = of_law.map(|scene| with_law(scene, place));
                 self.plan.scenes.extend(moved);
             }
             places.push(place);
@@ -99,10 +99,11 @@ fn acts_alike(law: Law, a: &LatticeReadings, b: &LatticeReadings) -> bool {
     same_bristles && (a.preload == b.preload || sees_no_load)
 }
 
-/// What a brake needs of a scene to know an operating point, under another law.
+/// The scene of another law.
 fn with_law(scene: &Scene, law: usize) -> Scene {
-    let key = SceneKey { law, ..scene.key };
-    Scene { key, members: Vec::new(), configuration: scene.configuration, wants_work: scene.wants_work }
+    let mut moved = scene.clone();
+    moved.key.law = law;
+    moved
 }
 
 impl UncertainBrake for Family {

@@ -78,7 +78,9 @@ fn rows(family: &Family, stage: Stage) -> Result<Vec<Row>, Error> {
     let references = study.references_by_likeness().unwrap_or_default();
     let by_plan = Results::new(&study, summary(tally.by_plan));
     let by_likeness = match plan.mode_identity {
-        ModeIdentity::Continuation => Some(Results::with_references(&study, &references, summary(tally.by_likeness))),
+        ModeIdentity::Continuation => {
+            Some(Results::with_references(&study, references.into(), summary(tally.by_likeness)))
+        }
         ModeIdentity::Mac => None,
     };
 

@@ -4,7 +4,7 @@ use study::{FullChecks, SceneTally, divergence_doubt, divergence_of_reduced};
 
 use super::Results;
 
-impl Results<'_> {
+impl Results {
     /// Why the results may not be those of the whole brake, in sentences; none where nothing speaks against it.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();

@@ -46,7 +46,7 @@ impl Estimates {
     /// A sample that cannot be solved; a folder that cannot be written.
     pub fn run<B: UncertainBrake>(
         study: &Study<'_, B>,
-        results: &Results<'_>,
+        results: &Results,
         half_width: f64,
         kept_in: &Path,
         dir: &Path,

@@ -59,7 +59,7 @@ pub struct SetFindings<'a> {
 
 impl<'a> SetFindings<'a> {
     /// What the samples say of the modes of a set.
-    pub fn new(results: &'a Results<'_>, constraints: usize) -> Result<Self, Error> {
+    pub fn new(results: &'a Results, constraints: usize) -> Result<Self, Error> {
         let ranges = mode_ranges(results, constraints)?;
         let (mut unstable, stable): (Vec<_>, Vec<_>) =
             ranges.into_iter().partition(|(_, range)| range.is_ever_unstable);
@@ -96,7 +96,7 @@ impl<'a> SetFindings<'a> {
     }
 }
 
-fn mode_ranges<'a>(results: &'a Results<'_>, constraints: usize) -> Result<BTreeMap<ModeLabel, ModeRange<'a>>, Error> {
+fn mode_ranges<'a>(results: &'a Results, constraints: usize) -> Result<BTreeMap<ModeLabel, ModeRange<'a>>, Error> {
     let mut modes = BTreeMap::new();
     let none = Estimate { value: 0.0, lower: 0.0, upper: 0.0 };
     for panel in results.panels().iter().filter(|panel| panel.key.constraints == constraints) {
@@ -142,7 +142,7 @@ pub struct Change<'a> {
 
 impl<'a> Change<'a> {
     /// `None` where there is nothing to compare.
-    pub fn new(results: &'a Results<'_>, constraints: usize) -> Option<Self> {
+    pub fn new(results: &'a Results, constraints: usize) -> Option<Self> {
         let of_set = results
             .differences(ComparisonKind::Constraints, Confidence::P95)
             .filter(|(_, set, _)| set.key.constraints == constraints);
@@ -184,7 +184,7 @@ pub struct OpenCounts {
 impl OpenCounts {
     /// What the samples of a study leave open.
     #[must_use]
-    pub fn new(results: &Results<'_>) -> Self {
+    pub fn new(results: &Results) -> Self {
         let sum = |of: fn(&SceneTally) -> u64| results.summary.tally.scenes.iter().map(of).sum::<u64>();
         Self {
             unstable_modes: sum(|tally| tally.unstable_modes),
@@ -199,7 +199,7 @@ impl OpenCounts {
 
 /// What every number of a study has to be read with: failures first, then verdicts that are open, a sentence each; nothing where
 /// there are none.
-pub fn warnings(results: &Results<'_>) -> Vec<String> {
+pub fn warnings(results: &Results) -> Vec<String> {
     let (summary, mut found) = (&results.summary, Vec::new());
     let scenes = results.plan().scenes.len() as u64;
     let failed: u64 = (0..results.plan().scenes.len()).map(|scene| results.failed(scene)).sum();
@@ -224,7 +224,7 @@ pub fn warnings(results: &Results<'_>) -> Vec<String> {
 }
 
 /// Law, number in contact and speed of a panel.
-pub fn place(results: &Results<'_>, panel: &Panel) -> String {
+pub fn place(results: &Results, panel: &Panel) -> String {
     let labels = &results.plan().labels;
     let mut place = labels.laws[panel.key.law].name.clone();
     match labels.panels[panel.key.panel].in_contact {

@@ -128,7 +128,7 @@ pub struct Manifest {
 
 impl Manifest {
     /// The manifest of finished results.
-    pub fn new(results: &Results<'_>, threads: Option<usize>, seconds: Times) -> Self {
+    pub fn new(results: &Results, threads: Option<usize>, seconds: Times) -> Self {
         let (plan, summary) = (results.plan(), &results.summary);
         let panels = plan.labels.panels.iter().map(|panel| (panel.in_contact, panel.arrangements.len()));
         let sum = |of: fn(&study::SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum();

@@ -12,9 +12,9 @@ use crate::Error;
 /// Least MAC of two modes that are listed as alike; chosen: below, a shape has little of the other.
 const LEAST_LISTED_MAC: f64 = 0.1;
 
-impl<'a> Results<'a> {
+impl Results {
     /// The modes of a set of constraints at its origin with their names, ascending in frequency.
-    pub fn modes_of_set(&self, constraints: usize) -> Vec<(ModeLabel, &'a Mode)> {
+    pub fn modes_of_set(&self, constraints: usize) -> Vec<(ModeLabel, &Mode)> {
         let Some(origin) = origin_of_set(self.plan(), constraints) else { return Vec::new() };
         let Reference { names, modes, .. } = &self.origins()[origin];
         let name = |at: usize| {
@@ -52,7 +52,7 @@ pub fn set_letter(constraints: usize) -> String {
 }
 
 /// Writes `modes.csv`, and `shapes-SET.csv` for each set of constraints.
-pub(super) fn write_modes(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+pub(super) fn write_modes(results: &Results, dir: &Path) -> Result<(), Error> {
     let (plan, mut rows) = (results.plan(), Vec::new());
     for (constraints, set) in plan.labels.constraints.iter().enumerate() {
         let (Some(origin), modes) = (origin_of_set(plan, constraints), results.modes_of_set(constraints)) else {
@@ -79,7 +79,7 @@ pub(super) fn write_modes(results: &Results<'_>, dir: &Path) -> Result<(), Error
 }
 
 /// Writes `links.csv`: which mode of a set of constraints is which of one that holds more.
-pub(super) fn write_links(results: &Results<'_>, links: &[SetLinks], dir: &Path) -> Result<(), Error> {
+pub(super) fn write_links(results: &Results, links: &[SetLinks], dir: &Path) -> Result<(), Error> {
     let (names, mut rows) = (&results.plan().labels.constraints, Vec::new());
     for link in links {
         let (from, to) = (results.modes_of_set(link.from), results.modes_of_set(link.to));

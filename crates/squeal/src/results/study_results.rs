@@ -1,7 +1,7 @@
 //! Counts turned into occurrences, means and intervals.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use montecarlo::{BoundedMean, Bounds, Confidence, LabelTally, Proportion, Summary, quantile};
 use study::{
@@ -45,10 +45,10 @@ impl ArrangementOccurrence {
 }
 
 /// The results of a study.
-pub struct Results<'a> {
-    plan: &'a Plan,
-    origins: &'a [Reference],
-    references: &'a [Reference],
+pub struct Results {
+    plan: Arc<Plan>,
+    origins: Arc<[Reference]>,
+    references: Arc<[Reference]>,
     /// Its counts.
     pub summary: Summary<StudyTally>,
     /// How modes are named in the report.
@@ -63,22 +63,22 @@ pub struct Results<'a> {
     notes: Mutex<Vec<String>>,
 }
 
-impl<'a> Results<'a> {
+impl Results {
     /// The results of a finished run.
-    pub fn new<B: UncertainBrake>(study: &'a Study<'a, B>, summary: Summary<StudyTally>) -> Self {
-        Self::with_references(study, study.references(), summary)
+    pub fn new<B: UncertainBrake>(study: &Study<'_, B>, summary: Summary<StudyTally>) -> Self {
+        Self::with_references(study, study.shared_references(), summary)
     }
 
     /// [`Results::new`], with the reference modes of the scenes named in another way: those of
     /// [`Study::references_by_likeness`].
     pub fn with_references<B: UncertainBrake>(
-        study: &'a Study<'a, B>,
-        references: &'a [Reference],
+        study: &Study<'_, B>,
+        references: Arc<[Reference]>,
         summary: Summary<StudyTally>,
     ) -> Self {
-        let (plan, origins) = (study.plan(), study.origin_references());
-        let panels = study::panels(plan);
-        let comparisons = study::comparisons(plan, &panels);
+        let (plan, origins) = (Arc::new(study.plan().clone()), study.shared_origin_references());
+        let panels = study::panels(&plan);
+        let comparisons = study::comparisons(&plan, &panels);
         let source = study.brake().mode_source();
         let (labels, full_checks, has_band_modes) =
             (plan.mode_labels, source.and_then(|source| source.full_checks()), source.is_some());
@@ -94,6 +94,9 @@ impl<'a> Results<'a> {
             panels: self.panels.clone(),
             comparisons: self.comparisons.clone(),
             notes: Mutex::default(),
+            plan: Arc::clone(&self.plan),
+            origins: Arc::clone(&self.origins),
+            references: Arc::clone(&self.references),
             ..*self
         }
     }
@@ -114,7 +117,7 @@ impl<'a> Results<'a> {
         let comparisons;
         (comparisons, summary.tally.comparisons) = compared.unzip();
         let panels = kept.iter().map(|&at| self.panels[at].clone()).collect();
-        Self { summary, panels, comparisons, notes: Mutex::default(), ..*self }
+        Self { summary, panels, comparisons, ..self.labelled(self.labels) }
     }
 
     /// Notes something for the manifest.
@@ -128,18 +131,18 @@ impl<'a> Results<'a> {
     }
 
     /// The plan.
-    pub fn plan(&self) -> &'a Plan {
-        self.plan
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// The modes of each origin of the plan.
-    pub(super) fn origins(&self) -> &'a [Reference] {
-        self.origins
+    pub(super) fn origins(&self) -> &[Reference] {
+        &self.origins
     }
 
     /// The reference modes of each scene.
-    pub fn references(&self) -> &'a [Reference] {
-        self.references
+    pub fn references(&self) -> &[Reference] {
+        &self.references
     }
 
     /// All panels, in the order of their keys.
@@ -253,7 +256,7 @@ impl<'a> Results<'a> {
 
     /// Number of modes under a set of constraints, an overdamped one counted once.
     pub fn modes_under(&self, constraints: usize) -> usize {
-        let origin = origin_of_set(self.plan, constraints);
+        let origin = origin_of_set(&self.plan, constraints);
         origin.map_or(0, |origin| self.plan.origins[origin].brake.dofs.free().len())
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use montecarlo::Sampling;
+use montecarlo::{Progress, Sampling};
 use output::printable;
 use study::{ModeLabel, Panel, SceneTally, Study, StudyTally, UncertainBrake};
 
@@ -10,14 +10,23 @@ use super::findings::warnings;
 use super::{ArrangementOccurrence, Estimate, Results};
 use crate::Error;
 
-impl<'a> Results<'a> {
+impl Results {
     /// Runs a study in memory, without a folder: all samples of its plan on all cores.
     ///
     /// # Errors
     /// A plan without samples, no worker threads.
-    pub fn sampled<B: UncertainBrake>(study: &'a Study<'a, B>) -> Result<Self, Error> {
+    pub fn sampled<B: UncertainBrake>(study: &Study<'_, B>) -> Result<Self, Error> {
+        Self::sampled_with(study, &())
+    }
+
+    /// As [`Results::sampled`], and tells how far it has come, in evaluations; a progress that is cancelled ends it.
+    ///
+    /// # Errors
+    /// As [`Results::sampled`]; [`Error::is_cancelled`].
+    pub fn sampled_with<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress) -> Result<Self, Error> {
         let plan = study.plan();
-        let summary = montecarlo::run(study, &Sampling::new(plan.seed, plan.samples), || StudyTally::empty(plan))?;
+        let sampling = Sampling::new(plan.seed, plan.samples);
+        let summary = montecarlo::run_with(study, &sampling, || StudyTally::empty(plan), None, progress)?;
         Ok(Results::new(study, summary))
     }
 

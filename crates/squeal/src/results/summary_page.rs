@@ -14,7 +14,7 @@ use crate::Error;
 
 /// Writes `summary.md`.
 pub(super) fn write_summary(
-    results: &Results<'_>,
+    results: &Results,
     links: &[SetLinks],
     reasons: &[SceneReasons],
     dir: &Path,
@@ -55,7 +55,7 @@ pub(super) fn write_summary(
 }
 
 /// The modes of a set of constraints that are ever unstable, the most robust first.
-fn squealing(results: &Results<'_>, constraints: usize, findings: &SetFindings<'_>) -> String {
+fn squealing(results: &Results, constraints: usize, findings: &SetFindings<'_>) -> String {
     let unstable = &findings.unstable;
     let names = |list: Vec<String>| if list.is_empty() { "none".to_owned() } else { list.join(", ") };
     let everywhere = unstable.iter().filter(|(_, range)| range.is_likely_everywhere());
@@ -97,7 +97,7 @@ fn squealing(results: &Results<'_>, constraints: usize, findings: &SetFindings<'
 }
 
 /// What the samples leave open.
-fn open_questions(results: &Results<'_>) -> String {
+fn open_questions(results: &Results) -> String {
     let OpenCounts { unstable_modes, ambiguous_modes, divergent, undecided, marginal, failures } =
         OpenCounts::new(results);
     let divergence = results.divergence_in_words().unwrap_or_else(|| format!("{divergent} real eigenvalues diverge."));
@@ -109,7 +109,7 @@ fn open_questions(results: &Results<'_>) -> String {
 }
 
 /// By how much a set of constraints changes the number of unstable modes.
-fn helped(results: &Results<'_>, constraints: usize) -> String {
+fn helped(results: &Results, constraints: usize) -> String {
     let name = set_name(results, constraints);
     let Some(Change { panels, fewer, more, least, most }) = Change::new(results, constraints) else {
         return format!("- **{name}**: nothing to compare.\n");
@@ -124,7 +124,7 @@ fn helped(results: &Results<'_>, constraints: usize) -> String {
 }
 
 /// What becomes of each mode of the first set that is ever unstable.
-fn followed(results: &Results<'_>, link: &SetLinks, sets: &[SetFindings<'_>]) -> String {
+fn followed(results: &Results, link: &SetLinks, sets: &[SetFindings<'_>]) -> String {
     let mut text = format!(
         "\nWhat becomes of the modes of {} under {}, by continuation as the constraints come in; MAC compares the two shapes, \
          occurrences are the least and the largest of a panel:\n\n| mode | Hz | occurrence | becomes | Hz | MAC | occurrence |\n\
@@ -167,7 +167,7 @@ fn followed(results: &Results<'_>, link: &SetLinks, sets: &[SetFindings<'_>]) ->
     text
 }
 
-fn set_name(results: &Results<'_>, constraints: usize) -> String {
+fn set_name(results: &Results, constraints: usize) -> String {
     let sets = &results.plan().labels.constraints;
     match sets.len() {
         1 => format!("\"{}\"", sets[constraints]),
@@ -175,7 +175,7 @@ fn set_name(results: &Results<'_>, constraints: usize) -> String {
     }
 }
 
-fn frequency(results: &Results<'_>, constraints: usize, name: ModeLabel) -> String {
+fn frequency(results: &Results, constraints: usize, name: ModeLabel) -> String {
     results.frequency(constraints, name).map_or("-".into(), hertz)
 }
 

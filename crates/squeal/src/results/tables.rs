@@ -17,7 +17,7 @@ use crate::Error;
 ///
 /// # Errors
 /// [`Error::Output`]; those of following modes from one set of constraints to another.
-pub fn write_tables(results: &Results<'_>, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
+pub fn write_tables(results: &Results, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
     let links = set_links(results.plan(), results.origins(), &cea::QrSolver)?;
     write_modes(results, dir)?;
     write_links(results, &links, dir)?;
@@ -31,7 +31,7 @@ pub fn write_tables(results: &Results<'_>, reasons: &[SceneReasons], dir: &Path)
     write_summary(results, &links, reasons, dir)
 }
 
-fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+fn write_occurrence(results: &Results, dir: &Path) -> Result<(), Error> {
     let labels = &results.plan().labels;
     let own = ["samples", "unstable", "open", "occurrence", "lower", "upper", "failed"];
     let mut rows = Vec::new();
@@ -57,7 +57,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     Ok(write_csv(&dir.join("occurrence.csv"), &header, rows)?)
 }
 
-fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+fn write_panels(results: &Results, dir: &Path) -> Result<(), Error> {
     let labels = &results.plan().labels;
     let header = [
         "constraints",
@@ -111,7 +111,7 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 }
 
 /// Every comparison of two panels on the same draws: by how much the mean number of unstable modes differs.
-fn write_differences(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+fn write_differences(results: &Results, dir: &Path) -> Result<(), Error> {
     let panel_columns = |panel: &Panel| {
         let labels = &results.plan().labels;
         let [constraints, law, speed] = labels.key_columns(panel.key);
@@ -143,7 +143,7 @@ fn write_differences(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     Ok(write_csv(&dir.join("differences.csv"), &header, rows)?)
 }
 
-fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+fn write_net_work(results: &Results, dir: &Path) -> Result<(), Error> {
     let header =
         ["constraints", "law", "speed", "mode", "body", "samples", "lower_quartile", "median", "upper_quartile"];
     let mut rows = Vec::new();
@@ -160,7 +160,7 @@ fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     Ok(write_csv(&dir.join("net_work.csv"), &header, rows)?)
 }
 
-fn write_family_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+fn write_family_work(results: &Results, dir: &Path) -> Result<(), Error> {
     let header = [
         "constraints",
         "law",
@@ -200,7 +200,7 @@ fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
     ])
 }
 
-fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+fn write_failures(results: &Results, dir: &Path) -> Result<(), Error> {
     let rows = results.summary.failures.listed().iter().map(|failure| {
         let scene = failure.scene.map(|at| results.plan().describe(&results.plan().scenes[at]));
         let scene = scene.unwrap_or_else(|| "every scene: the draw failed".into());

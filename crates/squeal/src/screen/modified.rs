@@ -1,6 +1,7 @@
 //! A brake whose sets of constraints are sets of changes of another.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use linsys::OperatingPoint;
 use montecarlo::StreamRng;
@@ -108,18 +109,14 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         let of = inner.plan();
         let by_plan = ModifiablePlan(of);
         let modifiable = modifiable_of(inner, &by_plan)?;
-        let plan = Plan {
-            identity: Identity::read(&of.name, &of.identity)
-                .part("changes", |to| to.list(sets, ChangeSet::written))
-                .into_line(),
-            mode_labels: ModeNaming::Rank,
-            mode_identity: ModeIdentity::Mac,
-            labels: SceneLabels { constraints: sets.iter().map(|set| set.name.clone()).collect(), ..of.labels.clone() },
-            origins: Vec::new(),
-            configurations: Vec::new(),
-            scenes: Vec::new(),
-            ..of.clone()
-        };
+        let identity =
+            Identity::read(&of.name, &of.identity).part("changes", |to| to.list(sets, ChangeSet::written)).into_line();
+        let mut plan = Plan::without_scenes(&of.name, identity, of.samples, of.seed);
+        plan.source_file.clone_from(&of.source_file);
+        (plan.mode_labels, plan.mode_identity) = (ModeNaming::Rank, ModeIdentity::Mac);
+        (plan.band, plan.threshold, plan.is_named_at_medians) = (of.band, of.threshold, of.is_named_at_medians);
+        plan.labels =
+            SceneLabels { constraints: sets.iter().map(|set| set.name.clone()).collect(), ..of.labels.clone() };
         let mut modified = Self { inner, plan, from: Vec::new() };
         for (place, set) in sets.iter().enumerate() {
             modified.lay_out(modifiable, place, set)?;
@@ -145,7 +142,10 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
                     &mut laid_out,
                 )?;
                 let key = SceneKey { constraints: place, ..scene.key };
-                self.plan.scenes.push(Scene { key, members, configuration, wants_work: false });
+                let mut changed = scene.clone();
+                (changed.key, changed.members, changed.configuration) = (key, members, configuration);
+                changed.wants_work = false;
+                self.plan.scenes.push(changed);
             }
         }
         Ok(())
@@ -164,9 +164,9 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         }
         let from = self.inner.plan().configuration(scene);
         let changed = ChangedBrake::new(&from.brake, contacts, changes)?;
-        let (brake, naming_point) = (changed.brake.clone(), changed.point(from.naming_point.clone()));
+        let (brake, naming_point) = (Arc::new(changed.brake.clone()), changed.point(from.naming_point.clone()));
         // Modes have no names here but their ranks, so that each configuration is the origin of its own.
-        self.plan.origins.push(Origin { brake: brake.clone(), naming_point: naming_point.clone() });
+        self.plan.origins.push(Origin { brake: Arc::clone(&brake), naming_point: naming_point.clone() });
         let (origin, contacts) = (self.plan.origins.len() - 1, from.contacts.clone());
         self.plan.configurations.push(Configuration { brake, naming_point, origin, contacts });
         let (constraints, configuration) = (scene.key.constraints, scene.configuration);
@@ -238,7 +238,8 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
     fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, study::Error> {
         let FromInner { constraints, configuration, changed } = &self.from[scene.configuration];
         let key = SceneKey { constraints: *constraints, ..scene.key };
-        let inner = Scene { key, configuration: *configuration, ..Scene::default() };
+        let mut inner = Scene::default();
+        (inner.key, inner.configuration) = (key, *configuration);
         Ok(changed.point(self.inner.operating_point(&inner, sample)?))
     }
 

@@ -16,7 +16,7 @@ use super::common;
 fn influence_of_samples_that_a_study_has_kept_is_that_of_evaluating_them_again() {
     let case =
         |samples: u64| LatticeBrake::new(LatticeCase { samples, ..common::case("two-by-two.toml", &[]) }).unwrap();
-    let keeping = RunOptions { keeps_samples: true, ..RunOptions::default() };
+    let keeping = RunOptions::default().keeping_samples(true);
     let run = |dir: &Path, samples: u64, options: RunOptions| {
         let brake = case(samples);
         let mut kept = None;

@@ -12,6 +12,7 @@ mod of_study;
 
 pub use of_study::{channel, naming, of_study};
 
+use montecarlo::Distribution;
 use sha2::{Digest, Sha256};
 
 /// Changes when a part is added or written in another way, so that older lines are refused by name.
@@ -102,6 +103,13 @@ impl Written {
         let values = values.into_iter();
         self.count(values.len());
         values.for_each(|value| each(self, value));
+    }
+
+    /// A distribution: its kind and its parameters.
+    pub fn distribution(&mut self, of: &Distribution) {
+        let (kind, values) = of.written_out();
+        self.text(kind);
+        self.list(values, |to, value| to.option(value, Self::number));
     }
 
     /// A value that may be missing.
