@@ -10,7 +10,7 @@ const MANY: f64 = 100.0;
 
 /// What the interval of a sum of few positive terms is computed from. Their number is one of chance, and a term that did not come up may
 /// be as large as those that did, so that a sum of none says little.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct FewTerms {
     sum: f64,
     squares: f64,

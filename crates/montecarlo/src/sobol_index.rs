@@ -19,7 +19,7 @@ use crate::few_terms::FewTerms;
 const FEWEST_SAMPLES: usize = 100;
 
 /// An index, with the standard error that follows from the samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct SobolIndex {
     /// The estimate; chance may bring it below 0 or above 1.
     pub value: f64,

@@ -5,7 +5,7 @@ use montecarlo::Distribution;
 use crate::Scene;
 
 /// A number that is drawn for a scene.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Input {
     /// Its name, as the case file has it; with the number of its contact where each has a draw of its own.
     pub name: String,

@@ -25,7 +25,7 @@ const COMPARED_EIGENVALUES: usize = 4;
 const FIRST_STEPS: usize = 16;
 
 /// An eigenvalue and its derivative by the parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct BranchPoint {
     /// The eigenvalue, rad/s.
     pub lambda: Complex<f64>,

@@ -11,14 +11,14 @@ use crate::error::check_interval;
 const MOST_STEPS: usize = 512;
 
 /// One branch of a root locus.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Branch {
     /// The parameter, ascending, and the eigenvalue there; denser where branches turn or come near each other.
     pub points: Vec<(f64, BranchPoint)>,
 }
 
 /// A step of the parameter over which branches cannot be continued, because a coalescence lies in the step or near it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Ambiguity {
     /// Lower end.
     pub from: f64,
@@ -32,7 +32,7 @@ pub struct Ambiguity {
 }
 
 /// All branches on an interval.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct RootLocus {
     /// First the branches that begin at the lower end of the interval, ascending in frequency; then the branches that begin
     /// after an ambiguity.

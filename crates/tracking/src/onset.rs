@@ -20,7 +20,7 @@ const RATE_MARGIN: f64 = 2.0;
 const MOST_ROOT_STEPS: usize = 60;
 
 /// Where an eigenvalue crosses the imaginary axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Onset {
     /// The parameter.
     pub at: f64,
@@ -33,7 +33,7 @@ pub struct Onset {
 }
 
 /// All onsets on an interval, and the steps in which the search could not decide.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Onsets {
     /// The onsets, ascending in the parameter.
     pub onsets: Vec<Onset>,

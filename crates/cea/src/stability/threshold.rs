@@ -21,7 +21,7 @@ use crate::Verdict;
 /// assert_eq!(grows(10.01), Verdict::Unstable);
 /// assert!(matches!(grows(10.0), Verdict::Undecided { .. }));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Threshold {
     /// Growth rate above which a motion counts, 1/s, >= 0.
     growth: f64,

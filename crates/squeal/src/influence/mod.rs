@@ -22,7 +22,7 @@ pub use report::write_influences;
 pub use samples::write_kept_samples;
 
 /// The influence of all inputs on an output.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct OutputInfluence {
     /// The output.
     pub output: Output,
@@ -41,7 +41,7 @@ pub struct OutputInfluence {
 }
 
 /// The influence of one input on an output.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct InputInfluence {
     /// First order: what would go of the variance if this input alone were known.
     pub first_order: SobolIndex,
@@ -50,7 +50,7 @@ pub struct InputInfluence {
 }
 
 /// The influence of the inputs of a scene.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Influence {
     /// What is drawn and matters.
     pub inputs: Vec<Input>,

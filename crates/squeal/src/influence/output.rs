@@ -7,7 +7,7 @@ use study::ModeLabel;
 use super::evaluated::Evaluated;
 
 /// What is asked of a mode, or of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum OutputKind {
     /// The growth rate, 1/s; 0 where it is not unstable.
     Growth,
@@ -27,7 +27,7 @@ impl OutputKind {
 }
 
 /// An output of a sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Output {
     /// The mode that it is about; `None` for the one that grows most, whichever it is.
     pub mode: Option<ModeLabel>,

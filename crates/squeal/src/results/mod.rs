@@ -3,6 +3,7 @@
 mod doubts;
 mod estimates;
 pub mod findings;
+mod json;
 mod manifest;
 mod modes;
 mod reasons;

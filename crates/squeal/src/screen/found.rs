@@ -17,7 +17,7 @@ use crate::results::Estimate;
 const MOST_PRINTED: usize = 5;
 
 /// Some changes of a brake together, with what is known of their effect.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ScreenedSet {
     /// Of which kind; `None` of the brake as it is, and of its other sets of constraints.
     pub kind: Option<ChangeKind>,
@@ -38,6 +38,7 @@ pub struct ScreenedSet {
 }
 
 /// What a screening found.
+#[derive(serde::Serialize)]
 pub struct Screen {
     /// The brake as it is, its other sets of constraints, then kind by kind: the largest sets first, then single changes, the best
     /// first.

@@ -9,7 +9,7 @@ use num_complex::Complex;
 use study::{Scene, Study, UncertainBrake};
 
 /// A mode that is unstable at the medians, of the brake as it is.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct GrowingMode {
     /// The scene, in words.
     pub scene: String,
@@ -18,8 +18,10 @@ pub struct GrowingMode {
     /// Its eigenvalue, rad/s.
     pub lambda: Complex<f64>,
     /// The free degrees of freedom of the scene.
+    #[serde(skip)]
     pub dofs: DofMap,
     /// Its right eigenvector over these.
+    #[serde(skip)]
     pub shape: DVector<Complex<f64>>,
 }
 

@@ -15,7 +15,7 @@ use super::change::{Attached, Change, ChangedBrake};
 use crate::Error;
 
 /// Changes of a brake together, compared as one.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ChangeSet {
     /// What it is called.
     pub name: String,

@@ -23,7 +23,7 @@ const SMALL: usize = 160;
 const BETWEEN_CHECKS: usize = 10;
 
 /// A stability map.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct StabilityMap {
     /// The two parameters.
     pub parameters: [SweptParameter; 2],

@@ -26,7 +26,7 @@ const STEPS: [(usize, usize); 2] = [(160, 1024), (480, 256)];
 const FEWEST_STEPS: usize = 64;
 
 /// A branch of the root locus.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NamedBranch {
     /// Candidates for the name of its mode: "16", or "16|20" where a coalescence leaves it open, or "?".
     pub mode: String,
@@ -35,7 +35,7 @@ pub struct NamedBranch {
 }
 
 /// What a sweep over one parameter found.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Sweep {
     /// The parameter.
     pub parameter: SweptParameter,

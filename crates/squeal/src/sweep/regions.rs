@@ -24,7 +24,7 @@ pub struct Region {
 }
 
 /// A part of a row of cells with one number of unstable modes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Run {
     /// Ends, as parts of the range.
     pub x: [f64; 2],
