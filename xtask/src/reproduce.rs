@@ -53,7 +53,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), TaskError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut case = LatticeCase::read(&root.join("cases/paper.toml")).map_err(brakes::Error::from)?;
     let samples = args.samples.or(args.smoke.then_some(SMOKE_SAMPLES));
-    override_run((&mut case.samples, &mut case.seed), samples, args.seed, args.threads)?;
+    override_run(&mut case.header, samples, args.seed, args.threads)?;
     let default = root.join("target").join(if args.smoke { "reproduce-smoke" } else { "reproduce" });
     let out = args.out.clone().unwrap_or(default);
 

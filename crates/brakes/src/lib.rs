@@ -3,7 +3,7 @@
 //! | to | see |
 //! | --- | --- |
 //! | read a case, of any kind | [`case::CaseFile`] |
-//! | make it a brake | [`LatticeBrake`], [`MatricesBrake`], [`FiniteElementBrake`] |
+//! | make it a brake | [`CaseFile::into_brake`](case::CaseFile::into_brake); [`LatticeBrake`], [`MatricesBrake`], [`FiniteElementBrake`] |
 //!
 //! A study, as `squeal run` runs it:
 //!
@@ -15,7 +15,7 @@
 //! # let folder = tempfile::tempdir()?;
 //! # let dir = folder.path();
 //! let mut case = LatticeCase::read("cases/two-by-two.toml".as_ref())?;
-//! case.samples = 8;
+//! case.header.samples = 8;
 //! let brake = LatticeBrake::new(case)?;
 //! let manifest = squeal::run_study(&brake, dir, None, &mut |_, results, _| {
 //!     for panel in results.panels() {
@@ -27,6 +27,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod any;
 pub mod case;
 mod error;
 mod finite_elements;
@@ -37,6 +38,7 @@ mod labels;
 mod lattice;
 mod matrices;
 
+pub use any::{AnyBrake, CaseBrake, Purpose};
 pub use error::Error;
 pub use finite_elements::{BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, frictionless};
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};

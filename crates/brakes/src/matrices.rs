@@ -2,12 +2,12 @@
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
-use study::{
-    DrawnInputs, Input, NamedParameter, Parametrised, Plan, Scene, SingleParameter, StudySource, UncertainBrake,
-};
+use serde_json::{Map, Value, json};
+use study::{DrawnInputs, Input, NamedParameter, Parametrised, Plan, Scene, SingleParameter, UncertainBrake};
 
-use crate::Error;
-use crate::case::{MatricesCase, Parameter};
+use crate::any::{listed, with_family, with_unit};
+use crate::case::{MatricesCase, Parameter, TakenMatrix};
+use crate::{CaseBrake, Error};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
 #[derive(Debug)]
@@ -25,13 +25,11 @@ impl MatricesBrake {
     /// [`study::Error::Median`] where the medians of the parameters have no operating point.
     pub fn new(case: MatricesCase) -> Result<Self, Error> {
         let failed = |source| study::Error::Median {
-            study: case.path.display().to_string(),
+            study: case.header.path.display().to_string(),
             source: Box::new(Error::Case(source).into()),
         };
         let median = case.operating_point(&case.medians()).map_err(failed)?;
-        let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
-        plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
-        plan.threshold = case.threshold;
+        let mut plan = case.header.plan(case.identity());
         for set in &case.constraints {
             plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
         }
@@ -129,5 +127,36 @@ impl Parametrised for MatricesBrake {
             sample[place] = value;
         }
         self.system(scene, &sample)
+    }
+}
+
+impl CaseBrake for MatricesBrake {
+    fn contents(&self) -> Vec<(&'static str, String)> {
+        let case = &self.case;
+        let terms = case.system.terms().iter().map(|term| with_family(&term.name, &term.family));
+        let contacts = case.system.channels().iter().map(|channel| with_family(&channel.name, &channel.family));
+        let parameters = case.parameters.iter().map(|parameter| format!("{} [{}]", parameter.name, parameter.unit));
+        let mut lines = vec![("dofs", case.dofs.len().to_string()), ("terms", listed(terms.collect()))];
+        for (at, taken) in TakenMatrix::in_words(&case.files).into_iter().enumerate() {
+            lines.push((if at == 0 { "files" } else { "" }, taken));
+        }
+        lines.extend([
+            ("contacts", listed(contacts.collect())),
+            ("parameters", listed(parameters.collect())),
+            ("bodies", listed(case.bodies.iter().map(|body| body.name.clone()).collect())),
+            ("constraints", listed(self.plan.labels.constraints.clone())),
+        ]);
+        lines
+    }
+
+    fn medians_in_words(&self) -> String {
+        let values = self.case.parameters.iter().zip(self.median());
+        let values: Vec<String> = values.map(|(p, value)| with_unit(&p.name, value, &p.unit)).collect();
+        format!("median parameters: {}", values.join(", "))
+    }
+
+    fn scene_json(&self) -> Value {
+        let named = self.case.parameters.iter().zip(self.median()).map(|(p, value)| (p.name.clone(), json!(value)));
+        json!({ "constraints": self.plan.labels.constraints[0], "parameters": named.collect::<Map<_, _>>() })
     }
 }

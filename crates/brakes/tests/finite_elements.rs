@@ -162,7 +162,7 @@ fn around_six_kilohertz() -> FiniteElementCase {
 /// The case with nine patches in contact at a speed and a coefficient of friction, with or without friction across the sliding: frequencies, Hz,
 /// and growth rates of the modes that grow.
 fn growing(mu: f64, speed: f64, lateral: &str) -> Vec<(f64, f64)> {
-    let text = nine_with(lateral).text;
+    let text = nine_with(lateral).header.text;
     let text =
         text.replace("from = 0.1 ", &format!("from = {speed:e} ")).replace("to = 1.0", &format!("to = {speed:e}"));
     let text = text.replace("mean = 0.50", &format!("mean = {mu}"));
@@ -262,7 +262,7 @@ fn a_sweep_over_what_the_scene_does_not_have_is_refused_before_anything_is_reduc
 fn a_drawn_contact_stiffness_is_that_of_all_patches_and_the_basis_holds_it() {
     let draw = "[parameters.wear]\nunit = \"1\"\ndistribution = \"uniform\"\nfrom = 0.5\nto = 1.5\n\n[contact]";
     let with = |field: &str| {
-        let text = two_arrangements().text.replace("[contact]", draw);
+        let text = two_arrangements().header.text.replace("[contact]", draw);
         let text = text.replace("tolerance =", &format!("stiffness_factor = {field}\ntolerance ="));
         CaseFile::parse(&folder().join("worn.toml"), text.replace("[500.0, 8000.0]", "[5700.0, 6500.0]"))
     };
@@ -333,7 +333,7 @@ fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same(
 fn a_reduction_that_draws_do_not_confirm_is_trained_on_whatever_the_number_of_samples() {
     let poor = |full_checks: u64| {
         let text = two_arrangements()
-            .text
+            .header.text
             .replace("training = 16\nfull_checks = 4", &format!("training = 1\nfull_checks = {full_checks}"));
         let text =
             text.replace("[contact]", "[contact]\ndraws = \"each\"").replace("[500.0, 8000.0]", "[5700.0, 8000.0]");
@@ -352,7 +352,9 @@ fn a_reduction_that_draws_do_not_confirm_is_trained_on_whatever_the_number_of_sa
     let columns = |brake: &FiniteElementBrake| brake.parts.iter().map(|part| part.within.basis.ncols()).sum::<usize>();
     assert!(columns(&brake) > columns(&unchecked));
     // Again, and with another number of samples: the same to the last bit.
-    let again = FiniteElementBrake::checked(FiniteElementCase { samples: 7, ..poor(8) }, &()).unwrap();
+    let mut seven = poor(8);
+    seven.header.samples = 7;
+    let again = FiniteElementBrake::checked(seven, &()).unwrap();
     for (one, other) in brake.parts.iter().zip(&again.parts) {
         assert!(one.within.basis == other.within.basis);
     }

@@ -34,7 +34,7 @@ fn compared(brake: &FiniteElementBrake, samples: impl Iterator<Item = u64> + Clo
     let fastest = COUNTED * brake.plan().band.unwrap()[1];
     let grows = |lambda: &nalgebra::Complex<f64>| lambda.re > 0.0 && lambda.re < fastest;
     for scene in &brake.plan().scenes {
-        let drawn = samples.clone().map(|at| brake.draw(&mut stream(brake.case.seed, at)).unwrap());
+        let drawn = samples.clone().map(|at| brake.draw(&mut stream(brake.case.header.seed, at)).unwrap());
         let points: Vec<_> = drawn.map(|sample| brake.operating_point(scene, &sample).unwrap()).collect();
         for (at, found) in points.iter().zip(brake.band_modes(scene, &points)) {
             let found = found.unwrap();
@@ -80,7 +80,7 @@ fn modes_that_look_like_known_ones_become_these() {
     let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 3, 4, 5, 6, 8, 9]]", "none");
     let (mut modes, mut like, mut others) = (0, 0, 0);
     for scene in &brake.plan().scenes {
-        let drawn = (0..60).map(|at| brake.draw(&mut stream(brake.case.seed, at)).unwrap());
+        let drawn = (0..60).map(|at| brake.draw(&mut stream(brake.case.header.seed, at)).unwrap());
         let points: Vec<_> = drawn.map(|sample| brake.operating_point(scene, &sample).unwrap()).collect();
         for (at, found) in points.iter().zip(brake.band_modes(scene, &points)) {
             for mode in found.unwrap().iter().filter(|mode| mode.lambda.re > 0.0) {

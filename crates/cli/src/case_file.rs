@@ -12,6 +12,6 @@ use crate::terminal::note;
 /// As [`CaseFile::read`].
 pub(super) fn read(path: &Path) -> Result<CaseFile, CaseError> {
     let case = CaseFile::read(path)?;
-    case.notes().iter().for_each(|text| note(text));
+    case.header().notes.iter().for_each(|text| note(text));
     Ok(case)
 }

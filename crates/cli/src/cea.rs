@@ -3,13 +3,13 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use brakes::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
-use brakes::{BESIDE, FiniteElementBrake, LatticeSample, lattice, sliding};
+use brakes::case::{ChosenSpeed, FiniteElementCase};
+use brakes::{BESIDE, CaseBrake, FiniteElementBrake, Purpose};
 use cea::{
-    EigenSolver, Mode, Modes, QrSolver, Threshold, Verdict, Workspace, damping_ratio, frequency_hz, pair_numbers,
-    verdicts_beyond,
+    EigenSolver, Mode, Modes, QrSolver, Spectrum, Threshold, Verdict, Workspace, damping_ratio, frequency_hz,
+    pair_numbers, verdicts_beyond,
 };
-use linsys::{OperatingPoint, SecondOrder};
+use linsys::OperatingPoint;
 use nalgebra::DVectorView;
 use num_complex::Complex;
 use osc_model::Brake;
@@ -23,10 +23,9 @@ use work::ModeWork;
 use super::eig::announce;
 use super::options::MemoryArgs;
 use super::reasons::{first_scene, is_of, reasons, whys};
-use super::scene::{LatticeScene, SceneArgs, counts_from};
+use super::scene::{SceneArgs, counts_from};
 use super::sized;
 use crate::Error;
-use crate::bar::Bar;
 use crate::case_file;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
@@ -78,77 +77,53 @@ impl CeaArgs {
     /// # Errors
     /// What is wrong with the case or an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let text = match case_file::read(&self.case)? {
-            CaseFile::Lattice(case) => self.lattice(*case)?,
-            CaseFile::Matrices(case) => self.matrices(*case)?,
-            CaseFile::FiniteElements(case) => self.finite_elements(*case)?,
-        };
+        let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
+        let text = self.analysis(&sized::brake(case, Purpose::Analysis, self.memory, None)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
-    fn lattice(&self, case: LatticeCase) -> Result<String, Error> {
-        let LatticeScene { law, constraints, arrangement, speed } = self.scene.lattice(&case)?;
-        let lattice = lattice(&case, constraints, &arrangement)?;
-        let state = sliding(&case, &lattice, law, speed, &LatticeSample::median(&case))?;
-        let contacts = lattice.arrangement();
-        let scene = json!({
-            "law": law.name(),
-            "contact": contacts.in_contact().iter().map(|i| i + 1).collect::<Vec<_>>(),
-            "speed": speed,
-        });
-        let threshold = case.threshold;
-        let counts = counts_from(&threshold);
-        let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters{counts}");
-        let whys = if self.why {
-            first_scene(&sized::lattice(self.scene.only_lattice(case, None)?, self.memory)?)?
-        } else {
-            Vec::new()
-        };
-        self.text(lattice.brake(), &lattice.operating_point(&state)?, &threshold, &heading, &scene, &whys)
-    }
-
-    fn matrices(&self, case: MatricesCase) -> Result<String, Error> {
-        let set = &case.constraints[self.scene.matrices(&case)?];
-        let medians = case.medians();
-        // A number without a unit has "1" or nothing there.
-        let unit =
-            |p: &Parameter| if matches!(p.unit.as_str(), "" | "1") { String::new() } else { format!(" {}", p.unit) };
-        let values =
-            case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6}{}", p.name, unit(p)));
-        let (threshold, counts) = (case.threshold, counts_from(&case.threshold));
-        let heading = format!("median parameters: {}{counts}", values.collect::<Vec<_>>().join(", "));
-        let named: serde_json::Map<String, Value> =
-            case.parameters.iter().zip(&medians).map(|(p, &value)| (p.name.clone(), json!(value))).collect();
-        let scene = json!({ "constraints": set.name, "parameters": named });
-        let (brake, at) = (case.brake(set)?, case.operating_point(&medians)?);
-        let whys = if self.why {
-            first_scene(&sized::matrices(self.scene.only_matrices(case)?, self.memory)?)?
-        } else {
-            Vec::new()
-        };
-        self.text(&brake, &at, &threshold, &heading, &scene, &whys)
+    /// The analysis of the first scene of a brake, which need not be one of a case file, at its medians.
+    ///
+    /// # Errors
+    /// As [`CeaArgs::run`].
+    pub fn analysis<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
+        let (plan, heading) = (brake.plan(), brake.medians_in_words() + &counts_from(&brake.plan().threshold));
+        if let Some(brake) = brake.finite_elements() {
+            return self.finite_elements(brake, &heading);
+        }
+        let scene = &plan.scenes[0];
+        let at = brake.operating_point(scene, &brake.median())?;
+        let whys = if self.why { first_scene(brake)? } else { Vec::new() };
+        let (rows, real, modes) = analyse(plan.brake(scene), &at, &plan.threshold, self.modes)?;
+        Ok(match self.json {
+            true => json_text(&brake.scene_json(), &rows, &real, &modes, &whys),
+            false => {
+                let name = |why: &Why| {
+                    let row = rows.iter().find(|row| is_of(row.lambda, why));
+                    row.map_or(String::new(), |row| format!(" {}", row.rank))
+                };
+                format!("{heading}\n\n{}{}", table(&rows, &real, &modes, plan.brake(scene)), reasons(&whys, name))
+            }
+        })
     }
 
     /// The modes of a reduced finite element brake at median parameters, each with its residual in the whole one.
-    fn finite_elements(&self, case: FiniteElementCase) -> Result<String, Error> {
-        let case = self.scene.only_finite_elements(case, None)?;
-        sized::bases(&case, self.memory)?;
-        let brake = FiniteElementBrake::new(case, &Bar::of("reductions"))?;
+    fn finite_elements(&self, brake: &FiniteElementBrake, heading: &str) -> Result<String, Error> {
         let scene = &brake.plan.scenes[0];
         let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
-        let modes = reduced.modes(&brake.full_point(scene, &at))?;
-        let counts = counts_from(&brake.plan.threshold);
-        let heading = format!("{}; median parameters{counts}", brake.plan.describe(scene));
+        let full = brake.full_point(scene, &at);
+        let modes = reduced.modes(&full)?;
         let rows = modes.lambdas.iter().zip(&modes.residuals);
         let threshold = &brake.plan.threshold;
         let verdict = |lambda: Complex<f64>| {
             let found = threshold.verdict(lambda, brake.relative_error(scene) * lambda.norm());
             verdict_in_words(found, lambda, threshold)
         };
-        let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
-        let shapes = if self.modes { on_rows(&brake, scene, &at, &modes)? } else { Vec::new() };
-        let beside = growing_beside(&brake, scene, reduced.system().assemble(&brake.full_point(scene, &at))?)?;
-        let diverging = brake.diverging(scene, &brake.full_point(scene, &at))?;
+        let whys = if self.why { whys(brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
+        let shapes = if self.modes { on_rows(brake, scene, &at, &modes)? } else { Vec::new() };
+        let spectrum = QrSolver.eigenvalues(&reduced.system().assemble(&full)?, &mut Workspace::default())?;
+        let beside = growing_beside(brake, scene, &spectrum);
+        let diverging = brake.diverging(scene, &full, &spectrum)?;
         if self.json {
             let list: Vec<Value> = rows
                 .enumerate()
@@ -214,42 +189,18 @@ impl CeaArgs {
             + "\ndamping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in the unreduced brake\n"
             + &reasons(&whys, |_| String::new()))
     }
-
-    /// The analysis of a brake at an operating point, for people or for machines.
-    fn text(
-        &self,
-        brake: &Brake,
-        at: &OperatingPoint,
-        threshold: &Threshold,
-        heading: &str,
-        scene: &Value,
-        whys: &[Why],
-    ) -> Result<String, Error> {
-        let (rows, real, modes) = analyse(brake, at, threshold, self.modes)?;
-        Ok(match self.json {
-            true => json_text(scene, &rows, &real, &modes, whys),
-            false => {
-                let name = |why: &Why| {
-                    let row = rows.iter().find(|row| is_of(row.lambda, why));
-                    row.map_or(String::new(), |row| format!(" {}", row.rank))
-                };
-                format!("{heading}\n\n{}{}", table(&rows, &real, &modes, brake), reasons(whys, name))
-            }
-        })
-    }
 }
 
-/// The frequencies, Hz, of modes of a reduced system in a scene that surely grow, next to the band of its brake.
-fn growing_beside(brake: &FiniteElementBrake, scene: &Scene, system: SecondOrder) -> Result<Vec<f64>, Error> {
+/// The frequencies, Hz, of modes of the spectrum of a reduced system in a scene that surely grow, next to the band of its brake.
+fn growing_beside(brake: &FiniteElementBrake, scene: &Scene, reduced: &Spectrum) -> Vec<f64> {
     let [low, high] = brake.case.reduction.frequencies;
-    let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default())?;
     let is_beside = |hz: f64| (low / BESIDE..low).contains(&hz) || hz > high && hz <= high * BESIDE;
     let error = brake.relative_error(scene);
     let grows = |lambda: &Complex<f64>| brake.plan.threshold.margin(*lambda) > error * lambda.norm();
-    let growing = spectrum.eigenvalues.into_iter().filter(grows);
+    let growing = reduced.eigenvalues.iter().copied().filter(grows);
     let mut beside: Vec<f64> = growing.map(frequency_hz).filter(|&hz| is_beside(hz)).collect();
     beside.sort_by(f64::total_cmp);
-    Ok(beside)
+    beside
 }
 
 /// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.

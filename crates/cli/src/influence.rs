@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::FiniteElementBrake;
-use brakes::case::{CaseFile, SpeedRange};
+use brakes::Purpose;
+use brakes::case::ChosenSpeed;
 use output::{printable, write};
 use report::influence_figure;
 use serde_json::json;
@@ -16,7 +16,7 @@ use squeal::study::{Study, UncertainBrake, divergence_doubt};
 use squeal::workers;
 
 use super::options::{MemoryArgs, check_threads, override_run, threads, whole_number};
-use super::scene::{SceneArgs, chosen};
+use super::scene::SceneArgs;
 use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
@@ -72,42 +72,18 @@ impl InfluenceArgs {
                 return Err(Error::Option { option, value: given.to_string(), allowed });
             }
         }
-        let text = match case_file::read(&self.case)? {
-            CaseFile::Lattice(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let range = self.range(&case.speeds)?;
-                self.influence(&sized::lattice(self.scene.only_lattice(*case, range)?, self.memory)?)?
-            }
-            CaseFile::Matrices(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                self.range(&[])?;
-                self.influence(&sized::matrices(self.scene.only_matrices(*case)?, self.memory)?)?
-            }
-            CaseFile::FiniteElements(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let range = self.range(case.contact.as_ref().map_or(&[], |contact| &contact.speeds[..]))?;
-                let case = self.scene.only_finite_elements(*case, range)?;
-                sized::bases(&case, self.memory)?;
-                let brake =
-                    workers(self.threads)?.install(|| FiniteElementBrake::checked(case, &Bar::of("reductions")))?;
-                self.influence(&brake)?
-            }
-        };
+        let mut case = case_file::read(&self.case)?;
+        override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
+        let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
+        let text = self.influence(&sized::brake(case, Purpose::Study, self.memory, self.threads)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
-    /// The range of speeds that is asked for.
-    fn range(&self, ranges: &[SpeedRange]) -> Result<Option<SpeedRange>, Error> {
-        let names: Vec<&str> = ranges.iter().map(|range| range.name.as_str()).collect();
-        if let (Some(range), []) = (&self.range, &names[..]) {
-            let allowed = "cases with ranges of speed".into();
-            return Err(Error::Option { option: "--range", value: range.clone(), allowed });
-        }
-        Ok(ranges.get(chosen("--range", self.range.as_deref(), &names)?).cloned())
-    }
-
-    /// The influence of the inputs of the one scene of a brake.
-    fn influence<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
+    /// The influence of the inputs of the first scene of a brake, which need not be one of a case file.
+    ///
+    /// # Errors
+    /// As [`InfluenceArgs::run`].
+    pub fn influence<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let draws = plan.samples.clamp(*ALLOWED.start(), *ALLOWED.end());
         let total = self.total.map_or_else(|| "none".into(), |rows| rows.to_string());

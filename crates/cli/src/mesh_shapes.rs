@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use brakes::FiniteElementBrake;
+use brakes::{CaseBrake, FiniteElementBrake};
 use formats::{Dof, Mesh, ModeShape, Surface, write_vtu};
 use num_complex::Complex;
 use output::{OutputError, write};
@@ -11,8 +11,17 @@ use squeal::results::Results;
 
 use crate::Error;
 
+/// How a page shows the modes of a brake: on its mesh, as a lattice, or by its bodies.
+pub(super) fn geometry<B: CaseBrake>(brake: &B) -> Geometry<'_> {
+    match (brake.finite_elements(), brake.grid()) {
+        (Some(brake), _) => mesh_geometry(brake),
+        (None, Some(grid)) => Geometry::lattice(grid.rows(), grid.columns()),
+        (None, None) => Geometry::bodies(brake.plan()),
+    }
+}
+
 /// How a page shows modes on the mesh of the case, if it names one.
-pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
+fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
     let Some(mesh) = &brake.case.mesh else {
         return Geometry::none(
             "The case names no mesh (brake.mesh), so that it is not known where its degrees of freedom are.",

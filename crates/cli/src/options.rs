@@ -1,6 +1,6 @@
 //! Options that several commands share.
 
-use brakes::case::LatticeCase;
+use brakes::case::CaseHeader;
 use squeal::memory;
 
 use crate::Error;
@@ -64,17 +64,17 @@ pub(super) fn check_threads(threads: Option<usize>) -> Result<(), Error> {
 /// # Errors
 /// Samples or threads out of range.
 pub fn override_run(
-    own: (&mut u64, &mut u64),
+    own: &mut CaseHeader,
     samples: Option<u64>,
     seed: Option<u64>,
     threads: Option<usize>,
 ) -> Result<(), Error> {
     let refused = |option, value: String, most: u64| Error::Option { option, value, allowed: format!("1 to {most}") };
-    if let Some(samples) = samples.filter(|samples| !(1..=LatticeCase::MOST_SAMPLES).contains(samples)) {
-        return Err(refused("--samples", samples.to_string(), LatticeCase::MOST_SAMPLES));
+    if let Some(samples) = samples.filter(|samples| !(1..=CaseHeader::MOST_SAMPLES).contains(samples)) {
+        return Err(refused("--samples", samples.to_string(), CaseHeader::MOST_SAMPLES));
     }
     check_threads(threads)?;
-    *own.0 = samples.unwrap_or(*own.0);
-    *own.1 = seed.unwrap_or(*own.1);
+    own.samples = samples.unwrap_or(own.samples);
+    own.seed = seed.unwrap_or(own.seed);
     Ok(())
 }

@@ -1,19 +1,18 @@
 //! `squeal run`: the study of a case, from its file to tables and figures.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use brakes::FiniteElementBrake;
-use brakes::case::{CaseFile, HALF_WIDTHS, is_half_width};
+use brakes::case::{HALF_WIDTHS, is_half_width};
+use brakes::{CaseBrake, Purpose};
 use output::printable;
-use report::{Geometry, draw_occurrence, write_page};
+use report::{draw_occurrence, write_page};
 use squeal::influence::write_kept_samples;
 use squeal::results::{Estimates, Results, Stopped};
-use squeal::study::{FullChecks, UncertainBrake};
-use squeal::workers;
+use squeal::study::FullChecks;
 use squeal::{RunOptions, run_study_with};
 
-use super::mesh_shapes::{mesh_geometry, write_mesh_shapes};
+use super::mesh_shapes::{geometry, write_mesh_shapes};
 use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
 use super::sized;
@@ -57,51 +56,16 @@ pub struct RunArgs {
     pub memory: MemoryArgs,
 }
 
-/// What a kind of brake has beside its study.
-struct More<'a> {
-    /// Writes files of its own.
-    files: &'a (dyn Fn(&Results, &Path) -> Result<(), Error> + Sync),
-    /// How the page draws its modes.
-    geometry: &'a (dyn Fn() -> Geometry<'a> + Sync),
-}
-
 impl RunArgs {
     /// Runs the command; `out` gets a summary for people.
     ///
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        match case_file::read(&self.case)? {
-            CaseFile::Lattice(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let case_half_width = case.half_width;
-                let brake = sized::lattice(*case, self.memory)?;
-                let half_width = self.half_width.or(case_half_width);
-                let grid = brake.case.lattice.grid;
-                let more = More { files: &|_, _| Ok(()), geometry: &|| Geometry::lattice(grid.rows(), grid.columns()) };
-                self.run_brake(&brake, half_width, &more, out)
-            }
-            CaseFile::Matrices(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let half_width = self.half_width.or(case.half_width);
-                let brake = sized::matrices(*case, self.memory)?;
-                let more = More { files: &|_, _| Ok(()), geometry: &|| Geometry::bodies(brake.plan()) };
-                self.run_brake(&brake, half_width, &more, out)
-            }
-            CaseFile::FiniteElements(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let half_width = self.half_width.or(case.half_width);
-                sized::bases(&case, self.memory)?;
-                let brake =
-                    workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &Bar::of("reductions")))?;
-                let files = |results: &Results, dir: &Path| {
-                    write_reduction(&brake, dir)?;
-                    write_mesh_shapes(&brake, results, dir)
-                };
-                let more = More { files: &files, geometry: &|| mesh_geometry(&brake) };
-                self.run_brake(&brake, half_width, &more, out)
-            }
-        }
+        let mut case = case_file::read(&self.case)?;
+        override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
+        let half_width = self.half_width.or(case.header().half_width);
+        self.run_brake(&sized::brake(case, Purpose::Study, self.memory, self.threads)?, half_width, out)
     }
 
     /// The complaint about a study of which more than half has failed: its results are written, but of the other half.
@@ -113,12 +77,14 @@ impl RunArgs {
         (2 * failed > evaluations).then(|| Error::MostFailed { path: self.out.clone(), failed, evaluations, first })
     }
 
-    /// Runs the study of a brake.
-    fn run_brake<B: UncertainBrake>(
+    /// Runs the study of a brake, which need not be one of a case file.
+    ///
+    /// # Errors
+    /// As [`RunArgs::run`].
+    pub fn run_brake<B: CaseBrake>(
         &self,
         brake: &B,
         half_width: Option<f64>,
-        more: &More<'_>,
         out: &mut dyn Write,
     ) -> Result<(), Error> {
         for (option, given) in [("--half-width", half_width), ("--until-half-width", self.until_half_width)] {
@@ -137,13 +103,16 @@ impl RunArgs {
         let manifest = run_study_with::<_, Error>(brake, &self.out, options, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
             write_kept_samples(brake, &results.summary, dir)?;
-            (more.files)(results, dir)?;
+            if let Some(brake) = brake.finite_elements() {
+                write_reduction(brake, dir)?;
+                write_mesh_shapes(brake, results, dir)?;
+            }
             if let Some(half_width) = half_width {
                 estimates =
                     Estimates::run(study, results, half_width, &self.out, dir, &Bar::of("scenes estimated"))?.text();
             }
             // Last: it shows the tables.
-            write_page(results, &(more.geometry)(), dir)?;
+            write_page(results, &geometry(brake), dir)?;
             most_failed = self.most_failed(results);
             doubts = results.doubts().iter().map(|doubt| format!("WARNING: {doubt}\n")).collect();
             summary = match results.panels().len() {

@@ -4,18 +4,16 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::case::CaseFile;
-use brakes::{Bases, FiniteElementBrake};
+use brakes::{CaseBrake, Purpose};
 use output::printable;
-use report::{Geometry, screen_figure, write_screen_page};
+use report::{screen_figure, write_screen_page};
 use serde_json::json;
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
-use squeal::study::UncertainBrake;
 use squeal::workers;
 
-use super::mesh_shapes::mesh_geometry;
+use super::mesh_shapes::geometry;
 use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::scene::chosen;
 use super::{results_folder, sized};
@@ -91,27 +89,10 @@ impl ScreenArgs {
     /// # Errors
     /// What is wrong with the case or an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let text = match case_file::read(&self.case)? {
-            CaseFile::Lattice(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let brake = sized::lattice(*case, self.memory)?;
-                let grid = brake.case.lattice.grid;
-                self.screen(&brake, &|| Geometry::lattice(grid.rows(), grid.columns()))?
-            }
-            CaseFile::Matrices(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let brake = sized::matrices(*case, self.memory)?;
-                self.screen(&brake, &|| Geometry::bodies(brake.plan()))?
-            }
-            CaseFile::FiniteElements(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
-                sized::bases(&case, self.memory)?;
-                let on = || FiniteElementBrake::on(*case, Bases::OfEachSet, &Bar::of("reductions"));
-                let brake = workers(self.threads)?.install(on)?;
-                self.screen(&brake, &|| mesh_geometry(&brake))?
-            }
-        };
+        let mut case = case_file::read(&self.case)?;
+        override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
+        self.options(&case.constraint_sets())?;
+        let text = self.screen(&sized::brake(case, Purpose::Screen, self.memory, self.threads)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
@@ -156,7 +137,11 @@ impl ScreenArgs {
         })
     }
 
-    fn screen<'a, B: UncertainBrake>(&self, brake: &B, geometry: &dyn Fn() -> Geometry<'a>) -> Result<String, Error> {
+    /// Screens a brake, which need not be one of a case file, and says what was found.
+    ///
+    /// # Errors
+    /// As [`ScreenArgs::run`].
+    pub fn screen<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let sets: Vec<&str> = plan.labels.constraints.iter().map(String::as_str).collect();
         let options = self.options(&sets)?;
@@ -187,7 +172,7 @@ impl ScreenArgs {
                 screen.write_tables(stage)?;
                 let figure = screen_figure(&screen, &what, &screen.rests_on().join("; "))?;
                 figure.save_pictures(stage, "screen")?;
-                Ok(write_screen_page(plan, &screen, options.constraints, &geometry(), &figure, &what, stage)?)
+                Ok(write_screen_page(plan, &screen, options.constraints, &geometry(brake), &figure, &what, stage)?)
             })?;
             let own = json!({
                 "constraints": sets[options.constraints],

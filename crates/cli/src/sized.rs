@@ -1,54 +1,42 @@
 //! Brakes of cases whose studies fit into memory; what takes long or much is announced, what takes more than there is refused.
 
-use brakes::case::{FiniteElementCase, LatticeCase, MatricesCase};
-use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use brakes::case::CaseFile;
+use brakes::{AnyBrake, Purpose};
 use output::{bytes_in_words, in_words};
-use squeal::study::{Cost, Plan};
+use squeal::study::{Cost, UncertainBrake as _};
+use squeal::workers;
 
 use super::options::MemoryArgs;
 use crate::Error;
+use crate::bar::Bar;
 use crate::terminal::note;
 
 /// From how many seconds of preparation on it is announced; chosen.
 const ANNOUNCED: f64 = 5.0;
 
-/// The brake of a case. Its size is counted before any scene of it is made, and again after.
-pub(super) fn lattice(case: LatticeCase, memory: MemoryArgs) -> Result<LatticeBrake, Error> {
-    LatticeBrake::least_cost(&case).check(&case.path.display().to_string(), memory.budget())?;
-    let brake = LatticeBrake::new(case)?;
-    announced(&brake.plan, memory)?;
+/// The brake of a case, made for a purpose on some worker threads. Its size is counted before anything of it is made, and again after.
+pub(super) fn brake(
+    case: CaseFile,
+    purpose: Purpose<'_>,
+    memory: MemoryArgs,
+    threads: Option<usize>,
+) -> Result<AnyBrake, Error> {
+    if let Some(cost) = case.cost_of_making() {
+        cost.check(&case.header().source(), memory.budget())?;
+        if cost.seconds > ANNOUNCED && matches!(case, CaseFile::FiniteElements(_)) {
+            let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
+            note(&format!("bases for {} degrees of freedom: roughly {time} of processor time, {memory}", cost.order));
+        }
+    }
+    let brake = workers(threads)?.install(|| case.into_brake(purpose, &Bar::of("reductions")))?;
+    if brake.mode_source().is_none() {
+        let cost = Cost::of(brake.plan());
+        cost.check(&brake.plan().source(), memory.budget())?;
+        if cost.seconds > ANNOUNCED {
+            let (scenes, order, time) = (cost.scenes, cost.order, in_words(cost.seconds));
+            let memory = bytes_in_words(cost.bytes);
+            note(&format!("{scenes} scenes of {order} degrees of freedom: roughly {time} to prepare them, {memory}"));
+        }
+    }
     Ok(brake)
-}
-
-/// The brake of a case that is given by its matrices.
-pub(super) fn matrices(case: MatricesCase, memory: MemoryArgs) -> Result<MatricesBrake, Error> {
-    let brake = MatricesBrake::new(case)?;
-    announced(&brake.plan, memory)?;
-    Ok(brake)
-}
-
-/// Says which nodes of the contact of a finite element case count as held, and what its bases take, before any is made.
-pub(super) fn bases(case: &FiniteElementCase, memory: MemoryArgs) -> Result<(), Error> {
-    for missing in case.missing_rows.iter().filter(|missing| missing.field.starts_with("contact.")) {
-        note(&missing.to_string());
-    }
-    let cost = FiniteElementBrake::expected_cost(case);
-    cost.check(&case.path.display().to_string(), memory.budget())?;
-    if cost.seconds > ANNOUNCED {
-        let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
-        note(&format!("bases for {} degrees of freedom: roughly {time} of processor time, {memory}", cost.order));
-    }
-    Ok(())
-}
-
-/// Says what a study takes, where its preparation takes more than some seconds, and refuses what takes more memory than there is.
-pub(super) fn announced(plan: &Plan, memory: MemoryArgs) -> Result<Cost, Error> {
-    let cost = Cost::of(plan);
-    cost.check(&plan.source(), memory.budget())?;
-    if cost.seconds > ANNOUNCED {
-        let (scenes, order, time) = (cost.scenes, cost.order, in_words(cost.seconds));
-        let memory = bytes_in_words(cost.bytes);
-        note(&format!("{scenes} scenes of {order} degrees of freedom: roughly {time} to prepare them, {memory}"));
-    }
-    Ok(cost)
 }

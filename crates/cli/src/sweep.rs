@@ -4,19 +4,19 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::FiniteElementBrake;
-use brakes::case::CaseFile;
+use brakes::case::ChosenSpeed;
+use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
 use output::printable;
-use report::{Geometry, sweep_figure, write_sweep_page};
+use report::{sweep_figure, write_sweep_page};
 use serde_json::json;
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
-use squeal::study::{Study, UncertainBrake};
+use squeal::study::Study;
 use squeal::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
 use squeal::workers;
 
-use super::mesh_shapes::mesh_geometry;
+use super::mesh_shapes::geometry;
 use super::options::{MemoryArgs, check_threads, threads};
 use super::scene::{SceneArgs, counts_from};
 use super::{results_folder, sized};
@@ -68,29 +68,17 @@ impl SweepArgs {
     /// What is wrong with the case or an option, and what cannot be swept.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
-        let text = match case_file::read(&self.case)? {
-            CaseFile::Lattice(case) => {
-                let brake = sized::lattice(self.scene.only_lattice(*case, None)?, self.memory)?;
-                let grid = brake.case.lattice.grid;
-                self.sweep(&brake, &|| Geometry::lattice(grid.rows(), grid.columns()))?
-            }
-            CaseFile::Matrices(case) => {
-                let brake = sized::matrices(self.scene.only_matrices(*case)?, self.memory)?;
-                self.sweep(&brake, &|| Geometry::bodies(brake.plan()))?
-            }
-            CaseFile::FiniteElements(case) => {
-                let case = self.scene.only_finite_elements(*case, None)?;
-                sized::bases(&case, self.memory)?;
-                let for_sweep = || FiniteElementBrake::for_sweep(case, &self.over, &Bar::of("reductions"));
-                let brake = workers(self.threads)?.install(for_sweep)?;
-                self.sweep(&brake, &|| mesh_geometry(&brake))?
-            }
-        };
+        let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
+        let brake = sized::brake(case, Purpose::Sweep(&self.over), self.memory, self.threads)?;
+        let text = self.sweep(&brake)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
-    /// Sweeps the first scene of a brake, and says what was found.
-    fn sweep<'a, B: UncertainBrake>(&self, brake: &B, geometry: &dyn Fn() -> Geometry<'a>) -> Result<String, Error> {
+    /// Sweeps the first scene of a brake, which need not be one of a case file, and says what was found.
+    ///
+    /// # Errors
+    /// As [`SweepArgs::run`].
+    pub fn sweep<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
         let identity = of_study(brake).given("sweep", named.join(",")).into_line();
@@ -129,7 +117,7 @@ impl SweepArgs {
                 let title = format!("Sweep over {}", named.join(" and "));
                 let figure = sweep_figure(&found, &title, &scene)?;
                 figure.save_pictures(stage, "sweep")?;
-                Ok(write_sweep_page(plan, &found, &modes, &geometry(), &figure, &scene, stage)?)
+                Ok(write_sweep_page(plan, &found, &modes, &geometry(brake), &figure, &scene, stage)?)
             })?;
             let own = json!({
                 "scene": plan.describe(&plan.scenes[0]),

@@ -28,7 +28,7 @@ pub fn draw_paper(results: &Results, brake: &LatticeBrake, dir: &Path) -> Result
     let case = &brake.case;
     let grid = case.lattice.grid;
     let diagram = ModelDiagram {
-        title: case.name.clone(),
+        title: case.header.name.clone(),
         rows: grid.rows(),
         columns: grid.columns(),
         in_contact: vec![true; grid.oscillators()],

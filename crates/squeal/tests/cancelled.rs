@@ -36,7 +36,7 @@ fn after(evaluations: i64) -> Until {
 fn brake(samples: u64) -> LatticeBrake {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/two-by-two.toml");
     let mut case = LatticeCase::read(&path).unwrap();
-    case.samples = samples;
+    case.header.samples = samples;
     LatticeBrake::new(case).unwrap()
 }
 

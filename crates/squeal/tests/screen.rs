@@ -82,7 +82,7 @@ fn hoffmanns_oscillator_does_with_changes_what_closed_forms_say() {
 
 fn two_by_two() -> LatticeBrake {
     let mut case = LatticeCase::read(&case("two-by-two.toml")).unwrap();
-    case.samples = 40;
+    case.header.samples = 40;
     LatticeBrake::new(case).unwrap()
 }
 

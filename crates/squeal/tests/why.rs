@@ -194,7 +194,7 @@ fn whys_without_counts<B: UncertainBrake>(brake: &B) -> Why {
 #[test]
 fn a_run_writes_the_derivatives_of_its_scenes() {
     let mut case = LatticeCase::read(&cases("two-by-two.toml")).unwrap();
-    case.samples = 8;
+    case.header.samples = 8;
     let (brake, folder) = (LatticeBrake::new(case).unwrap(), tempfile::tempdir().unwrap());
     run_study(&brake, folder.path(), Some(1), &mut |_, _, _| Ok(())).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();

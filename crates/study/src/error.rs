@@ -55,6 +55,9 @@ pub enum Error {
     /// What a brake of a user's own type forgets, or says twice and differently.
     #[error(transparent)]
     Contradiction(#[from] crate::Contradiction),
+    /// A sample that another brake has drawn.
+    #[error("the sample is one of another brake; allowed: those that this brake draws")]
+    OtherSample,
     /// What a brake of a user's own type refuses.
     #[error("{0}")]
     Brake(Box<dyn std::error::Error + Send + Sync>),

@@ -67,7 +67,7 @@ fn count(case: LatticeCase, samples: u64) -> Vec<Count> {
     let study = Study::new(&brake, &BatchSolver).unwrap();
     let plan = &brake.plan;
     // Not the draws of the anchors, which are the first of the case's own seed.
-    let draw = |index| LatticeSample::draw(&brake.case, &mut stream(brake.case.seed + 1, index)).unwrap();
+    let draw = |index| LatticeSample::draw(&brake.case, &mut stream(brake.case.header.seed + 1, index)).unwrap();
     let of_scene = |scene: usize| {
         let (mut count, mut work, mut spectra) = (Count::default(), Workspace::default(), Vec::new());
         let (mut scratch, mut outcomes) = (Default::default(), Vec::new());

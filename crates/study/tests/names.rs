@@ -85,7 +85,7 @@ fn count(case: LatticeCase, samples: u64) -> Count {
     let of_scene = |scene: usize| {
         let (mut count, mut scratch) = (Count::default(), Default::default());
         for index in 0..samples {
-            let sample = LatticeSample::draw(&brake.case, &mut stream(brake.case.seed + 1, index)).unwrap();
+            let sample = LatticeSample::draw(&brake.case, &mut stream(brake.case.header.seed + 1, index)).unwrap();
             let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
             let followed = followed(&brake, &study, scene, &sample);
             assert_eq!(outcome.unstable.len(), followed.len(), "scene {scene}, sample {index}");

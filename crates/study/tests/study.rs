@@ -37,7 +37,7 @@ fn two_by_two(changes: &[(&str, &str)]) -> LatticeCase {
 /// The counts of each scene after some samples.
 fn tallies(brake: &LatticeBrake, samples: u64) -> Vec<SceneTally> {
     let study = Study::new(brake, &QrSolver).unwrap();
-    let sampling = montecarlo::Sampling::new(brake.case.seed, samples);
+    let sampling = montecarlo::Sampling::new(brake.case.header.seed, samples);
     let summary = montecarlo::run(&study, &sampling, || StudyTally::empty(&brake.plan)).unwrap();
     assert_eq!(summary.failures.total(), 0);
     summary.tally.scenes
@@ -188,7 +188,7 @@ fn every_unstable_mode_of_the_papers_samples_gains_its_net_work() {
     let (mut modes, mut worst, mut work) = (0, 0.0_f64, Workspace::default());
     // Every number in contact, law, speed and constraint set in turn.
     for (index, scene) in brake.plan.scenes.iter().enumerate().step_by(7) {
-        let sample = brake.draw(&mut stream(brake.case.seed, index as u64)).unwrap();
+        let sample = brake.draw(&mut stream(brake.case.header.seed, index as u64)).unwrap();
         let system = brake.system(scene, &sample).unwrap();
         let spectrum = QrSolver.eigenvalues(&system, &mut work).unwrap();
         let found = Modes::classify(&system, &spectrum, &mut work).unwrap();

@@ -74,7 +74,7 @@ pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
     let read = |name: &str| LatticeCase::read(&root.join("cases").join(name)).map_err(brakes::Error::from);
     let case = read("paper.toml")?;
     let mut studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
-    override_run((&mut studied.samples, &mut studied.seed), args.samples, None, None)?;
+    override_run(&mut studied.header, args.samples, None, None)?;
     let rounds = if args.quick { 1 } else { 25 };
     // A folder that cannot be made is an error before the measurements of several minutes.
     if let Some(folder) = args.json.as_deref().and_then(Path::parent) {
@@ -141,7 +141,7 @@ mod tests {
         let problem = Problem::new(&case, &SIZES[0], true).unwrap();
         let routes = measure(&problem, None, 1).unwrap();
         let mut small = LatticeCase::read(&root.join("cases/two-by-two.toml")).unwrap();
-        small.samples = 8;
+        small.header.samples = 8;
         let folder = tempfile::tempdir().unwrap();
         let study = StudyTimes::measure(&LatticeBrake::new(small).unwrap(), &folder.path().join("study")).unwrap();
         let table = table::routes(&routes);

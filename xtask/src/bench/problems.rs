@@ -70,7 +70,7 @@ impl Problem {
         let full = ContactArrangement::full(grid.oscillators());
         let lattice = model.and_then(|model| model.prepare(&full)).map_err(Error::from)?;
         let state = |i: u64| {
-            let sample = LatticeSample::draw(case, &mut stream(case.seed, i)).map_err(Error::from)?;
+            let sample = LatticeSample::draw(case, &mut stream(case.header.seed, i)).map_err(Error::from)?;
             let speed = case.speeds[0].quantile(sample.speed_quantile);
             sliding(case, &lattice, law, speed, &sample)
         };

@@ -8,7 +8,7 @@ use osc_model::OscModelError;
 use output::moves_others;
 use serde::Deserialize;
 
-use super::{CaseError, LatticeCase};
+use super::CaseError;
 
 /// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
 /// larger ones an interval has no information.
@@ -37,6 +37,23 @@ pub struct TakenMatrix {
     pub name: String,
     /// How its entries were taken, in words.
     pub taken: String,
+}
+
+impl TakenMatrix {
+    /// How the file of each matrix was taken: files that were taken alike in one line.
+    #[must_use]
+    pub fn in_words(files: &[Self]) -> Vec<String> {
+        let mut alike: Vec<(&str, Vec<String>)> = Vec::new();
+        for Self { file, taken, .. } in files {
+            let name = file.display().to_string();
+            match alike.iter_mut().find(|(words, _)| words == taken) {
+                Some((_, names)) if names.contains(&name) => {}
+                Some((_, names)) => names.push(name),
+                None => alike.push((taken, vec![name])),
+            }
+        }
+        alike.into_iter().map(|(words, names)| format!("{}: {words}", names.join(", "))).collect()
+    }
 }
 
 /// Most characters of a name; chosen: a table with longer ones cannot be read, nor a file have it.
@@ -137,14 +154,6 @@ impl Check<'_> {
             None => Ok(given),
             Some(half_width) => Err(self.value("accuracy.half_width", half_width, HALF_WIDTHS)),
         }
-    }
-
-    /// An error unless the number of samples of a study is allowed.
-    pub fn samples(&self, samples: u64) -> Result<(), CaseError> {
-        if !(1..=LatticeCase::MOST_SAMPLES).contains(&samples) {
-            return Err(self.value("study.samples", samples, &format!("1 to {}", LatticeCase::MOST_SAMPLES)));
-        }
-        Ok(())
     }
 
     /// The error for the matrices of a table that make no system.

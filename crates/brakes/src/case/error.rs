@@ -14,6 +14,16 @@ pub enum CaseError {
         /// The error of the operating system.
         source: std::io::Error,
     },
+    /// A scene that is asked for and that the case does not have.
+    #[error("{what} = {value}; allowed: {allowed}")]
+    Choice {
+        /// Field of [`SceneChoice`](super::SceneChoice).
+        what: &'static str,
+        /// What was asked for.
+        value: String,
+        /// What the case has.
+        allowed: String,
+    },
     /// Not TOML, an unknown or missing field, a wrong type.
     #[error("{}: line {line}: {message}", path.display())]
     Syntax {

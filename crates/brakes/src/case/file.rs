@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::check::{Check, syntax};
-use super::{CaseError, FiniteElementCase, LatticeCase, MatricesCase};
+use super::{CaseError, CaseHeader, FiniteElementCase, LatticeCase, MatricesCase};
 use crate::input::{LARGEST_CASE, read_text};
 
 /// A case file, by the kind of its brake.
@@ -49,12 +49,21 @@ impl CaseFile {
         Self::parse(path, text)
     }
 
-    /// What reading it leaves to be known, in a sentence each.
-    pub fn notes(&self) -> &[String] {
+    /// The header of the case.
+    pub fn header(&self) -> &CaseHeader {
         match self {
-            Self::Lattice(_) => &[],
-            Self::Matrices(case) => &case.notes,
-            Self::FiniteElements(case) => &case.notes,
+            Self::Lattice(case) => &case.header,
+            Self::Matrices(case) => &case.header,
+            Self::FiniteElements(case) => &case.header,
+        }
+    }
+
+    /// The header of the case, to be changed: samples and seed, for instance.
+    pub fn header_mut(&mut self) -> &mut CaseHeader {
+        match self {
+            Self::Lattice(case) => &mut case.header,
+            Self::Matrices(case) => &mut case.header,
+            Self::FiniteElements(case) => &mut case.header,
         }
     }
 

@@ -21,8 +21,8 @@ impl LatticeCase {
     /// Identifies the case: its name, and a digest of each part that results depend on. Seed, number of samples, threshold and names of
     /// modes are those of a study.
     pub fn identity(&self) -> String {
-        let Self { name, laws, lattice, readings, panels, constraints, speeds, friction, correlation, .. } = self;
-        Identity::named(name)
+        let Self { header, laws, lattice, readings, panels, constraints, speeds, friction, correlation, .. } = self;
+        Identity::named(&header.name)
             .part("laws", |to| to.list(laws, |to, law| to.text(law.name())))
             .part("lattice", |to| of_lattice(to, lattice))
             .part("readings", |to| of_readings(to, readings))
@@ -44,8 +44,8 @@ impl MatricesCase {
     /// Identifies the case: its name, and a digest of each part that results depend on, matrices in other files among them. Seed, number
     /// of samples and threshold are those of a study.
     pub fn identity(&self) -> String {
-        let Self { name, parameters, correlation, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
-        Identity::named(name)
+        let Self { header, parameters, correlation, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
+        Identity::named(&header.name)
             .part("parameters", |to| to.list(parameters, parameter))
             .part("dofs", |to| to.list(dofs, |to, dof| to.text(dof)))
             .part("terms", |to| {
@@ -80,9 +80,10 @@ impl FiniteElementCase {
     /// Identifies the case: its name, and a digest of each part that results depend on, matrices in other files among them. Seed, number
     /// of samples and threshold are those of a study.
     pub fn identity(&self) -> String {
-        let Self { name, parameters, dofs, system, coefficients, contact, correlation, constraints, reduction, .. } =
-            self;
-        Identity::named(name)
+        let Self {
+            header, parameters, dofs, system, coefficients, contact, correlation, constraints, reduction, ..
+        } = self;
+        Identity::named(&header.name)
             .part("parameters", |to| to.list(parameters, parameter))
             .part("dofs", |to| {
                 to.list(dofs, |to, dof| {

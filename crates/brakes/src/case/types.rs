@@ -1,35 +1,20 @@
 //! A checked case, in the types of the model.
 
-use std::path::PathBuf;
-
-use cea::Threshold;
 use friction::BristleDamping;
 use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 use study::{ModeIdentity, ModeLabel, ModeNaming};
 
-use super::{Alternative, Correlation, Draws, Law};
+use super::{Alternative, CaseHeader, Correlation, Draws, Law};
 
 /// A checked study of a lattice.
 #[derive(Debug, Clone)]
 pub struct LatticeCase {
-    /// The case file.
-    pub path: PathBuf,
-    /// The text of the case file.
-    pub text: String,
-    /// Name of the study.
-    pub name: String,
+    /// Header of the case: its file, and what it says of its study.
+    pub header: CaseHeader,
     /// Friction laws, in the order of the file.
     pub laws: Vec<Law>,
-    /// Samples per scene, >= 1.
-    pub samples: u64,
-    /// Seed of the random streams.
-    pub seed: u64,
-    /// Half width to which every occurrence is also estimated, if asked for.
-    pub half_width: Option<f64>,
-    /// From where on a growing mode counts as unstable.
-    pub threshold: Threshold,
     /// The lattice.
     pub lattice: LatticeParameters,
     /// The readings: choices where the published description leaves the model open.

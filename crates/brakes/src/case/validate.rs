@@ -17,9 +17,6 @@ use super::{
 use crate::input::{LARGEST_CASE, read_text};
 
 impl LatticeCase {
-    /// Most samples of a study; chosen, so that every count of a study fits in 64 bits.
-    pub const MOST_SAMPLES: u64 = 1_000_000_000_000;
-
     /// Reads and checks a case file.
     ///
     /// # Errors
@@ -51,12 +48,12 @@ impl LatticeCase {
             squeal,
             correlation,
         } = file;
-        if study.laws.is_empty() {
+        let schema::StudyTable { name, laws, samples, seed } = study;
+        let header = check.header(text, (name, samples, seed), accuracy, squeal)?;
+        if laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
-        check.no_repeats("study.laws", study.laws.iter().map(ToString::to_string))?;
-        check.line("study.name", &study.name)?;
-        check.samples(study.samples)?;
+        check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
         let parameters = lattice_parameters(&check, &lattice, readings.lean)?;
         let lateral = readings.lateral.into();
         let readings = LatticeReadings {
@@ -78,13 +75,8 @@ impl LatticeCase {
         };
         let correlated = Correlated { parameters: friction_parameters(&friction), contacts: &contacts };
         Ok(Self {
-            path: path.to_owned(),
-            name: study.name,
-            laws: study.laws,
-            samples: study.samples,
-            seed: study.seed,
-            half_width: check.half_width(accuracy)?,
-            threshold: check.threshold(squeal)?,
+            header,
+            laws,
             readings,
             panels: arrangements_by_number(&check, &contact, parameters.grid.oscillators())?,
             lattice: parameters,
@@ -94,7 +86,6 @@ impl LatticeCase {
             friction,
             alternatives: all_alternatives(&check, &alternatives)?,
             paper,
-            text,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Draws of a reduced brake against the whole one, before it is sampled; and the reduction trained on where they do not agree.
 
-use cea::frequency_hz;
+use cea::{EigenSolver as _, QrSolver, Workspace, frequency_hz};
 use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -69,7 +69,7 @@ impl FiniteElementBrake {
 
 /// One draw in one scene.
 fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error> {
-    let (mut rng, scenes) = (stream(brake.case.seed, number), &brake.plan.scenes);
+    let (mut rng, scenes) = (stream(brake.case.header.seed, number), &brake.plan.scenes);
     let scene = &scenes[rng.random_range(0..scenes.len())];
     let sample = brake.draw(&mut rng)?;
     let point = brake.operating_point(scene, &sample)?;
@@ -77,7 +77,8 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let reduced = part.reduced.modes(&at)?.lambdas;
     let system = brake.sets[part.set].system.assemble(&at)?;
     let all = modes_beside(&brake.case, &system, &reduced)?;
-    let diverging = brake.diverging(scene, &at)?;
+    let spectrum = QrSolver.eigenvalues(&part.reduced.system().assemble(&at)?, &mut Workspace::default())?;
+    let diverging = brake.diverging(scene, &at, &spectrum)?;
     let wanted = rectangle(&brake.case);
     let (whole, beside): (Vec<Complex<f64>>, Vec<_>) =
         all.into_iter().partition(|&lambda| wanted.contains_to_the_right(lambda, 0.0));

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
 use reduction::Reduced;
-use study::{Configuration, Origin, Plan, SceneLabels, StudySource};
+use study::{Configuration, Origin, Plan, SceneLabels};
 
 use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};
 use crate::Error;
@@ -20,9 +20,7 @@ pub(super) fn plan(
     origins: &[&Reduced],
     configurations: &[&Reduced],
 ) -> Result<(Plan, Vec<Vec<usize>>), Error> {
-    let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
-    plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
-    plan.threshold = case.threshold;
+    let mut plan = case.header.plan(case.identity());
     plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
     if let Some(contact) = &case.contact {
         plan.labels = labels(contact);

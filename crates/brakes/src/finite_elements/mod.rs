@@ -16,7 +16,7 @@ pub use reduce::{BESIDE, Bases, Part, ReducedSet};
 
 use std::f64::consts::TAU;
 
-use cea::{EigenSolver as _, Mode, QrSolver, Workspace};
+use cea::{Mode, Spectrum};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
@@ -35,8 +35,8 @@ use self::parameters::SceneOf;
 use self::reduce::Trained;
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
-use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
+use crate::{CaseBrake, Error};
 
 /// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
 /// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.
@@ -177,21 +177,19 @@ impl FiniteElementBrake {
     }
 
     /// Growth rates, 1/s, of what diverges in a scene, at an operating point of the brake: real eigenvalues of the whole brake up to the end of
-    /// the band, and what grows faster than it oscillates beyond that in the reduced one, which says that it does and not how fast. `None`
+    /// the band, and what grows faster than it oscillates beyond that in the spectrum of the reduced one, which says that it does and not how fast. `None`
     /// where a search does not tell.
     ///
     /// # Errors
     /// A point that the brake refuses.
-    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint) -> Result<Option<Vec<f64>>, Error> {
+    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Option<Vec<f64>>, Error> {
         let part = self.part(scene);
         let whole = reduce::diverging(&self.case, &self.sets[part.set].system.assemble(at)?, &self.plan.threshold);
-        let reduced = part.reduced.system().assemble(at)?;
-        let spectrum = QrSolver.eigenvalues(&reduced, &mut Workspace::default())?;
         let ([_, highest], error) = (self.case.reduction.frequencies, self.relative_error(scene));
         let is_fast =
             |lambda: &Complex<f64>| lambda.im >= 0.0 && lambda.re > lambda.im && lambda.norm() > TAU * highest;
         let grows = |lambda: &Complex<f64>| self.plan.threshold.margin(*lambda) > error * lambda.norm();
-        let fast = spectrum.eigenvalues.into_iter().filter(is_fast).filter(grows).map(|lambda| lambda.re);
+        let fast = reduced.eigenvalues.iter().copied().filter(is_fast).filter(grows).map(|lambda| lambda.re);
         let fast: Vec<f64> = fast.collect();
         Ok(if fast.is_empty() { whole } else { Some(whole.into_iter().flatten().chain(fast).collect()) })
     }
@@ -428,5 +426,15 @@ impl ModeSource for FiniteElementBrake {
 
     fn full_checks(&self) -> Option<FullChecks> {
         self.full_checks
+    }
+}
+
+impl CaseBrake for FiniteElementBrake {
+    fn finite_elements(&self) -> Option<&FiniteElementBrake> {
+        Some(self)
+    }
+
+    fn medians_in_words(&self) -> String {
+        format!("{}; median parameters", self.plan.describe(&self.plan.scenes[0]))
     }
 }

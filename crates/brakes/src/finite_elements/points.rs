@@ -59,7 +59,7 @@ pub(super) fn scene_point(
     sample: &FiniteElementSample,
 ) -> Result<OperatingPoint, Error> {
     let named = |name: &str, source| CaseError::Expression {
-        path: case.path.clone(),
+        path: case.header.path.clone(),
         field: format!("terms {name:?}.coefficient"),
         source: Box::new(source),
     };
@@ -132,7 +132,7 @@ fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> R
     let Some(factor) = case.contact.as_ref().and_then(|contact| contact.stiffness_factor.as_ref()) else {
         return Ok(1.0);
     };
-    let (path, field) = (case.path.clone(), STIFFNESS_FACTOR.to_owned());
+    let (path, field) = (case.header.path.clone(), STIFFNESS_FACTOR.to_owned());
     match factor.value(&sample.values) {
         Ok(value) if value > 0.0 => Ok(value),
         Ok(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
@@ -212,7 +212,7 @@ pub(super) fn channels_of(case: &FiniteElementCase, patch: usize) -> std::ops::R
 /// The error of a case whose medians have no operating point.
 fn no_median(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
     |source| {
-        let study = case.path.display().to_string();
+        let study = case.header.path.display().to_string();
         study::Error::Median { study, source: Box::new(source.into()) }.into()
     }
 }

@@ -398,7 +398,7 @@ fn training(
     let count = count.max(scenes.len() as u64);
     let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
         // Streams from the other end than those of the samples.
-        let mut sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
+        let mut sample = draw(case, &mut stream(case.header.seed, u64::MAX - index))?;
         if let Some(contacts) = &mut sample.contacts {
             contacts.speed_quantile = spread(index / scenes.len() as u64);
         }

@@ -10,17 +10,19 @@ pub(crate) use sobol::{DrawnFriction, OF_CONTACT};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 use osc_model::{
-    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
+    Axis, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
     Reversal, Sliding,
 };
+use serde_json::{Value, json};
 use study::{
     Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, NamedParameter, Origin, Parametrised, Place,
-    Plan, Scene, SceneKey, SceneLabels, SingleParameter, StudySource, Symmetry, UncertainBrake, WholeContact,
+    Plan, Scene, SceneKey, SceneLabels, SingleParameter, Symmetry, UncertainBrake, WholeContact,
 };
 
-use crate::Error;
+use crate::any::listed;
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::labels::friction_labels;
+use crate::{CaseBrake, Error};
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
 const ANY_SPEED: f64 = 1.0;
@@ -51,7 +53,7 @@ impl LatticeBrake {
             3 * case.lattice.grid.oscillators() + 3,
             configurations,
             configurations * by_configuration,
-            case.samples,
+            case.header.samples,
         )
     }
 
@@ -65,10 +67,9 @@ impl LatticeBrake {
     /// What the model refuses; [`study::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
     /// see [`LatticeBrake::least_cost`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
-        let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
-        plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+        let mut plan = case.header.plan(case.identity());
         (plan.mode_labels, plan.mode_identity) = (case.readings.labels, case.readings.identity);
-        (plan.threshold, plan.labels) = (case.threshold, labels(&case));
+        plan.labels = labels(&case);
         let mut brake = Self { case, plan, lattices: Vec::new(), symmetries: Vec::new(), members: Vec::new() };
         for constraints in 0..brake.case.constraints.len() {
             brake.lay_out(constraints)?;
@@ -336,7 +337,7 @@ fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<Operati
     let state = sliding(case, lattice, Law::AmontonsCoulomb, speed, &median);
     let point = state.and_then(|state| Ok(lattice.operating_point(&state)?));
     point.map_err(|source| {
-        let study = case.path.display().to_string();
+        let study = case.header.path.display().to_string();
         study::Error::Median { study, source: Box::new(source.into()) }.into()
     })
 }
@@ -363,4 +364,40 @@ fn labels(case: &LatticeCase) -> SceneLabels {
 fn dof_names(oscillators: usize) -> Vec<String> {
     let bodies = (0..oscillators).map(LatticeBody::Oscillator).chain([LatticeBody::Plate]);
     bodies.flat_map(|body| Axis::ALL.map(|axis| Dof { axis, body }.to_string())).collect()
+}
+
+impl CaseBrake for LatticeBrake {
+    fn grid(&self) -> Option<Grid> {
+        Some(self.case.lattice.grid)
+    }
+
+    fn contents(&self) -> Vec<(&'static str, String)> {
+        let (case, grid) = (&self.case, self.case.lattice.grid);
+        let arrangements = case.panels.iter().map(|(n, list)| format!("{} with {n} in contact", list.len()));
+        let speeds = case.speeds.iter().map(|s| format!("{} ({} to {} m/s)", s.name, s.from, s.to));
+        vec![
+            ("lattice", format!("{} x {} oscillators and the plate", grid.rows(), grid.columns())),
+            ("laws", listed(case.laws.iter().map(ToString::to_string).collect())),
+            ("arrangements", listed(arrangements.collect())),
+            ("speeds", listed(speeds.collect())),
+            ("constraints", listed(self.plan.labels.constraints.clone())),
+        ]
+    }
+
+    fn medians_in_words(&self) -> String {
+        let scene = &self.plan.scenes[0];
+        let (law, contacts) = (self.law(scene.key), self.lattice(scene).arrangement());
+        let speed = self.case.speeds[scene.key.speed.unwrap_or(0)].quantile(0.5);
+        format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters")
+    }
+
+    fn scene_json(&self) -> Value {
+        let scene = &self.plan.scenes[0];
+        let contacts = self.lattice(scene).arrangement().in_contact();
+        json!({
+            "law": self.law(scene.key).name(),
+            "contact": contacts.iter().map(|i| i + 1).collect::<Vec<_>>(),
+            "speed": self.case.speeds[scene.key.speed.unwrap_or(0)].quantile(0.5),
+        })
+    }
 }

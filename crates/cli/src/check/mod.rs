@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
-use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
+use brakes::{CaseBrake, FiniteElementBrake, Part, Purpose};
 use montecarlo::Progress;
 use output::{bytes_in_words, in_words, printable};
 use squeal::estimate;
@@ -41,64 +41,39 @@ impl CheckArgs {
     /// # Errors
     /// What is wrong with the case.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let text = match case_file::read(&self.case)? {
-            CaseFile::Lattice(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
-                self.lattice(&sized::lattice(*case, self.memory)?)?
-            }
-            CaseFile::Matrices(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
-                self.matrices(&sized::matrices(*case, self.memory)?)?
-            }
-            CaseFile::FiniteElements(mut case) => {
-                override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
-                // Said first, because a reduction of an unsound model may fail or take long; that the case is valid is not known before.
-                let model = self.model(&case)?;
-                out.write_all(model.as_bytes()).map_err(Error::StandardOutput)?;
-                finite_elements(*case, self.memory)? + &format!("\n{}: valid\n", self.file())
-            }
-        };
+        let mut case = case_file::read(&self.case)?;
+        override_run(case.header_mut(), self.samples, None, None)?;
+        // Said first, because a reduction of an unsound model may fail or take long; that the case is valid is not known before.
+        let model = if let CaseFile::FiniteElements(case) = &case { Some(self.model(case)?) } else { None };
+        out.write_all(model.unwrap_or_default().as_bytes()).map_err(Error::StandardOutput)?;
+        let text = self.check(&sized::brake(case, Purpose::Analysis, self.memory, None)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
-    fn lattice(&self, brake: &LatticeBrake) -> Result<String, Error> {
-        let (case, plan) = (&brake.case, &brake.plan);
-        let grid = case.lattice.grid;
-        let mut text = self.heading(&plan.name);
-        text += &line("lattice", &format!("{} x {} oscillators and the plate", grid.rows(), grid.columns()));
-        text += &line("laws", &listed(case.laws.iter().map(ToString::to_string)));
-        text += &line(
-            "arrangements",
-            &listed(case.panels.iter().map(|(n, list)| format!("{} with {n} in contact", list.len()))),
-        );
-        text += &line("constraints", &plan.labels.constraints.join(", "));
-        text += &health::of_plan(plan)?;
-        let speeds = case.speeds.iter().map(|s| format!("{} ({} to {} m/s)", s.name, s.from, s.to));
-        text += &line("speeds", &listed(speeds));
-        text += &line("samples", &format!("{} per arrangement, law and speed range, seed {}", plan.samples, plan.seed));
-        text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-        let classes = "one per symmetry class; laws without speed in them once for all speeds";
-        text += &line("to be solved", &format!("{} ({classes})", plan.scenes.len() as u64 * plan.samples));
-        Ok(text + &cost(brake, 0.0)?)
-    }
-
-    fn matrices(&self, brake: &MatricesBrake) -> Result<String, Error> {
-        let (case, plan) = (&brake.case, &brake.plan);
-        let mut text = self.heading(&plan.name);
-        text += &line("dofs", &case.dofs.len().to_string());
-        let named = |name: &str, family: &str| if name == family { name.into() } else { format!("{name} ({family})") };
-        text += &line("terms", &listed(case.system.terms().iter().map(|term| named(&term.name, &term.family))));
-        text += &taken(&case.files);
-        let contacts = case.system.channels().iter().map(|channel| named(&channel.name, &channel.family));
-        text += &line("contacts", &if case.gains.is_empty() { "none".into() } else { listed(contacts) });
-        let parameters = case.parameters.iter().map(|parameter| format!("{} [{}]", parameter.name, parameter.unit));
-        text += &line("parameters", &listed(parameters));
-        text += &line("bodies", &listed(case.bodies.iter().map(|body| body.name.clone())));
-        text += &line("constraints", &plan.labels.constraints.join(", "));
-        text += &health::of_plan(plan)?;
-        text += &line("samples", &format!("{} per constraint set, seed {}", plan.samples, plan.seed));
-        text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-        Ok(text + &cost(brake, 0.0)?)
+    /// What the study of a brake, which need not be one of a case file, computes and takes.
+    ///
+    /// # Errors
+    /// As [`CheckArgs::run`].
+    pub fn check<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
+        let plan = brake.plan();
+        let (mut text, bytes_of_bases) = match brake.finite_elements() {
+            Some(brake) => (reduction(brake), brake.cost_of_bases().bytes),
+            None => {
+                let lines: String = brake.contents().iter().map(|(name, value)| line(name, value)).collect();
+                let heading = format!("{}: valid\n\n{}", self.file(), line("study", &plan.name));
+                (heading + &lines + &health::of_plan(plan)?, 0.0)
+            }
+        };
+        let analyses = plan.analyses_per_sample() * plan.samples;
+        let solved = plan.scenes.len() as u64 * plan.samples;
+        text += &line("samples", &format!("{} per scene, seed {}", plan.samples, plan.seed));
+        text += &line("CEAs", &analyses.to_string());
+        if solved < analyses {
+            let classes = "one per symmetry class; laws without speed in them once for all speeds";
+            text += &line("to be solved", &format!("{solved} ({classes})"));
+        }
+        text += &cost(brake, bytes_of_bases)?;
+        Ok(if brake.finite_elements().is_some() { text + &format!("\n{}: valid\n", self.file()) } else { text })
     }
 
     /// What a finite element case is made of, and whether its matrices are sound.
@@ -107,10 +82,12 @@ impl CheckArgs {
         let patches = case.contact.as_ref().map_or("none".into(), |contact| {
             listed(contact.patches.iter().map(|patch| format!("{} ({} pairs)", patch.name, patch.pairs.len())))
         });
-        let mut text = line("study", &case.name);
+        let mut text = line("study", &case.header.name);
         text += &line("dofs", &case.dofs.len().to_string());
         text += &line("terms", &terms);
-        text += &taken(&case.files);
+        for (at, taken) in TakenMatrix::in_words(&case.files).iter().enumerate() {
+            text += &line(if at == 0 { "files" } else { "" }, &printable(taken));
+        }
         text += &line("patches", &patches);
         text += &line("constraints", &listed(case.constraints.iter().map(|set| set.name.clone())));
         text += &names::of(case);
@@ -124,21 +101,14 @@ impl CheckArgs {
         Ok(text)
     }
 
-    fn heading(&self, study: &str) -> String {
-        format!("{}: valid\n\n{}", self.file(), line("study", study))
-    }
-
     fn file(&self) -> String {
         printable(&self.case.display().to_string())
     }
 }
 
-/// What the reduction of a finite element brake took, and its study takes.
-fn finite_elements(case: FiniteElementCase, memory: MemoryArgs) -> Result<String, Error> {
-    let reduction = case.reduction;
-    sized::bases(&case, memory)?;
-    let brake = FiniteElementBrake::new(case, &Bar::of("reductions"))?;
-    let plan = &brake.plan;
+/// What the reduction of a finite element brake took.
+fn reduction(brake: &FiniteElementBrake) -> String {
+    let (plan, asked) = (&brake.plan, brake.case.reduction.residual);
     let mut text = String::new();
     for (at, (set, name)) in brake.sets.iter().zip(&plan.labels.constraints).enumerate() {
         let parts: Vec<&Part> = brake.parts.iter().filter(|part| part.set == at).collect();
@@ -154,7 +124,7 @@ fn finite_elements(case: FiniteElementCase, memory: MemoryArgs) -> Result<String
             columns.clone().min().unwrap_or(0),
             columns.max().unwrap_or(0),
             sum(&|part| part.within.solved.len()),
-            reduction.residual,
+            asked,
             sum(&|part| part.within.missed.len()),
             set.compared.pairs.len(),
             set.compared.pairs.len() + set.compared.missed.len(),
@@ -162,24 +132,7 @@ fn finite_elements(case: FiniteElementCase, memory: MemoryArgs) -> Result<String
         );
         text += &line("reduction", &found);
     }
-    text += &line("samples", &format!("{} per scene, seed {}", plan.samples, plan.seed));
-    text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-    Ok(text + &cost(&brake, brake.cost_of_bases().bytes)?)
-}
-
-/// How the file of each matrix was taken: files that were taken alike in one line.
-fn taken(files: &[TakenMatrix]) -> String {
-    let mut alike: Vec<(&str, Vec<String>)> = Vec::new();
-    for TakenMatrix { file, taken, .. } in files {
-        let name = file.display().to_string();
-        match alike.iter_mut().find(|(words, _)| words == taken) {
-            Some((_, names)) if names.contains(&name) => {}
-            Some((_, names)) => names.push(name),
-            None => alike.push((taken, vec![name])),
-        }
-    }
-    let lines = alike.into_iter().map(|(words, names)| format!("{}: {words}", printable(&names.join(", "))));
-    lines.enumerate().map(|(at, text)| line(if at == 0 { "files" } else { "" }, &text)).collect()
+    text
 }
 
 fn line(name: &str, value: &str) -> String {

@@ -91,7 +91,7 @@ pub fn run(args: &ReadingsArgs, root: &Path) -> Result<(), Error> {
     let deadline = args.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes.max(0.0)));
     let of = |combination: &Combination, samples: u64| -> Result<LatticeCase, Error> {
         let mut case = combination.case(&path, &case)?;
-        case.samples = samples;
+        case.header.samples = samples;
         Ok(case)
     };
 

@@ -31,7 +31,7 @@ pub fn run_together(cases: Vec<LatticeCase>, stage: Stage) -> Vec<Row> {
     for (at, case) in cases.iter().enumerate() {
         match LatticeBrake::new(case.clone()) {
             Ok(brake) => join(&mut families, brake, at),
-            Err(error) => rows[at] = Some(Row::refused(case.samples, &error.into())),
+            Err(error) => rows[at] = Some(Row::refused(case.header.samples, &error.into())),
         }
     }
     for (family, places) in families {
@@ -126,7 +126,7 @@ mod tests {
         let is_meant = |combination: &&Combination| (0..AXES.len()).all(|i| combination.0[i] == 0 || is_asked(i));
         let case = |combination: &Combination| {
             let mut case = combination.case(&path, &tables).unwrap();
-            case.samples = 6;
+            case.header.samples = 6;
             case.panels.retain(|(number, _)| in_contact.contains(number));
             case
         };

@@ -29,7 +29,7 @@ impl Store {
     }
 
     fn path(&self, cases: &[LatticeCase]) -> PathBuf {
-        let of_case = |case: &LatticeCase| format!("{} {} {}", case.identity(), case.seed, case.samples);
+        let of_case = |case: &LatticeCase| format!("{} {} {}", case.identity(), case.header.seed, case.header.samples);
         let cases: Vec<String> = cases.iter().map(of_case).collect();
         let key = format!("{} {FORMAT} {}", cases.join(" "), env!("CARGO_PKG_VERSION"));
         self.folder.join(format!("{}.json", &squeal::fingerprint(&key)[..16]))
@@ -64,7 +64,7 @@ mod tests {
     fn rows_are_run_once_and_damaged_ones_again() {
         let mut case =
             LatticeCase::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/two-by-two.toml")).unwrap();
-        case.samples = 8;
+        case.header.samples = 8;
         let folder = tempfile::tempdir().unwrap();
         let store = Store::new(folder.path()).unwrap();
         let cases = vec![case.clone()];
@@ -74,7 +74,9 @@ mod tests {
         assert_eq!((row.samples, row.refused.as_deref(), row.cards.len()), (8, None, 15));
         assert_eq!(Store::new(folder.path()).unwrap().known(&cases), Some(rows.clone()));
 
-        assert_eq!(store.known(&[LatticeCase { samples: 9, ..case.clone() }]), None);
+        let mut other = case.clone();
+        other.header.samples = 9;
+        assert_eq!(store.known(&[other]), None);
         assert_eq!(store.known(&[case.clone(), case]), None);
         let path = store.path(&cases);
         let text = std::fs::read(&path).unwrap();

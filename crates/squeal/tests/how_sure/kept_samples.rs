@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use brakes::LatticeBrake;
-use brakes::case::LatticeCase;
 use cea::BatchSolver;
 use squeal::influence::{Influence, influence, influence_of_kept, write_kept_samples};
 use squeal::study::{Study, UncertainBrake as _};
@@ -15,7 +14,11 @@ use super::common;
 #[test]
 fn influence_of_samples_that_a_study_has_kept_is_that_of_evaluating_them_again() {
     let case =
-        |samples: u64| LatticeBrake::new(LatticeCase { samples, ..common::case("two-by-two.toml", &[]) }).unwrap();
+        |samples: u64| {
+            let mut case = common::case("two-by-two.toml", &[]);
+            case.header.samples = samples;
+            LatticeBrake::new(case).unwrap()
+        };
     let keeping = RunOptions::default().keeping_samples(true);
     let run = |dir: &Path, samples: u64, options: RunOptions| {
         let brake = case(samples);

@@ -9,8 +9,9 @@ use squeal::sweep::CurveEnd;
 
 use super::{cases, hoffmann, mapped, over, swept};
 
-fn beyond(case: MatricesCase, threshold: Threshold) -> MatricesBrake {
-    MatricesBrake::new(MatricesCase { threshold, ..case }).unwrap()
+fn beyond(mut case: MatricesCase, threshold: Threshold) -> MatricesBrake {
+    case.header.threshold = threshold;
+    MatricesBrake::new(case).unwrap()
 }
 
 /// The growth rate at the threshold for dashpots c: `g = t omega` at the damping ratio -r, `t = r / (1 - r^2)^1/2`.

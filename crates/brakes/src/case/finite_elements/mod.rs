@@ -14,35 +14,22 @@ pub use side::Side;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::PathBuf;
 
-use cea::Threshold;
 use formats::{Dof, Mesh};
 use friction::BristleDamping;
 use osc_model::ContactArrangement;
 use sparse::SparseAffineSystem;
 
 use super::{
-    Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange, TakenMatrix,
+    CaseHeader, Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange,
+    TakenMatrix,
 };
 
 /// A checked study of a finite element brake.
 #[derive(Debug, Clone)]
 pub struct FiniteElementCase {
-    /// The case file.
-    pub path: PathBuf,
-    /// The text of the case file.
-    pub text: String,
-    /// Name of the study.
-    pub name: String,
-    /// Samples per scene, >= 1.
-    pub samples: u64,
-    /// Seed of the random streams.
-    pub seed: u64,
-    /// Half width to which every occurrence is also estimated, if asked for.
-    pub half_width: Option<f64>,
-    /// From where on a growing mode counts as unstable.
-    pub threshold: Threshold,
+    /// Header of the case: its file, and what it says of its study.
+    pub header: CaseHeader,
     /// The drawn parameters of coefficients, in the order of their names.
     pub parameters: Vec<Parameter>,
     /// The mesh, where the case names one.
@@ -74,8 +61,6 @@ pub struct FiniteElementCase {
     pub constraints: Vec<FixedDofs>,
     /// What the reduced brake shall hold.
     pub reduction: ReductionGoal,
-    /// What reading it leaves to be known: matrices that may be meant otherwise, what was left out, in a sentence each.
-    pub notes: Vec<String>,
 }
 
 /// Contact in patches, each of pairs of nodes.

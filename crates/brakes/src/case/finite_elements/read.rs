@@ -48,8 +48,7 @@ impl FiniteElementCase {
             squeal,
             correlation,
         } = file;
-        check.line("study.name", &study.name)?;
-        check.samples(study.samples)?;
+        let mut header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal)?;
         let parameters = parameters
             .into_iter()
             .map(|(name, given)| parameter(&check, name, given))
@@ -121,14 +120,12 @@ impl FiniteElementCase {
         };
         let constraints = constraint_sets(&model, constraints, &mut missing_rows)?;
         let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;
+        for missing in missing_rows.iter().filter(|missing| missing.field.starts_with("contact.")) {
+            check.note(missing.to_string());
+        }
+        header.notes = check.notes();
         Ok(Self {
-            path: path.to_owned(),
-            text,
-            name: study.name,
-            samples: study.samples,
-            seed: study.seed,
-            half_width: check.half_width(accuracy)?,
-            threshold: check.threshold(squeal)?,
+            header,
             correlation,
             parameters,
             system,
@@ -144,7 +141,6 @@ impl FiniteElementCase {
             held,
             node_sets: model.sets,
             mesh: model.mesh,
-            notes: check.notes(),
         })
     }
 }

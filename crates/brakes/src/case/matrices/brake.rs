@@ -13,7 +13,7 @@ impl MatricesCase {
     /// # Errors
     /// A set of another case, with degrees of freedom that do not exist here.
     pub fn brake(&self, constraints: &FixedDofs) -> Result<Brake, CaseError> {
-        let check = Check::new(&self.path);
+        let check = Check::new(&self.header.path);
         let refused = check.system(&format!("constraints {:?}", constraints.name));
         let dofs = DofMap::new(self.dofs.len(), &constraints.fixed).map_err(&refused)?;
         let system = self.system.on(&dofs).map_err(&refused)?;

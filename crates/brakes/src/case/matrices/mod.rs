@@ -9,32 +9,17 @@ pub(super) mod read;
 pub(super) mod schema;
 mod terms;
 
-use std::path::PathBuf;
-
-use cea::Threshold;
 use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
 use super::check::{Check, field};
-use super::{CaseError, Correlation, Expression, TakenMatrix};
+use super::{CaseError, CaseHeader, Correlation, Expression, TakenMatrix};
 
 /// A checked study of a brake given by its matrices.
 #[derive(Debug, Clone)]
 pub struct MatricesCase {
-    /// The case file.
-    pub path: PathBuf,
-    /// The text of the case file.
-    pub text: String,
-    /// Name of the study.
-    pub name: String,
-    /// Samples per scene, >= 1.
-    pub samples: u64,
-    /// Seed of the random streams.
-    pub seed: u64,
-    /// Half width to which every occurrence is also estimated, if asked for.
-    pub half_width: Option<f64>,
-    /// From where on a growing mode counts as unstable.
-    pub threshold: Threshold,
+    /// Header of the case: its file, and what it says of its study.
+    pub header: CaseHeader,
     /// The drawn parameters, in the order of their names; each occurs in an expression.
     pub parameters: Vec<Parameter>,
     /// Which of them depend on each other.
@@ -53,8 +38,6 @@ pub struct MatricesCase {
     pub bodies: Vec<BodyDofs>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,
-    /// What reading it leaves to be known: matrices that may be meant otherwise, what was left out, in a sentence each.
-    pub notes: Vec<String>,
 }
 
 /// A drawn parameter.
@@ -139,8 +122,11 @@ impl MatricesCase {
     /// An expression whose value is not a finite number, or a state that does not decay, named by its field.
     pub fn operating_point(&self, values: &[f64]) -> Result<OperatingPoint, CaseError> {
         let evaluated = |expression: &Expression, field: &dyn Fn() -> String| {
-            let named =
-                |source| CaseError::Expression { path: self.path.clone(), field: field(), source: Box::new(source) };
+            let named = |source| CaseError::Expression {
+                path: self.header.path.clone(),
+                field: field(),
+                source: Box::new(source),
+            };
             expression.value(values).map_err(named)
         };
         let terms = self.system.terms().iter().zip(&self.coefficients);
@@ -154,7 +140,7 @@ impl MatricesCase {
                 if decay <= 0.0 {
                     // Such a state would grow without bound, and no mode would show it.
                     let (field, allowed) = (field("contacts", &channel.name, "lag.decay"), "a rate > 0, in 1/s");
-                    return Err(Check::new(&self.path).value(&field, decay, allowed));
+                    return Err(Check::new(&self.header.path).value(&field, decay, allowed));
                 }
                 Ok(Lag { decay, drive: of_contact(drive, "lag.drive")?, force: of_contact(force, "lag.force")? })
             };

@@ -37,8 +37,7 @@ impl MatricesCase {
             squeal,
             correlation,
         } = file;
-        check.line("study.name", &study.name)?;
-        check.samples(study.samples)?;
+        let header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal)?;
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);
@@ -52,14 +51,8 @@ impl MatricesCase {
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
         let correlated = Correlated { parameters: named.collect(), contacts: &[[0.0; 3]] };
-        let case = Self {
-            path: path.to_owned(),
-            text,
-            name: study.name,
-            samples: study.samples,
-            seed: study.seed,
-            half_width: check.half_width(accuracy)?,
-            threshold: check.threshold(squeal)?,
+        let mut case = Self {
+            header,
             correlation: check.correlation(correlation, &correlated)?,
             system,
             coefficients,
@@ -69,8 +62,8 @@ impl MatricesCase {
             constraints,
             dofs: dofs.into_names(),
             parameters,
-            notes: check.notes(),
         };
+        case.header.notes = check.notes();
         // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;
         Ok(case)

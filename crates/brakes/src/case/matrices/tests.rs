@@ -59,7 +59,7 @@ fn parse(text: &str) -> Result<MatricesCase, CaseError> {
 #[test]
 fn a_brake_is_what_its_file_says() {
     let case = parse(PAD).unwrap();
-    assert_eq!((case.name.as_str(), case.samples, case.seed), ("pad", 10, 1));
+    assert_eq!((case.header.name.as_str(), case.header.samples, case.header.seed), ("pad", 10, 1));
     assert_eq!(case.dofs, ["x", "y"]);
     let names: Vec<&str> = case.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     assert_eq!((names, case.parameters[0].unit.as_str()), (vec!["mu", "w"], "1"));

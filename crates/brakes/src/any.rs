@@ -1,0 +1,173 @@
+//! The brake of a case of any kind, as programs take it that work on all of them.
+
+use montecarlo::Progress;
+use osc_model::Grid;
+use serde_json::{Map, Value, json};
+use squeal::sweep::Over;
+use study::{AnySample, Cost, Erased, UncertainBrake};
+
+use crate::case::CaseFile;
+use crate::{Bases, Error, FiniteElementBrake, LatticeBrake, MatricesBrake};
+
+/// A brake that programs run on: what they show of it beside what a study needs. All of it has an answer for a brake that is known by
+/// its equations alone, so that `impl CaseBrake for MyBrake {}` is enough.
+pub trait CaseBrake: UncertainBrake {
+    /// The grid of a lattice, for pictures of its modes.
+    fn grid(&self) -> Option<Grid> {
+        None
+    }
+
+    /// The brake as one of finite elements, for its mesh and its reduction.
+    fn finite_elements(&self) -> Option<&FiniteElementBrake> {
+        None
+    }
+
+    /// The parts of the brake and its study, each with a name, for people.
+    fn contents(&self) -> Vec<(&'static str, String)> {
+        let plan = self.plan();
+        let Some(scene) = plan.scenes.first() else { return Vec::new() };
+        let brake = plan.brake(scene);
+        let terms = brake.system.terms().iter().map(|term| with_family(&term.name, &term.family)).collect();
+        let contacts =
+            brake.system.channels().iter().map(|channel| with_family(&channel.name, &channel.family)).collect();
+        let given = self.parametrised().map_or_else(Vec::new, |of| of.parameters(scene));
+        vec![
+            ("dofs", brake.dofs.total().to_string()),
+            ("terms", listed(terms)),
+            ("contacts", listed(contacts)),
+            ("parameters", listed(given.iter().map(|p| format!("{} [{}]", p.name, p.unit)).collect())),
+            ("bodies", listed(brake.bodies.iter().map(|body| body.name.clone()).collect())),
+            ("laws", listed(plan.labels.laws.iter().map(|law| law.name.clone()).collect())),
+            ("constraints", listed(plan.labels.constraints.clone())),
+        ]
+    }
+
+    /// The first scene at the medians, for machines.
+    fn scene_json(&self) -> Value {
+        let plan = self.plan();
+        let Some(scene) = plan.scenes.first() else { return Value::Null };
+        let [constraints, law, speed] = plan.labels.key_columns(scene.key);
+        let given = self.parametrised().map_or_else(Vec::new, |of| of.parameters(scene));
+        let parameters: Map<String, Value> = given.into_iter().map(|p| (p.name, json!(p.median))).collect();
+        json!({ "constraints": constraints, "law": law, "speed": speed, "parameters": parameters })
+    }
+
+    /// The first scene at the medians, in words.
+    fn medians_in_words(&self) -> String {
+        let plan = self.plan();
+        plan.scenes.first().map_or_else(String::new, |scene| {
+            let given = self.parametrised().map_or_else(Vec::new, |of| of.parameters(scene));
+            let values = given.iter().map(|p| with_unit(&p.name, p.median, &p.unit)).collect::<Vec<_>>();
+            format!(
+                "{}; median parameters{}{}",
+                plan.describe(scene),
+                if values.is_empty() { "" } else { ": " },
+                values.join(", ")
+            )
+        })
+    }
+}
+
+/// A number with its name and unit; one without a unit has "1" or nothing there.
+pub(crate) fn with_unit(name: &str, value: f64, unit: &str) -> String {
+    format!("{name} = {value:.6}{}", if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") })
+}
+
+/// A name with its family of forces, where that has another name.
+pub(crate) fn with_family(name: &str, family: &str) -> String {
+    if name == family { name.into() } else { format!("{name} ({family})") }
+}
+
+/// Names with commas between.
+pub(crate) fn listed(names: Vec<String>) -> String {
+    if names.is_empty() { "none".into() } else { names.join(", ") }
+}
+
+/// A brake of any kind.
+pub type AnyBrake = Box<dyn CaseBrake<Sample = AnySample> + Send>;
+
+impl CaseBrake for AnyBrake {
+    fn grid(&self) -> Option<Grid> {
+        (**self).grid()
+    }
+
+    fn finite_elements(&self) -> Option<&FiniteElementBrake> {
+        (**self).finite_elements()
+    }
+
+    fn contents(&self) -> Vec<(&'static str, String)> {
+        (**self).contents()
+    }
+
+    fn scene_json(&self) -> Value {
+        (**self).scene_json()
+    }
+
+    fn medians_in_words(&self) -> String {
+        (**self).medians_in_words()
+    }
+}
+
+impl<B: CaseBrake<Sample: 'static>> CaseBrake for Erased<B> {
+    fn grid(&self) -> Option<Grid> {
+        self.0.grid()
+    }
+
+    fn finite_elements(&self) -> Option<&FiniteElementBrake> {
+        self.0.finite_elements()
+    }
+
+    fn contents(&self) -> Vec<(&'static str, String)> {
+        self.0.contents()
+    }
+
+    fn scene_json(&self) -> Value {
+        self.0.scene_json()
+    }
+
+    fn medians_in_words(&self) -> String {
+        self.0.medians_in_words()
+    }
+}
+
+/// The question that a brake is made for, where that decides how much of it is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Purpose<'a> {
+    /// A study or influence: a reduced brake is checked against the full model.
+    Study,
+    /// One analysis, or what a study would take: a reduced brake is not checked.
+    Analysis,
+    /// A sweep: the reduced brake of the first scene holds the modes over these ranges.
+    Sweep(&'a [Over]),
+    /// A screen of modifications: the arrangements of a set of constraints have one basis.
+    Screen,
+}
+
+impl CaseFile {
+    /// Memory and processor time of making the brake, roughly, before anything of it is made; `None` where that is nothing beside
+    /// preparing its study ([`Cost::of`]).
+    pub fn cost_of_making(&self) -> Option<Cost> {
+        match self {
+            Self::Lattice(case) => Some(LatticeBrake::least_cost(case)),
+            Self::Matrices(_) => None,
+            Self::FiniteElements(case) => Some(FiniteElementBrake::expected_cost(case)),
+        }
+    }
+
+    /// The brake of the case. Only the reduction of finite elements takes time, and tells how far it has come.
+    ///
+    /// # Errors
+    /// What the model or the reduction refuses; [`study::Error::Median`] where the medians of the parameters have no operating point.
+    pub fn into_brake(self, purpose: Purpose<'_>, progress: &dyn Progress) -> Result<AnyBrake, Error> {
+        Ok(match self {
+            Self::Lattice(case) => Box::new(Erased(LatticeBrake::new(*case)?)),
+            Self::Matrices(case) => Box::new(Erased(MatricesBrake::new(*case)?)),
+            Self::FiniteElements(case) => Box::new(Erased(match purpose {
+                Purpose::Study => FiniteElementBrake::checked(*case, progress)?,
+                Purpose::Analysis => FiniteElementBrake::new(*case, progress)?,
+                Purpose::Sweep(over) => FiniteElementBrake::for_sweep(*case, over, progress)?,
+                Purpose::Screen => FiniteElementBrake::on(*case, Bases::OfEachSet, progress)?,
+            })),
+        })
+    }
+}

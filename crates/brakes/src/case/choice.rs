@@ -1,0 +1,152 @@
+//! One scene of a case, by what a user calls it.
+
+use osc_model::ContactArrangement;
+
+use super::{CaseError, CaseFile, FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
+
+/// The scene of a case that a question is about; what is not chosen is the first that the case has.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SceneChoice {
+    /// Friction law, by its name.
+    pub law: Option<String>,
+    /// Contacts that are closed (oscillators, patches), from 1.
+    pub contact: Option<Vec<usize>>,
+    /// Set of constraints, by its name.
+    pub constraints: Option<String>,
+    /// Sliding speed.
+    pub speed: ChosenSpeed,
+}
+
+/// The sliding speed of a chosen scene.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum ChosenSpeed {
+    /// The median of the first range of the case.
+    #[default]
+    Median,
+    /// One speed, m/s, > 0.
+    Fixed(f64),
+    /// A range of the case from which speeds are drawn, by its name; the first without one.
+    Range(Option<String>),
+}
+
+impl CaseFile {
+    /// The case with the one scene that is chosen.
+    ///
+    /// # Errors
+    /// [`CaseError::Choice`]: what the case does not have, and what means nothing for a brake of its kind.
+    pub fn only(self, choice: &SceneChoice) -> Result<Self, CaseError> {
+        Ok(match self {
+            Self::Lattice(case) => Self::Lattice(Box::new(lattice(*case, choice)?)),
+            Self::Matrices(case) => Self::Matrices(Box::new(matrices(*case, choice)?)),
+            Self::FiniteElements(case) => Self::FiniteElements(Box::new(finite_elements(*case, choice)?)),
+        })
+    }
+
+    /// Names of the sets of constraints.
+    pub fn constraint_sets(&self) -> Vec<&str> {
+        match self {
+            Self::Lattice(case) => case.constraints.iter().map(|set| set.name.as_str()).collect(),
+            Self::Matrices(case) => case.constraints.iter().map(|set| set.name.as_str()).collect(),
+            Self::FiniteElements(case) => case.constraints.iter().map(|set| set.name.as_str()).collect(),
+        }
+    }
+}
+
+fn lattice(mut case: LatticeCase, choice: &SceneChoice) -> Result<LatticeCase, CaseError> {
+    if let Some(name) = &choice.law {
+        let law = Law::ALL.into_iter().find(|law| law.name() == name);
+        case.laws = vec![law.ok_or_else(|| refused("law", name, Law::ALL.map(Law::name).join(", ")))?];
+    }
+    case.laws.truncate(1);
+    let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
+    let set = chosen("constraints", choice.constraints.as_deref(), &names)?;
+    case.constraints = vec![case.constraints.swap_remove(set)];
+    let arrangement = match &choice.contact {
+        None => case.panels[0].1[0].clone(),
+        Some(numbers) => in_contact(case.lattice.grid.oscillators(), numbers, "oscillators")?,
+    };
+    case.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
+    let median = fixed(case.speeds[0].quantile(0.5));
+    case.speeds = vec![speeds(&choice.speed, &case.speeds)?.unwrap_or(median)];
+    Ok(case)
+}
+
+fn matrices(mut case: MatricesCase, choice: &SceneChoice) -> Result<MatricesCase, CaseError> {
+    nothing_of_contact(choice, "cases with a lattice or finite elements; this one is given by its matrices")?;
+    let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
+    let set = chosen("constraints", choice.constraints.as_deref(), &names)?;
+    case.constraints = vec![case.constraints.swap_remove(set)];
+    Ok(case)
+}
+
+fn finite_elements(mut case: FiniteElementCase, choice: &SceneChoice) -> Result<FiniteElementCase, CaseError> {
+    let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
+    let set = chosen("constraints", choice.constraints.as_deref(), &names)?;
+    case.constraints = vec![case.constraints.swap_remove(set)];
+    let Some(contact) = &mut case.contact else {
+        nothing_of_contact(choice, "cases with [contact]; this one has none")?;
+        return Ok(case);
+    };
+    let laws: Vec<&str> = contact.laws.iter().map(|law| law.name()).collect();
+    contact.laws = vec![contact.laws[chosen("law", choice.law.as_deref(), &laws)?]];
+    let arrangement = match &choice.contact {
+        None => contact.panels[0].1[0].clone(),
+        Some(numbers) => in_contact(contact.patches.len(), numbers, "patches")?,
+    };
+    contact.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
+    // The first scene is at the median of the first range.
+    if let Some(range) = speeds(&choice.speed, &contact.speeds)? {
+        contact.speeds = vec![range];
+    }
+    Ok(case)
+}
+
+/// The range of speeds that is chosen; `None` for the median of the first.
+fn speeds(choice: &ChosenSpeed, ranges: &[SpeedRange]) -> Result<Option<SpeedRange>, CaseError> {
+    match choice {
+        ChosenSpeed::Median => Ok(None),
+        ChosenSpeed::Fixed(speed) if speed.is_finite() && *speed > 0.0 => Ok(Some(fixed(*speed))),
+        ChosenSpeed::Fixed(speed) => Err(refused("speed", &speed.to_string(), "a speed in m/s, > 0".into())),
+        ChosenSpeed::Range(Some(name)) if ranges.is_empty() => {
+            Err(refused("range", name, "cases with ranges of speed".into()))
+        }
+        ChosenSpeed::Range(name) => {
+            let names: Vec<&str> = ranges.iter().map(|range| range.name.as_str()).collect();
+            Ok(ranges.get(chosen("range", name.as_deref(), &names)?).cloned())
+        }
+    }
+}
+
+/// What is chosen of friction in a contact, refused for a case in which it means nothing.
+fn nothing_of_contact(choice: &SceneChoice, allowed: &str) -> Result<(), CaseError> {
+    let SceneChoice { law, contact, constraints: _, speed } = choice;
+    let given =
+        [("law", law.is_some()), ("contact", contact.is_some()), ("speed", matches!(speed, ChosenSpeed::Fixed(_)))];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((what, _)) => Err(refused(what, "given", allowed.into())),
+        None => speeds(speed, &[]).map(drop),
+    }
+}
+
+/// The contacts with these numbers, from 1.
+fn in_contact(contacts: usize, numbers: &[usize], what: &str) -> Result<ContactArrangement, CaseError> {
+    ContactArrangement::from_numbers(contacts, numbers).map_err(|_| {
+        let value = numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
+        refused("contact", &value, format!("{what} 1 to {contacts}, each once"))
+    })
+}
+
+/// The range of one speed, m/s.
+fn fixed(speed: f64) -> SpeedRange {
+    SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }
+}
+
+/// The place of a name; the first where none is given.
+fn chosen(what: &'static str, given: Option<&str>, names: &[&str]) -> Result<usize, CaseError> {
+    let Some(given) = given else { return Ok(0) };
+    names.iter().position(|name| *name == given).ok_or_else(|| refused(what, given, names.join(", ")))
+}
+
+fn refused(what: &'static str, value: &str, allowed: String) -> CaseError {
+    CaseError::Choice { what, value: value.into(), allowed }
+}
