@@ -1,10 +1,11 @@
 //! The brake of a case of any kind, as programs take it that work on all of them.
 
+use linsys::OperatingPoint;
 use montecarlo::Progress;
 use osc_model::Grid;
 use serde_json::{Map, Value, json};
 use squeal::sweep::Over;
-use study::{AnySample, Cost, Erased, UncertainBrake};
+use study::{AnySample, Cost, Erased, IndependentBrake, Scene, UncertainBrake};
 
 use crate::case::CaseFile;
 use crate::{Bases, Error, FiniteElementBrake, LatticeBrake, MatricesBrake};
@@ -107,6 +108,8 @@ impl CaseBrake for AnyBrake {
         (**self).medians_in_words()
     }
 }
+
+impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, study::Error> + Sync> CaseBrake for IndependentBrake<F> {}
 
 impl<B: CaseBrake<Sample: 'static>> CaseBrake for Erased<B> {
     fn grid(&self) -> Option<Grid> {

@@ -333,7 +333,8 @@ fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same(
 fn a_reduction_that_draws_do_not_confirm_is_trained_on_whatever_the_number_of_samples() {
     let poor = |full_checks: u64| {
         let text = two_arrangements()
-            .header.text
+            .header
+            .text
             .replace("training = 16\nfull_checks = 4", &format!("training = 1\nfull_checks = {full_checks}"));
         let text =
             text.replace("[contact]", "[contact]\ndraws = \"each\"").replace("[500.0, 8000.0]", "[5700.0, 8000.0]");

@@ -29,10 +29,7 @@ pub(super) fn law_of(results: &Results, scene: &Scene) -> String {
 
 /// The scenes of a constraint set with every oscillator in contact, each with its index and its reference modes; of the laws
 /// that the results are of.
-pub(super) fn full_contact(
-    results: &Results,
-    constraints: usize,
-) -> impl Iterator<Item = (usize, &Scene, &Reference)> {
+pub(super) fn full_contact(results: &Results, constraints: usize) -> impl Iterator<Item = (usize, &Scene, &Reference)> {
     let scenes = results.plan().scenes.iter().zip(results.references()).enumerate();
     let is_meant = move |scene: &Scene| scene.wants_work && scene.key.constraints == constraints;
     let has_panel = |scene: &Scene| results.panels().iter().any(|panel| panel.key == scene.key);

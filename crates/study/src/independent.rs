@@ -101,6 +101,25 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> IndependentB
         Ok(Self { plan, drawn, at })
     }
 
+    /// The same brake under several friction laws by name and title, in whose order [`SceneKey::law`](crate::SceneKey::law) counts them.
+    ///
+    /// # Errors
+    /// As [`Plan::with_laws`].
+    pub fn with_laws(mut self, laws: &[(&str, &str)]) -> Result<Self, Error> {
+        self.plan = self.plan.with_laws(laws)?;
+        Ok(self)
+    }
+
+    /// The same brake in several ranges of sliding speed by name and description, in whose order
+    /// [`SceneKey::speed`](crate::SceneKey::speed) counts them.
+    ///
+    /// # Errors
+    /// As [`Plan::with_speeds`].
+    pub fn with_speeds(mut self, speeds: &[(&str, &str)]) -> Result<Self, Error> {
+        self.plan = self.plan.with_speeds(speeds)?;
+        Ok(self)
+    }
+
     /// The same brake with another number of samples, >= 1, and seed.
     #[must_use]
     pub fn with_samples(mut self, samples: u64, seed: u64) -> Self {

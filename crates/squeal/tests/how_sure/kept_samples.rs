@@ -13,12 +13,11 @@ use super::common;
 /// Not one of the systems is evaluated again; and a run that is extended has the samples of a run at once.
 #[test]
 fn influence_of_samples_that_a_study_has_kept_is_that_of_evaluating_them_again() {
-    let case =
-        |samples: u64| {
-            let mut case = common::case("two-by-two.toml", &[]);
-            case.header.samples = samples;
-            LatticeBrake::new(case).unwrap()
-        };
+    let case = |samples: u64| {
+        let mut case = common::case("two-by-two.toml", &[]);
+        case.header.samples = samples;
+        LatticeBrake::new(case).unwrap()
+    };
     let keeping = RunOptions::default().keeping_samples(true);
     let run = |dir: &Path, samples: u64, options: RunOptions| {
         let brake = case(samples);
