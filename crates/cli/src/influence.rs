@@ -11,7 +11,7 @@ use report::influence_figure;
 use serde_json::json;
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
-use squeal::influence::{influence, write_influences};
+use squeal::influence::{influence, influence_table};
 use squeal::study::{Study, UncertainBrake, divergence_doubt};
 use squeal::workers;
 
@@ -106,7 +106,7 @@ impl InfluenceArgs {
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| -> Result<(), Error> {
-                write_influences(plan, [(scene, &found)], stage)?;
+                influence_table(plan, [(scene, &found)]).write(stage)?;
                 write(&stage.join("summary.md"), summary(&heading, &answer).as_bytes())?;
                 match influence_figure(&found, "What makes squeal vary", &heading)? {
                     Some(figure) => Ok(figure.save_pictures(stage, "influence")?),

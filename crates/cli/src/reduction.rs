@@ -4,7 +4,7 @@ use std::path::Path;
 
 use brakes::FiniteElementBrake;
 use figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
-use output::write_csv;
+use output::Table;
 use reduction::{Compared, compared};
 use squeal::study::UncertainBrake;
 
@@ -39,7 +39,7 @@ pub(super) fn write_reduction(brake: &FiniteElementBrake, dir: &Path) -> Result<
             ],
         });
     }
-    write_csv(&dir.join("reduction.csv"), &HEADER, rows)?;
+    Table::new("reduction", HEADER, rows).write(dir)?;
     let figure = LogLogFigure {
         title: format!("Reduction: {}", brake.plan().name),
         x_label: "columns of the basis; an evaluation costs about their square".into(),

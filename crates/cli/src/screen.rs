@@ -169,7 +169,9 @@ impl ScreenArgs {
         let what = format!("{}: what helps, constraints \"{}\"", plan.name, sets[options.constraints]);
         if let Some(folder) = &folder {
             folder.publish(|stage| -> Result<(), Error> {
-                screen.write_tables(stage)?;
+                for table in screen.tables() {
+                    table.write(stage)?;
+                }
                 let figure = screen_figure(&screen, &what, &screen.rests_on().join("; "))?;
                 figure.save_pictures(stage, "screen")?;
                 Ok(write_screen_page(plan, &screen, options.constraints, &geometry(brake), &figure, &what, stage)?)

@@ -113,7 +113,9 @@ impl SweepArgs {
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| -> Result<(), Error> {
-                found.write_tables(stage)?;
+                for table in found.tables() {
+                    table.write(stage)?;
+                }
                 let title = format!("Sweep over {}", named.join(" and "));
                 let figure = sweep_figure(&found, &title, &scene)?;
                 figure.save_pictures(stage, "sweep")?;

@@ -3,7 +3,9 @@
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::style::{BLUE, VERMILLION};
 
@@ -175,5 +177,5 @@ fn check(data: &DropsFigure) -> Result<Table, FigureError> {
         return Err(FigureError::Empty { what: "bars" });
     }
     data.most.map(|most| finite(most, || "most".into())).transpose()?;
-    Ok(Table { header: &["group", "change", "drop", "lower", "upper", "predicted"], rows })
+    Ok(Table::new("figure", ["group", "change", "drop", "lower", "upper", "predicted"], rows))
 }

@@ -2,17 +2,11 @@
 
 use std::path::Path;
 
-use output::{csv_bytes, replace};
+use output::{Table, replace};
 
 use super::canvas::Canvas;
 use super::error::FigureError;
 use super::{raster, vector};
-
-/// The numbers of a figure, one observation per row.
-pub(super) struct Table {
-    pub header: &'static [&'static str],
-    pub rows: Vec<Vec<String>>,
-}
 
 /// A figure, ready to be written in three formats.
 pub struct Figure {
@@ -42,7 +36,7 @@ impl Figure {
     /// # Errors
     /// [`FigureError::Csv`] if the table cannot be encoded.
     pub fn csv(&self) -> Result<Vec<u8>, FigureError> {
-        Ok(csv_bytes(self.table.header, &self.table.rows)?)
+        Ok(self.table.csv()?)
     }
 
     /// Writes `stem.svg`, `stem.png` and `stem.csv` into the existing folder `dir`. Each file is written under another

@@ -3,7 +3,9 @@
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::style::{BLUE, SKY};
 
@@ -162,5 +164,5 @@ fn check(data: &IndexFigure) -> Result<Table, FigureError> {
             }
         }
     }
-    Ok(Table { header: &["panel", "input", "index", "value", "lower", "upper"], rows })
+    Ok(Table::new("figure", ["panel", "input", "index", "value", "lower", "upper"], rows))
 }

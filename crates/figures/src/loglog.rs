@@ -5,7 +5,9 @@ use super::axis::{
 };
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::style::{marker, point_style};
 
@@ -187,5 +189,5 @@ fn check(data: &LogLogFigure) -> Result<Table, FigureError> {
             }
         }
     }
-    Ok(Table { header: &["panel", "series", "x", "y"], rows })
+    Ok(Table::new("figure", ["panel", "series", "x", "y"], rows))
 }

@@ -3,7 +3,9 @@
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::scale::{bar, color};
 use super::style::{BLUE, VERMILLION};
@@ -282,5 +284,5 @@ fn check(data: &RootLocusFigure) -> Result<Table, FigureError> {
         };
         row(kind, mode, at)?;
     }
-    Ok(Table { header: &["kind", "mode", "parameter", "frequency_hz", "growth"], rows })
+    Ok(Table::new("figure", ["kind", "mode", "parameter", "frequency_hz", "growth"], rows))
 }

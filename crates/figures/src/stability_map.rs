@@ -5,7 +5,9 @@ use super::axis::{
 };
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::scale::count_color;
 
@@ -182,5 +184,5 @@ fn check(data: &MapFigure) -> Result<Table, FigureError> {
             rows.push(vec![(index + 1).to_string(), curve.mode.clone(), at[0].to_string(), at[1].to_string()]);
         }
     }
-    Ok(Table { header: &["curve", "mode", "x", "y"], rows })
+    Ok(Table::new("figure", ["curve", "mode", "x", "y"], rows))
 }

@@ -3,11 +3,15 @@
 //! ```
 //! let folder = std::env::temp_dir().join(format!("output-{}", std::process::id()));
 //! output::make_folder(&folder)?;
-//! output::write_csv(&folder.join("modes.csv"), &["mode", "hertz"], [vec!["1".into(), "1015.952".into()]])?;
+//! output::Table::new("modes", ["mode", "hertz"], [vec!["1".into(), "1015.952".into()]]).write(&folder)?;
 //! assert_eq!(std::fs::read_to_string(folder.join("modes.csv"))?, "mode,hertz\n1,1015.952\n");
 //! # std::fs::remove_dir_all(&folder)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
+mod table;
+
+pub use table::Table;
 
 use std::borrow::Cow;
 use std::fs;
@@ -117,16 +121,6 @@ pub fn bytes_in_words(bytes: f64) -> String {
     }
 }
 
-/// Writes a table as CSV.
-///
-/// # Errors
-/// [`OutputError::Write`].
-pub fn write_csv(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
-    let bytes =
-        csv_bytes(header, rows).map_err(|error| OutputError::Write { path: path.to_owned(), source: error.into() })?;
-    write(path, &bytes)
-}
-
 /// A cell that no spreadsheet takes for a formula: a text that begins as one gets an apostrophe before it, which they take for the mark of a
 /// text. Numbers stay as they are.
 fn harmless(cell: &[u8]) -> Cow<'_, [u8]> {
@@ -147,13 +141,13 @@ pub fn moves_others(c: char) -> bool {
 ///
 /// # Errors
 /// A table that cannot be encoded.
-pub fn csv_bytes<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, csv::Error>
+pub fn csv_bytes<R>(header: &[impl AsRef<str>], rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, csv::Error>
 where
     R: IntoIterator<Item: AsRef<[u8]>>,
 {
     let mut table = csv::Writer::from_writer(Vec::new());
     for name in header {
-        table.write_field(harmless(name.as_bytes()))?;
+        table.write_field(harmless(name.as_ref().as_bytes()))?;
     }
     table.write_record(None::<&[u8]>)?;
     for row in rows {

@@ -9,7 +9,9 @@ use num_complex::Complex64;
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, signed, title, widest, x_axis, y_title, y_title_width};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 use super::legend::legend;
 use super::style::{BLUE, VERMILLION};
 pub use data::{BodyInMode, LawMode, ModeWorkFigure, NetWork};
@@ -192,5 +194,5 @@ fn check(data: &ModeWorkFigure, factors: &[Complex64]) -> Result<Table, FigureEr
             }
         }
     }
-    Ok(Table { header: &["law", "body", "quantity", "value"], rows })
+    Ok(Table::new("figure", ["law", "body", "quantity", "value"], rows))
 }

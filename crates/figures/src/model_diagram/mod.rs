@@ -8,7 +8,9 @@ mod plan;
 use super::axis::{PAGE_MARGIN, title};
 use super::canvas::{Area, Canvas};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 pub use diagram::ModelDiagram;
 use oscillator::{from_above, from_the_side};
 use plan::plan;
@@ -69,5 +71,5 @@ fn springs(data: &ModelDiagram) -> Table {
     for (i, _) in data.in_contact.iter().enumerate().filter(|(_, contact)| **contact) {
         rows.push(vec!["z".to_owned(), (i + 1).to_string(), (i + 1).to_string(), "plate".to_owned()]);
     }
-    Table { header: &["axis", "spring", "from", "to"], rows }
+    Table::new("figure", ["axis", "spring", "from", "to"], rows)
 }

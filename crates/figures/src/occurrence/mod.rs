@@ -7,7 +7,9 @@ mod panel;
 use super::axis::{LINE_SPACING, PAGE_MARGIN, title};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
-use super::figure::{Figure, Table};
+use output::Table;
+
+use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::style::{box_style, filled_box};
 pub use data::{
@@ -225,7 +227,7 @@ fn check(data: &OccurrenceFigure) -> Result<Table, FigureError> {
             return Err(FigureError::OutOfRange { what: what(), value, allowed: "0 to 100 %" });
         }
     }
-    Ok(Table { header: &HEADER, rows })
+    Ok(Table::new("figure", HEADER, rows))
 }
 
 const HEADER: [&str; 13] = [

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use output::Table;
 use serde_json::{Value, json};
 use squeal::results::Results;
 use squeal::study::SceneLabels;
 
 use super::Geometry;
 use super::shapes;
-use super::tables::{Table, with_rows};
+use super::tables::{grouped_on_page, on_page, read, with_rows};
 use crate::Error;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
@@ -31,11 +32,11 @@ const TABLES: [(&str, &str); 9] = [
 pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>, dir: &Path) -> Result<Value, Error> {
     let labels = &results.plan().labels;
     let mut tables = vec![by_panel(results)?];
-    if let Some(table) = Table::read(dir, "occurrence.csv")? {
+    if let Some(table) = read(dir, "occurrence.csv")? {
         let about = "How often each mode is unstable in each arrangement";
         let key = SceneLabels::MODE_COLUMNS.len() - 2;
-        let grouped = table.grouped_json("occurrence.csv", about, key);
-        tables.push(grouped.unwrap_or_else(|| table.json("occurrence.csv", about)));
+        let grouped = grouped_on_page(&table, "occurrence.csv", about, key);
+        tables.push(grouped.unwrap_or_else(|| on_page(&table, "occurrence.csv", about)));
     }
     tables.extend(with_rows(dir, &TABLES)?);
     let titles: Vec<&str> = labels.laws.iter().map(|law| law.title.as_str()).collect();
@@ -87,7 +88,6 @@ fn by_panel(results: &Results) -> Result<Value, Error> {
         "arrangements",
         "ever_unstable",
     ];
-    let table = Table { header: header.map(str::to_owned).to_vec(), rows };
-    Ok(table
-        .json("occurrence_by_panel.csv", "The figure above: each mode in each panel, the median over its arrangements"))
+    let about = "The figure above: each mode in each panel, the median over its arrangements";
+    Ok(on_page(&Table::new("occurrence_by_panel", header, rows), "occurrence_by_panel.csv", about))
 }

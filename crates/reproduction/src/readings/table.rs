@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use output::write_csv;
+use output::Table;
 
 use super::product::{AXES, COUNTINGS, Combination, PaperModes};
 use super::row::{BY_MAC, Card, Row, TRACKED};
@@ -139,8 +139,9 @@ pub fn write_all(path: &Path, stages: &Stages<'_>) -> Result<(), Error> {
         }
         row
     };
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    Ok(write_csv(path, &header, full.iter().chain(*second).chain(*coarse).map(row))?)
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let table = Table::new(name, header, full.iter().chain(*second).chain(*coarse).map(row));
+    Ok(table.write(path.parent().unwrap_or(Path::new("")))?)
 }
 
 /// The rule, the combinations with all draws, and a digest of the others.

@@ -18,7 +18,7 @@ use crate::Error;
 use evaluated::{Evaluated, evaluate, of_kept};
 
 pub use output::{Output, OutputKind};
-pub use report::write_influences;
+pub use report::influence_table;
 pub use samples::write_kept_samples;
 
 /// The influence of all inputs on an output.

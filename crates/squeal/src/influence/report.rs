@@ -1,13 +1,10 @@
 //! Influence in words, and as a table.
 
-use std::path::Path;
-
 use montecarlo::SobolIndex;
-use output::write_csv;
+use output::Table;
 use study::{Plan, Scene, SceneLabels};
 
 use super::{Influence, OutputInfluence, OutputKind};
-use crate::Error;
 
 /// Inputs that explain less than this part for sure are counted together in words; chosen.
 const LEAST_IN_WORDS: f64 = 0.01;
@@ -124,7 +121,7 @@ impl Influence {
         text
     }
 
-    /// A row of `influence.csv` for each output, input and kind of index.
+    /// A row of the table `influence` for each output, input and kind of index.
     fn rows(&self, plan: &Plan, scene: &Scene) -> Vec<Vec<String>> {
         let mut rows = Vec::new();
         for output in &self.outputs {
@@ -146,19 +143,11 @@ impl Influence {
     }
 }
 
-/// Writes `influence.csv`: the rows of some scenes.
-///
-/// # Errors
-/// [`Error::Output`].
-pub fn write_influences<'a>(
-    plan: &Plan,
-    of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Influence)>,
-    dir: &Path,
-) -> Result<(), Error> {
+/// The table `influence` of some scenes: a row for each output, input and kind of index.
+pub fn influence_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Influence)>) -> Table {
     let own = ["output", "input", "unit", "index", "value", "lower", "upper", "standard_error", "samples"];
     let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
-    let rows = of_scenes.into_iter().flat_map(|(scene, influence)| influence.rows(plan, scene));
-    Ok(write_csv(&dir.join("influence.csv"), &header, rows)?)
+    Table::new("influence", header, of_scenes.into_iter().flat_map(|(scene, influence)| influence.rows(plan, scene)))
 }
 
 /// "83 % (80 to 86 %)".

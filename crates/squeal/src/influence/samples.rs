@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use montecarlo::Summary;
-use output::write_csv;
+use output::Table;
 use study::{DrawnInputs, KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, UncertainBrake};
 
-use super::report::write_influences;
+use super::report::influence_table;
 use super::{drawn_again, influence_of_kept};
 use crate::Error;
 
@@ -28,7 +28,7 @@ pub fn write_kept_samples<B: UncertainBrake>(
     let plan = brake.plan();
     let found = influence_of_kept(brake, summary.samples, kept);
     let known = plan.scenes.iter().zip(&found).filter_map(|(scene, influence)| Some((scene, influence.as_ref()?)));
-    write_influences(plan, known, dir)?;
+    influence_table(plan, known).write(dir)?;
 
     let of = brake.drawn_inputs();
     let names =
@@ -57,7 +57,8 @@ pub fn write_kept_samples<B: UncertainBrake>(
     };
     let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
     let header = [scene_columns, &["sample", "growth", "unstable"], &columns].concat();
-    Ok(write_csv(&dir.join("samples.csv"), &header, plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene))?)
+    let rows = plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene);
+    Ok(Table::new("samples", header, rows).write(dir)?)
 }
 
 /// The largest growth rate and the unstable modes of a sample.

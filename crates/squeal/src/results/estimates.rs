@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use montecarlo::{Damage, Progress, Sealed};
-use output::{OutputError, write, write_csv};
+use output::{OutputError, Table, write};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use study::estimators::{
@@ -98,7 +98,7 @@ impl Estimates {
                 results.note(format!("{}: the {estimator} is rejected: {because}", study.plan().describe(scene)));
             }
         }
-        estimates.write_table(study, dir)?;
+        estimates.table(study).write(dir)?;
         Ok(estimates)
     }
 
@@ -134,7 +134,8 @@ impl Estimates {
         Ok(kept.filter(is_same).unwrap_or_else(empty))
     }
 
-    fn write_table<B: UncertainBrake>(&self, study: &Study<'_, B>, dir: &Path) -> Result<(), Error> {
+    /// The table `estimates`: the occurrence of every mode in every arrangement, between two limits.
+    pub fn table<B: UncertainBrake>(&self, study: &Study<'_, B>) -> Table {
         let own = ["estimator", "lower", "upper", "half_width", "evaluations", "plain_evaluations"];
         let (labels, mut rows) = (&study.plan().labels, Vec::new());
         for (scene, found) in study.plan().scenes.iter().zip(&self.scenes) {
@@ -155,7 +156,7 @@ impl Estimates {
             }
         }
         let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
-        Ok(write_csv(&dir.join("estimates.csv"), &header, rows)?)
+        Table::new("estimates", header, rows)
     }
 
     /// What the estimates took, in some lines: how many scenes by which estimator, the half width reached, and all

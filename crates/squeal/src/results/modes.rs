@@ -1,13 +1,10 @@
 //! The modes of each set of constraints where they have their names: frequencies, shapes, and which is which in another set.
 
-use std::path::Path;
-
 use cea::Mode;
-use output::write_csv;
+use output::Table;
 use study::{ModeLabel, Reference, SetLinks, origin_of_set};
 
 use super::Results;
-use crate::Error;
 
 /// Least MAC of two modes that are listed as alike; chosen: below, a shape has little of the other.
 const LEAST_LISTED_MAC: f64 = 0.1;
@@ -51,14 +48,15 @@ pub fn set_letter(constraints: usize) -> String {
     }
 }
 
-/// Writes `modes.csv`, and `shapes-SET.csv` for each set of constraints.
-pub(super) fn write_modes(results: &Results, dir: &Path) -> Result<(), Error> {
-    let (plan, mut rows) = (results.plan(), Vec::new());
+/// The table `shapes-SET` of each set of constraints, and `modes`.
+pub(super) fn modes(results: &Results) -> Vec<Table> {
+    let (plan, mut rows, mut tables) = (results.plan(), Vec::new(), Vec::new());
     for (constraints, set) in plan.labels.constraints.iter().enumerate() {
         let (Some(origin), modes) = (origin_of_set(plan, constraints), results.modes_of_set(constraints)) else {
             continue;
         };
-        let shape_file = format!("shapes-{set}.csv");
+        let shapes_of_set = format!("shapes-{set}");
+        let shape_file = format!("{shapes_of_set}.csv");
         let free = plan.origins[origin].brake.dofs.free();
         let mut shapes = Vec::new();
         for (name, mode) in modes {
@@ -72,14 +70,15 @@ pub(super) fn write_modes(results: &Results, dir: &Path) -> Result<(), Error> {
                 shapes.push(vec![name.to_string(), plan.labels.dof(dof), u.re.to_string(), u.im.to_string()]);
             }
         }
-        write_csv(&dir.join(shape_file), &["mode", "dof", "re", "im"], shapes)?;
+        tables.push(Table::new(shapes_of_set, ["mode", "dof", "re", "im"], shapes));
     }
     let header = ["constraints", "mode", "label", "frequency_hz", "growth_rate", "damping_ratio", "shape_file"];
-    Ok(write_csv(&dir.join("modes.csv"), &header, rows)?)
+    tables.push(Table::new("modes", header, rows));
+    tables
 }
 
-/// Writes `links.csv`: which mode of a set of constraints is which of one that holds more.
-pub(super) fn write_links(results: &Results, links: &[SetLinks], dir: &Path) -> Result<(), Error> {
+/// The table `links`: which mode of a set of constraints is which of one that holds more.
+pub(super) fn links_table(results: &Results, links: &[SetLinks]) -> Table {
     let (names, mut rows) = (&results.plan().labels.constraints, Vec::new());
     for link in links {
         let (from, to) = (results.modes_of_set(link.from), results.modes_of_set(link.to));
@@ -108,7 +107,7 @@ pub(super) fn write_links(results: &Results, links: &[SetLinks], dir: &Path) -> 
     }
     let header =
         ["from_constraints", "from_mode", "from_hz", "to_constraints", "to_mode", "to_hz", "mac", "continuation"];
-    Ok(write_csv(&dir.join("links.csv"), &header, rows)?)
+    Table::new("links", header, rows)
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! Why the modes of a study's scenes grow at its medians: `sensitivities.csv`, and the largest ones in words.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
-use output::write_csv;
+use output::Table;
 use rayon::prelude::*;
 use study::{ModeLabel, Plan, Reference, SceneLabels, Study, UncertainBrake};
 
@@ -92,7 +91,7 @@ fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec
 }
 
 /// Writes `sensitivities.csv`.
-pub(super) fn write_sensitivities(plan: &Plan, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
+pub(super) fn sensitivities(plan: &Plan, reasons: &[SceneReasons]) -> Table {
     let own = [
         "frequency_hz",
         "growth_rate",
@@ -153,7 +152,7 @@ pub(super) fn write_sensitivities(plan: &Plan, reasons: &[SceneReasons], dir: &P
             }
         }
     }
-    Ok(write_csv(&dir.join("sensitivities.csv"), &[&SceneLabels::MODE_COLUMNS[..], &own].concat(), rows)?)
+    Table::new("sensitivities", [&SceneLabels::MODE_COLUMNS[..], &own].concat(), rows)
 }
 
 /// One line for each scene: its fastest growing mode, and which parameters change that growth by most.

@@ -3,35 +3,58 @@
 use std::path::Path;
 
 use montecarlo::{Confidence, QuantileSketch};
-use output::write_csv;
-use study::{ComparisonKind, Panel, SceneLabels, set_links};
+use output::Table;
+use study::{ComparisonKind, Panel, SceneLabels, SetLinks, set_links};
 
 use super::Results;
-use super::modes::{write_links, write_modes};
-use super::reasons::{SceneReasons, write_sensitivities};
+use super::modes::{links_table, modes};
+use super::reasons::{SceneReasons, sensitivities};
 use super::summary_page::write_summary;
 use crate::Error;
 
-/// Writes `summary.md`, `modes.csv` with the shapes, `links.csv`, `occurrence.csv`, `panels.csv`, `differences.csv`, `net_work.csv`,
-/// `family_work.csv`, `sensitivities.csv` and `failures.csv` into `dir`; `reasons` are those of [`reasons`](super::reasons()).
+impl Results {
+    /// The numbers of a study as tables: `modes` with a table of shapes for each set of constraints, `links`, `occurrence`, `panels`,
+    /// `differences`, `net_work`, `family_work`, `sensitivities` and `failures`; `reasons` are those of [`reasons`](super::reasons()).
+    ///
+    /// # Errors
+    /// Those of following modes from one set of constraints to another.
+    pub fn tables(&self, reasons: &[SceneReasons]) -> Result<Vec<Table>, Error> {
+        self.all_tables(&self.links()?, reasons)
+    }
+
+    fn links(&self) -> Result<Vec<SetLinks>, Error> {
+        Ok(set_links(self.plan(), self.origins(), &cea::QrSolver)?)
+    }
+
+    fn all_tables(&self, links: &[SetLinks], reasons: &[SceneReasons]) -> Result<Vec<Table>, Error> {
+        let mut tables = modes(self);
+        tables.extend([
+            links_table(self, links),
+            occurrence(self),
+            panels(self),
+            differences(self),
+            net_work(self)?,
+            family_work(self)?,
+            sensitivities(self.plan(), reasons),
+            failures(self),
+        ]);
+        Ok(tables)
+    }
+}
+
+/// Writes `summary.md` and all [`Results::tables`] into `dir`.
 ///
 /// # Errors
 /// [`Error::Output`]; those of following modes from one set of constraints to another.
 pub fn write_tables(results: &Results, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
-    let links = set_links(results.plan(), results.origins(), &cea::QrSolver)?;
-    write_modes(results, dir)?;
-    write_links(results, &links, dir)?;
-    write_occurrence(results, dir)?;
-    write_panels(results, dir)?;
-    write_differences(results, dir)?;
-    write_net_work(results, dir)?;
-    write_family_work(results, dir)?;
-    write_sensitivities(results.plan(), reasons, dir)?;
-    write_failures(results, dir)?;
+    let links = results.links()?;
+    for table in results.all_tables(&links, reasons)? {
+        table.write(dir)?;
+    }
     write_summary(results, &links, reasons, dir)
 }
 
-fn write_occurrence(results: &Results, dir: &Path) -> Result<(), Error> {
+fn occurrence(results: &Results) -> Table {
     let labels = &results.plan().labels;
     let own = ["samples", "unstable", "open", "occurrence", "lower", "upper", "failed"];
     let mut rows = Vec::new();
@@ -54,10 +77,10 @@ fn write_occurrence(results: &Results, dir: &Path) -> Result<(), Error> {
         }
     }
     let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
-    Ok(write_csv(&dir.join("occurrence.csv"), &header, rows)?)
+    Table::new("occurrence", header, rows)
 }
 
-fn write_panels(results: &Results, dir: &Path) -> Result<(), Error> {
+fn panels(results: &Results) -> Table {
     let labels = &results.plan().labels;
     let header = [
         "constraints",
@@ -107,11 +130,11 @@ fn write_panels(results: &Results, dir: &Path) -> Result<(), Error> {
         ]);
         row
     });
-    Ok(write_csv(&dir.join("panels.csv"), &header, rows)?)
+    Table::new("panels", header, rows)
 }
 
 /// Every comparison of two panels on the same draws: by how much the mean number of unstable modes differs.
-fn write_differences(results: &Results, dir: &Path) -> Result<(), Error> {
+fn differences(results: &Results) -> Table {
     let panel_columns = |panel: &Panel| {
         let labels = &results.plan().labels;
         let [constraints, law, speed] = labels.key_columns(panel.key);
@@ -140,10 +163,10 @@ fn write_differences(results: &Results, dir: &Path) -> Result<(), Error> {
         "lower",
         "upper",
     ];
-    Ok(write_csv(&dir.join("differences.csv"), &header, rows)?)
+    Table::new("differences", header, rows)
 }
 
-fn write_net_work(results: &Results, dir: &Path) -> Result<(), Error> {
+fn net_work(results: &Results) -> Result<Table, Error> {
     let header =
         ["constraints", "law", "speed", "mode", "body", "samples", "lower_quartile", "median", "upper_quartile"];
     let mut rows = Vec::new();
@@ -157,10 +180,10 @@ fn write_net_work(results: &Results, dir: &Path) -> Result<(), Error> {
             }
         }
     }
-    Ok(write_csv(&dir.join("net_work.csv"), &header, rows)?)
+    Ok(Table::new("net_work", header, rows))
 }
 
-fn write_family_work(results: &Results, dir: &Path) -> Result<(), Error> {
+fn family_work(results: &Results) -> Result<Table, Error> {
     let header = [
         "constraints",
         "law",
@@ -187,7 +210,7 @@ fn write_family_work(results: &Results, dir: &Path) -> Result<(), Error> {
             }
         }
     }
-    Ok(write_csv(&dir.join("family_work.csv"), &header, rows)?)
+    Ok(Table::new("family_work", header, rows))
 }
 
 /// Count, lower quartile, median and upper quartile.
@@ -200,11 +223,11 @@ fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
     ])
 }
 
-fn write_failures(results: &Results, dir: &Path) -> Result<(), Error> {
+fn failures(results: &Results) -> Table {
     let rows = results.summary.failures.listed().iter().map(|failure| {
         let scene = failure.scene.map(|at| results.plan().describe(&results.plan().scenes[at]));
         let scene = scene.unwrap_or_else(|| "every scene: the draw failed".into());
         vec![failure.index.to_string(), scene, failure.message.clone()]
     });
-    Ok(write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)?)
+    Table::new("failures", ["sample", "scene", "error"], rows)
 }

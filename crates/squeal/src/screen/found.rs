@@ -1,8 +1,6 @@
 //! What a screening found, for people and for machines.
 
-use std::path::Path;
-
-use output::write_csv;
+use output::Table;
 use serde_json::{Value, json};
 
 use super::candidates::ChangeKind;
@@ -10,7 +8,6 @@ use super::confirm::Confirmed;
 use super::growing::GrowingMode;
 use super::modified::ChangeSet;
 use super::predict::Prediction;
-use crate::Error;
 use crate::results::Estimate;
 
 /// Changes of each kind that are printed and not confirmed; more are in the table. Chosen.
@@ -93,11 +90,9 @@ impl Screen {
         self.sets.first()?.confirmed.as_ref()
     }
 
-    /// Writes `screen.csv`, a row for each set, and `screen_differences.csv`, one for each pair of confirmed sets.
-    ///
-    /// # Errors
-    /// [`Error::Output`].
-    pub fn write_tables(&self, dir: &Path) -> Result<(), Error> {
+    /// The tables of a screening: `screen`, all sets of changes, and `screen_differences`, by how much each confirmed one differs from
+    /// each other.
+    pub fn tables(&self) -> Vec<Table> {
         let header = [
             "kind",
             "places",
@@ -124,7 +119,7 @@ impl Screen {
             "samples",
             "predicted_analyses",
         ];
-        write_csv(&dir.join("screen.csv"), &header, self.sets.iter().map(|set| self.row(set)))?;
+        let screen = Table::new("screen", header, self.sets.iter().map(|set| self.row(set)));
         let confirmed: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.place.is_some()).collect();
         let mut rows = Vec::new();
         for more in &confirmed {
@@ -140,7 +135,7 @@ impl Screen {
             }
         }
         let header = ["changes", "other_changes", "difference", "lower", "upper"];
-        Ok(write_csv(&dir.join("screen_differences.csv"), &header, rows)?)
+        vec![screen, Table::new("screen_differences", header, rows)]
     }
 
     /// By how much one confirmed set has more unstable modes than another.

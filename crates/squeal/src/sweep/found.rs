@@ -1,17 +1,14 @@
 //! What a sweep found, for people and for machines.
 
-use std::path::Path;
-
 use cea::{Threshold, frequency_hz};
 use num_complex::Complex;
-use output::write_csv;
+use output::Table;
 use serde_json::{Value, json};
 
 use super::{
     BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Marginal, StabilityMap, Sweep, SweepOnset,
     SweptParameter,
 };
-use crate::Error;
 
 /// A sweep over one parameter or two.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,12 +100,11 @@ impl Found {
 
     /// Writes the tables into a folder: `branches.csv`, `onsets.csv` and `coalescences.csv`, or `boundary.csv` and `regions.csv`.
     ///
-    /// # Errors
-    /// [`Error::Output`].
-    pub fn write_tables(&self, dir: &Path) -> Result<(), Error> {
+    /// The tables of what was found: `branches`, `onsets` and `coalescences` of one parameter, `boundary` and `regions` of two.
+    pub fn tables(&self) -> Vec<Table> {
         match self {
-            Self::Branches(sweep) => branch_tables(sweep, dir),
-            Self::Map(map) => map_tables(map, dir),
+            Self::Branches(sweep) => branch_tables(sweep),
+            Self::Map(map) => map_tables(map),
         }
     }
 
@@ -164,7 +160,7 @@ impl Found {
     }
 }
 
-fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
+fn branch_tables(sweep: &Sweep) -> Vec<Table> {
     let name = sweep.parameter.name.as_str();
     let points = sweep.branches.iter().enumerate().flat_map(|(index, branch)| {
         branch.points.iter().map(move |(at, point)| {
@@ -176,7 +172,7 @@ fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
         })
     });
     let header = ["branch", "mode", name, "frequency_hz", "growth", "frequency_rate", "growth_rate"];
-    write_csv(&dir.join("branches.csv"), &header, points)?;
+    let branches = Table::new("branches", header, points);
     let is_of_reduced = sweep.onsets.iter().any(|onset| onset.moved.is_some() || onset.is_reduced);
     let onset = |onset: &SweepOnset| {
         let SweepOnset { at, error, omega, ref mode, moved, .. } = *onset;
@@ -191,16 +187,16 @@ fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
     };
     let mut header = vec![name, "error", "direction", "mode", "frequency_hz", "growth", "unstable"];
     header.extend(["from_reduced", "brake"].into_iter().filter(|_| is_of_reduced));
-    write_csv(&dir.join("onsets.csv"), &header, sweep.onsets.iter().map(onset))?;
+    let onsets = Table::new("onsets", header, sweep.onsets.iter().map(onset));
     let coalescence = |found: &Coalescence| {
         let numbers = [found.at, found.distance, found.error, hertz(found.omega), found.growth];
         found.modes.iter().cloned().chain(numbers.map(|number| number.to_string())).collect()
     };
     let header = ["mode", "other_mode", name, "distance", "error", "frequency_hz", "growth"];
-    Ok(write_csv(&dir.join("coalescences.csv"), &header, sweep.coalescences.iter().map(coalescence))?)
+    vec![branches, onsets, Table::new("coalescences", header, sweep.coalescences.iter().map(coalescence))]
 }
 
-fn map_tables(map: &StabilityMap, dir: &Path) -> Result<(), Error> {
+fn map_tables(map: &StabilityMap) -> Vec<Table> {
     let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
     let points = map.curves.iter().enumerate().flat_map(|(index, curve)| {
         curve.points.iter().map(move |point| {
@@ -208,12 +204,12 @@ fn map_tables(map: &StabilityMap, dir: &Path) -> Result<(), Error> {
             [(index + 1).to_string(), curve.mode.clone()].into_iter().chain(numbers).collect()
         })
     });
-    write_csv(&dir.join("boundary.csv"), &["curve", "mode", x, y, "frequency_hz"], points)?;
+    let boundary = Table::new("boundary", ["curve", "mode", x, y, "frequency_hz"], points);
     let regions = map.regions.iter().map(|region| {
         let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]).to_string());
         [region.unstable.to_string(), region.share.to_string()].into_iter().chain(at).collect()
     });
-    Ok(write_csv(&dir.join("regions.csv"), &["unstable", "share", x, y], regions)?)
+    vec![boundary, Table::new("regions", ["unstable", "share", x, y], regions)]
 }
 
 /// How many of something, in words.
