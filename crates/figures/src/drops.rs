@@ -1,10 +1,10 @@
 //! Bars with intervals: by how much each of some changes lowers a number.
 
+use output::Table;
+
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
-use output::Table;
-
 use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::style::{BLUE, VERMILLION};

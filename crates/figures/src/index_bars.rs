@@ -1,10 +1,10 @@
 //! Sobol' indices as bars with their intervals: which input explains which part of the variance of an output.
 
+use output::Table;
+
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
-use output::Table;
-
 use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::style::{BLUE, SKY};

@@ -1,10 +1,10 @@
 //! A root locus: growth against frequency, coloured by a parameter, and both against the parameter.
 
+use output::Table;
+
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
-use output::Table;
-
 use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::scale::{bar, color};

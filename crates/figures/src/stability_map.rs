@@ -1,12 +1,12 @@
 //! A stability map: how many modes are unstable over two parameters, and whose boundary is where.
 
+use output::Table;
+
 use super::axis::{
     AxisScale, LINE_SPACING, PAGE_MARGIN, Tick, frame, title, widest, x_axis, y_axis, y_title, y_title_width,
 };
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
-use output::Table;
-
 use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::scale::count_color;

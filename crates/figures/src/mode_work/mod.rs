@@ -9,13 +9,12 @@ use num_complex::Complex64;
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, signed, title, widest, x_axis, y_title, y_title_width};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
-use output::Table;
-
 use super::figure::Figure;
 use super::legend::legend;
 use super::style::{BLUE, VERMILLION};
 pub use data::{BodyInMode, LawMode, ModeWorkFigure, NetWork};
 use lattice::{BodyAt, LatticeDrawing};
+use output::Table;
 
 /// Between the numbers on the scales of two columns, pt; as all lengths here chosen.
 const SCALE_GAP: f64 = 6.0;

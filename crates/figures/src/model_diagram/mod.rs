@@ -8,11 +8,10 @@ mod plan;
 use super::axis::{PAGE_MARGIN, title};
 use super::canvas::{Area, Canvas};
 use super::error::{FigureError, finite};
-use output::Table;
-
 use super::figure::Figure;
 pub use diagram::ModelDiagram;
 use oscillator::{from_above, from_the_side};
+use output::Table;
 use plan::plan;
 
 /// Draws the model: numbered oscillators (grey: in contact) with the numbers of the springs between them, and one

@@ -7,8 +7,6 @@ mod panel;
 use super::axis::{LINE_SPACING, PAGE_MARGIN, title};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
-use output::Table;
-
 use super::figure::Figure;
 use super::legend::{Entry, legend};
 use super::style::{box_style, filled_box};
@@ -17,6 +15,7 @@ pub use data::{
     OccurrencePanel, OccurrenceSeries,
 };
 use grid::{HEADINGS, PanelGrid};
+use output::Table;
 use panel::{INTERVAL, cross, draw_panel, headings, mark_paint, open_names, panel_title, two_digits};
 
 const OCCURRENCE_AXIS_TITLE: &str = "occurrence of instability (% of the samples)";
