@@ -9,8 +9,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod document;
 mod table;
 
+pub use document::{Block, Cell, Cells};
 pub use table::Table;
 
 use std::borrow::Cow;

@@ -60,7 +60,9 @@ fn modes_have_rows_frequencies_links_and_differences_in_every_set() {
         assert!(lower <= value && value <= upper, "{row:?}");
     }
     let summary = String::from_utf8(files["summary.md"].clone()).unwrap();
-    for part in ["## Set A, \"none\"", "## Set B, \"first\"", "## What helps", "- **B, \"first\"**: fewer in "] {
+    for part in
+        ["- **Set A, \u{201c}none\u{201d}**: ", "## What helps", "- **Set B, \u{201c}first\u{201d}**: fewer in "]
+    {
         assert!(summary.contains(part), "{part} is missing from\n{summary}");
     }
 }

@@ -1,5 +1,6 @@
 //! What a study found: counts turned into occurrences and intervals, tables, a summary, a manifest.
 
+mod answer;
 mod doubts;
 mod estimates;
 pub mod findings;

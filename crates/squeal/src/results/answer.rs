@@ -1,0 +1,252 @@
+//! The answer of a study in words: which modes squeal, how sure that is, which set of constraints helps by how much. It is said once,
+//! for `summary.md` and the page.
+
+use output::{Block, Cell, Cells, printable};
+use study::{ModeLabel, SetLinks};
+
+use super::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
+use super::study_results::Estimate;
+use super::summary::hertz;
+use super::{Results, set_letter};
+use crate::Error;
+
+impl Results {
+    /// The answer of the study.
+    ///
+    /// # Errors
+    /// None for the results of a study.
+    pub fn answer(&self) -> Result<Vec<Block>, Error> {
+        let findings = self.findings()?;
+        let mut answer: Vec<Block> = self.doubts().into_iter().map(Block::Warning).collect();
+        answer.push(Block::Heading("Which modes squeal".into()));
+        let warnings = warnings(self).into_iter().map(|warning| format!("**{}.**", printable(&warning)));
+        let sets = findings.iter().enumerate().map(|(set, found)| squealing(self, set, found));
+        answer.push(Block::List(warnings.chain(sets).collect()));
+        let most = "\u{201c}Most\u{201d} is more than half of the draws, and surely so: the lower limit is.";
+        answer.push(Block::Paragraph(most.into()));
+        if !self.plan().threshold.is_axis() {
+            answer.push(Block::Paragraph(format!("A mode counts with {}.", self.plan().threshold)));
+        }
+        answer.push(Block::Heading("What helps".into()));
+        answer.extend(helps(self));
+        answer.push(Block::Heading("How sure that is".into()));
+        answer.extend(how_sure(self, &findings));
+        answer.push(Block::Heading("Every mode that is ever unstable".into()));
+        answer.extend(findings.iter().enumerate().map(|(set, found)| modes(self, set, found)));
+        Ok(answer)
+    }
+
+    /// What the samples say of each set of constraints.
+    fn findings(&self) -> Result<Vec<SetFindings<'_>>, Error> {
+        (0..self.plan().labels.constraints.len()).map(|set| SetFindings::new(self, set)).collect()
+    }
+
+    /// What becomes of each mode of the first set of constraints that is ever unstable, under each of the others.
+    ///
+    /// # Errors
+    /// None for the results of a study.
+    pub(super) fn becoming(&self, links: &[SetLinks]) -> Result<Vec<Block>, Error> {
+        let findings = self.findings()?;
+        Ok(links.iter().filter(|link| link.from == 0).map(|link| followed(self, link, &findings)).collect())
+    }
+}
+
+/// One sentence on a set of constraints.
+fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
+    let list = |wanted: &dyn Fn(&ModeRange<'_>) -> bool, range_in_words: &dyn Fn(&ModeRange<'_>) -> String| {
+        let of = found.unstable.iter().filter(|(_, range)| wanted(range));
+        let words =
+            of.map(|(name, range)| format!("{}, {}", mode_in_words(results, set, *name), range_in_words(range)));
+        words.collect::<Vec<_>>().join("; ")
+    };
+    let everywhere =
+        list(&|range| range.is_likely_everywhere(), &|range| format!("{} or more", with_limits(&range.least.0)));
+    let somewhere = list(&|range| range.is_likely_somewhere(), &|range| {
+        format!("up to {} with {}", with_limits(&range.most.0), place(results, range.most.1))
+    });
+    let words = match (everywhere.as_str(), somewhere.as_str()) {
+        ("", "") if found.unstable.is_empty() && results.has_band_modes => {
+            "in no panel was any mode unstable".to_owned()
+        }
+        ("", "") if found.unstable.is_empty() => {
+            "in no panel was any mode unstable, nor was there divergence".to_owned()
+        }
+        ("", "") => "in no panel does any mode squeal in most of the draws, for sure".to_owned(),
+        ("", some) => format!("no mode squeals in most of the draws in every panel, but in some panels do {some}"),
+        (all, "") => format!("in every panel most of the draws squeal with {all}"),
+        (all, some) => {
+            format!("in every panel most of the draws squeal with {all}. In some panels they do with {some}")
+        }
+    };
+    // What is unstable without a mode's name stands before what modes with names do.
+    let words = match found.anything_in_words(with_limits) {
+        Some(anything) => format!("{anything}. {}", capitalised(&words)),
+        None => words,
+    };
+    format!("**{}**: {words}.", set_in_words(results, set))
+}
+
+/// What each set of constraints changes, the one with the largest least drop first.
+fn helps(results: &Results) -> Vec<Block> {
+    let sets = results.plan().labels.constraints.len();
+    let mut changes: Vec<(usize, Change<'_>)> =
+        (1..sets).filter_map(|set| Some((set, Change::new(results, set)?))).collect();
+    if changes.is_empty() {
+        let none = "The study has one set of constraints, and so nothing that it could compare.";
+        return vec![Block::Paragraph(none.into())];
+    }
+    changes.sort_by(|a, b| b.1.least.1.value.total_cmp(&a.1.least.1.value));
+    let said = |(set, Change { panels, fewer, more, least, most }): (usize, Change<'_>)| {
+        let change = |(panel, d): (_, Estimate)| format!("**{}** with {}", drop_in_words(&d), place(results, panel));
+        format!(
+            "**{}**: fewer in {fewer} of {panels} panels, more in {more}, no sure difference in {}; from {} to {}.",
+            set_in_words(results, set),
+            panels - fewer - more,
+            change(least),
+            change(most)
+        )
+    };
+    vec![
+        Block::Paragraph(format!(
+            "Unstable modes in one analysis, compared with {} on the same samples, from the panel with the smallest effect to that with \
+             the largest:",
+            set_in_words(results, 0)
+        )),
+        Block::List(changes.into_iter().map(said).collect()),
+    ]
+}
+
+fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
+    let OpenCounts { unstable_modes, ambiguous_modes, divergent, undecided, marginal, failures } =
+        OpenCounts::new(results);
+    let quiet: usize = findings.iter().map(|found| found.stable.len()).sum();
+    let upper = findings.iter().map(|found| found.stable_upper).fold(0.0, f64::max);
+    let meaning = format!(
+        "Nobody knows friction exactly, so the analysis was repeated with {} random draws of it for each arrangement of contacts, friction \
+         law and speed range. The share of the draws in which a mode is unstable is its **occurrence**. Each occurrence has limits in \
+         parentheses: if the whole study were repeated with other draws, about 95 of 100 such limits would enclose the true share. A \
+         **panel** is one friction law with one number of contacts and one speed range; its occurrence is the median over its arrangements.",
+        results.summary.samples
+    );
+    let mut items = Vec::new();
+    if quiet > 0 {
+        items.push(format!(
+            "Modes that were unstable in no draw: {quiet}. Each of them is unstable in at most {:.2}\u{a0}% of the draws of an arrangement \
+             (95\u{a0}%).",
+            100.0 * upper
+        ));
+    }
+    items.push(format!(
+        "Of {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open, where two modes met, or none. They widen the \
+         limits upwards."
+    ));
+    items.push(
+        results.divergence_in_words().unwrap_or_else(|| {
+            format!("{divergent} real eigenvalues grow: divergence, instability without oscillation.")
+        }),
+    );
+    items.push(format!(
+        "{undecided} verdicts are undecided and count as stable. {marginal} eigenvalues lie on the imaginary axis and neither grow nor \
+         decay. {failures} draws or evaluations failed; they may be unstable, and widen the limits upwards."
+    ));
+    items.push("Unstable means that a small vibration grows. How loud it gets is not computed.".into());
+    vec![Block::Paragraph(meaning), Block::List(items)]
+}
+
+/// The modes of a set of constraints that are ever unstable, the most robust first.
+fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
+    let caption = set_in_words(results, set);
+    if found.unstable.is_empty() {
+        return Block::Paragraph(format!("{caption}: none."));
+    }
+    let occurrence = |e: &Estimate| Cell { text: with_limits(e), value: Some(e.value) };
+    let row = |(name, range): &(ModeLabel, ModeRange<'_>)| {
+        let frequency = results.frequency(set, *name);
+        let place = if range.most.0.value > 0.0 { place(results, range.most.1) } else { "-".into() };
+        vec![
+            results.mode_label(set, *name).into(),
+            Cell { text: frequency.map_or("-".into(), hertz), value: Some(frequency.unwrap_or(0.0)) },
+            occurrence(&range.least.0),
+            occurrence(&range.most.0),
+            place.into(),
+            occurrence(&range.largest),
+        ]
+    };
+    let columns = ["Mode", "Hz", "Least of a panel", "Largest of a panel", "where", "Largest of an arrangement"];
+    let rows = found.unstable.iter().map(row).collect();
+    Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows })
+}
+
+fn followed(results: &Results, link: &SetLinks, sets: &[SetFindings<'_>]) -> Block {
+    let caption = format!(
+        "What becomes of the modes of {} under {}, by continuation as the constraints come in; MAC compares the two shapes, occurrences are \
+         the least and the largest of a panel",
+        set_in_words(results, link.from),
+        set_in_words(results, link.to)
+    );
+    let ends = |constraints: usize, name: ModeLabel| {
+        let range = sets[constraints].range(name)?;
+        Some(format!("{} to {}", percent(range.least.0.value), percent(range.most.0.value)))
+    };
+    let targets = results.modes_of_set(link.to);
+    let mut rows = Vec::new();
+    for (i, (name, mode)) in results.modes_of_set(link.from).into_iter().enumerate() {
+        if !sets[link.from].range(name).is_some_and(|range| range.is_ever_unstable) {
+            continue;
+        }
+        let before = [
+            results.mode_label(link.from, name),
+            hertz(cea::frequency_hz(mode.lambda)),
+            ends(link.from, name).unwrap_or_default(),
+        ];
+        let open = if link.becomes[i].len() > 1 { " or another" } else { "" };
+        for to in &link.becomes[i] {
+            let after = match to {
+                None => [format!("held{open}"), String::new(), String::new(), String::new()],
+                Some(j) => {
+                    let (target, mode) = targets[*j];
+                    [
+                        format!("{}{open}", results.mode_label(link.to, target)),
+                        hertz(cea::frequency_hz(mode.lambda)),
+                        format!("{:.2}", link.mac[(i, *j)]),
+                        ends(link.to, target).unwrap_or_default(),
+                    ]
+                }
+            };
+            rows.push(before.iter().cloned().chain(after).map(Cell::from).collect());
+        }
+    }
+    let columns = ["mode", "Hz", "occurrence", "becomes", "Hz", "MAC", "occurrence"];
+    Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows })
+}
+
+fn mode_in_words(results: &Results, set: usize, name: ModeLabel) -> String {
+    if !name.is_mode() {
+        return results.in_words(set, name);
+    }
+    let label = format!("mode {}", results.mode_label(set, name));
+    results.frequency(set, name).map_or(label.clone(), |f| format!("{label} ({} Hz)", hertz(f)))
+}
+
+fn set_in_words(results: &Results, set: usize) -> String {
+    let sets = &results.plan().labels.constraints;
+    match sets.len() {
+        1 => format!("Constraints \u{201c}{}\u{201d}", sets[set]),
+        _ => format!("Set {}, \u{201c}{}\u{201d}", set_letter(set), sets[set]),
+    }
+}
+
+/// The same text with a capital first letter, as a sentence begins.
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A part of the samples in percent.
+fn percent(part: f64) -> String {
+    format!("{:.1}\u{a0}%", 100.0 * part)
+}
+
+fn with_limits(e: &Estimate) -> String {
+    format!("{} ({:.1} to {:.1})", percent(e.value), 100.0 * e.lower, 100.0 * e.upper)
+}
