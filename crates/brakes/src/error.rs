@@ -29,6 +29,18 @@ pub enum Error {
     Asked(#[from] squeal::Error),
 }
 
+impl Error {
+    /// Whether this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        match self {
+            Self::Study(error) => error.is_cancelled(),
+            Self::Asked(error) => error.is_cancelled(),
+            _ => false,
+        }
+    }
+}
+
 impl From<Error> for study::Error {
     /// What a study knows by itself stays what it is; the rest is of the brake.
     fn from(error: Error) -> Self {

@@ -9,6 +9,9 @@ pub enum Error {
     /// A study, or what is asked of it.
     #[error(transparent)]
     Study(squeal::Error),
+    /// What would take more memory than there is.
+    #[error("{0}: --memory where there is more")]
+    TooLarge(squeal::study::Error),
     /// A case file, or the brake that it makes.
     #[error(transparent)]
     Brake(brakes::Error),
@@ -154,6 +157,7 @@ impl From<squeal::Error> for Error {
             squeal::Error::Argument { argument: "total", value, allowed } => {
                 Self::Option { option: "--total", value, allowed }
             }
+            squeal::Error::Study(error) => error.into(),
             other => Self::Study(other),
         }
     }
@@ -161,7 +165,10 @@ impl From<squeal::Error> for Error {
 
 impl From<squeal::study::Error> for Error {
     fn from(error: squeal::study::Error) -> Self {
-        Self::Study(error.into())
+        match error {
+            squeal::study::Error::TooLarge { .. } => Self::TooLarge(error),
+            other => Self::Study(other.into()),
+        }
     }
 }
 
@@ -169,6 +176,7 @@ impl From<brakes::Error> for Error {
     fn from(error: brakes::Error) -> Self {
         match error {
             brakes::Error::Asked(error) => error.into(),
+            brakes::Error::Study(error) => error.into(),
             other => Self::Brake(other),
         }
     }

@@ -21,12 +21,6 @@ use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file;
 
-/// Draws of the prediction where no option says otherwise; chosen: it ranks.
-const DRAWS: u64 = 8;
-/// Single changes of each kind that are confirmed where no option says otherwise.
-const CONFIRMED: u64 = 1;
-/// Places of a set where no option says otherwise: pairs.
-const PLACES: u64 = 2;
 /// Most draws of the prediction, and most places of a set; chosen.
 const MOST_DRAWS: u64 = 10_000;
 const MOST_PLACES: u64 = 20;
@@ -112,29 +106,28 @@ impl ScreenArgs {
             }
             given => Ok(given),
         };
-        let mut kinds = Vec::new();
-        for name in self.kinds.iter().flatten() {
-            let names = ChangeKind::ALL.map(ChangeKind::name);
-            let kind = ChangeKind::ALL[chosen("--kinds", Some(name), &names)?];
-            if !kinds.contains(&kind) {
-                kinds.push(kind);
+        let mut options = ScreenOptions::default();
+        if let Some(given) = &self.kinds {
+            options.kinds.clear();
+            for name in given {
+                let names = ChangeKind::ALL.map(ChangeKind::name);
+                let kind = ChangeKind::ALL[chosen("--kinds", Some(name), &names)?];
+                if !options.kinds.contains(&kind) {
+                    options.kinds.push(kind);
+                }
             }
         }
-        if self.kinds.is_none() {
-            kinds.extend(ChangeKind::ALL);
-        }
-        Ok(ScreenOptions {
-            constraints: chosen("--constraints", self.constraints.as_deref(), sets)?,
-            kinds,
-            sizes: Sizes {
-                mass: size("--mass", self.mass, "kg")?,
-                spring: size("--spring", self.spring, "N/m")?,
-                dashpot: size("--dashpot", self.dashpot, "Ns/m")?,
-            },
-            up_to: within("--up-to", self.up_to, PLACES, 1..=MOST_PLACES)? as usize,
-            draws: within("--draws", self.draws, DRAWS, 1..=MOST_DRAWS)?,
-            confirmed: within("--confirm", self.confirm, CONFIRMED, 0..=u64::from(u16::MAX))? as usize,
-        })
+        options.constraints = chosen("--constraints", self.constraints.as_deref(), sets)?;
+        options.sizes = Sizes {
+            mass: size("--mass", self.mass, "kg")?,
+            spring: size("--spring", self.spring, "N/m")?,
+            dashpot: size("--dashpot", self.dashpot, "Ns/m")?,
+        };
+        options.up_to = within("--up-to", self.up_to, options.up_to as u64, 1..=MOST_PLACES)? as usize;
+        options.draws = within("--draws", self.draws, options.draws, 1..=MOST_DRAWS)?;
+        options.confirmed =
+            within("--confirm", self.confirm, options.confirmed as u64, 0..=u64::from(u16::MAX))? as usize;
+        Ok(options)
     }
 
     /// Screens a brake, which need not be one of a case file, and says what was found.
@@ -157,13 +150,11 @@ impl ScreenArgs {
         let ranking = workers(self.threads)?.install(|| rank(brake, &options, &Bar::of("sets of changes")))?;
         let predicted = start.elapsed().as_secs_f64();
         let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
-        let how = Confirmation {
-            samples: plan.samples,
-            threads: self.threads,
-            checkpoint: self.out.as_ref().map(|dir| dir.join("checkpoint.json")),
-            preparation: &Bar::of(PREPARED),
-            evaluation: &Bar::of(EVALUATED),
-        };
+        let (preparation, evaluation) = (Bar::of(PREPARED), Bar::of(EVALUATED));
+        let how = Confirmation::new(plan.samples)
+            .with_threads(self.threads)
+            .with_checkpoint(self.out.as_ref().map(|dir| dir.join("checkpoint.json")))
+            .with_progress(&preparation, &evaluation);
         let screen = confirm(brake, ranking, &options, &how)?;
         let seconds = start.elapsed().as_secs_f64();
         let what = format!("{}: what helps, constraints \"{}\"", plan.name, sets[options.constraints]);

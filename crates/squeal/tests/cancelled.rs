@@ -10,7 +10,7 @@ use brakes::case::LatticeCase;
 use cea::{BatchSolver, QrSolver};
 use montecarlo::Progress;
 use squeal::influence::influence;
-use squeal::screen::{ChangeKind, ScreenOptions, Sizes, rank};
+use squeal::screen::{ChangeKind, ScreenOptions, rank};
 use squeal::study::Study;
 use squeal::sweep::{Over, stability_map, sweep};
 use squeal::{RunOptions, RunProgress, run_study_with};
@@ -86,14 +86,8 @@ fn whatever_takes_long_can_be_cancelled() {
     let study = Study::new(&brake, &BatchSolver).unwrap();
     let over = |name: &str, from: f64, to: f64| Over { name: name.into(), from, to };
     let both = [over("mu", 0.0, 1.3), over("x_damping", 50.0, 400.0)];
-    let options = ScreenOptions {
-        constraints: 0,
-        kinds: vec![ChangeKind::Constraint],
-        sizes: Sizes { mass: None, spring: None, dashpot: None },
-        up_to: 2,
-        draws: 4,
-        confirmed: 1,
-    };
+    let mut options = ScreenOptions::default();
+    (options.kinds, options.draws) = (vec![ChangeKind::Constraint], 4);
     for evaluations in [0, 1] {
         let answers = [
             ("a study", Study::with_progress(&brake, &BatchSolver, &after(evaluations)).map(drop).map_err(Into::into)),

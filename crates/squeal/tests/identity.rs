@@ -13,7 +13,7 @@ use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Te
 use montecarlo::{Distribution, StreamRng};
 use nalgebra::dmatrix;
 use osc_model::{Body, Brake};
-use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, confirm, rank};
 use squeal::study::{Plan, Scene, UncertainBrake};
 use squeal::{Error, RunOptions, run_study, run_study_with};
 
@@ -175,22 +175,13 @@ fn a_folder_of_an_older_version_is_refused_by_name() {
 #[test]
 fn a_checkpoint_of_another_screening_is_refused_by_what_differs() {
     let folder = tempfile::tempdir().unwrap();
-    let options = ScreenOptions {
-        constraints: 0,
-        kinds: vec![ChangeKind::Dashpot],
-        sizes: Sizes { mass: None, spring: None, dashpot: Some(0.1) },
-        up_to: 1,
-        draws: 4,
-        confirmed: 2,
-    };
+    let mut options = ScreenOptions::default();
+    options.kinds = vec![ChangeKind::Dashpot];
+    options.sizes.dashpot = Some(0.1);
+    (options.up_to, options.draws, options.confirmed) = (1, 4, 2);
     let screened = |brake: &SlidingMass, options: &ScreenOptions| {
-        let how = Confirmation {
-            samples: 40,
-            threads: Some(1),
-            checkpoint: Some(folder.path().join("checkpoint.json")),
-            preparation: &(),
-            evaluation: &(),
-        };
+        let checkpoint = Some(folder.path().join("checkpoint.json"));
+        let how = Confirmation::new(40).with_threads(Some(1)).with_checkpoint(checkpoint);
         confirm(brake, rank(brake, options, &())?, options, &how).map(|_| ())
     };
     screened(&SlidingMass::right(), &options).unwrap();
@@ -200,8 +191,9 @@ fn a_checkpoint_of_another_screening_is_refused_by_what_differs() {
             assert!(refused(screened(&other, &options)).contains(said.split(" and ").next().unwrap()), "{said}");
         }
     }
-    let sizes = Sizes { dashpot: Some(0.2), ..options.sizes };
-    let line = refused(screened(&SlidingMass::right(), &ScreenOptions { sizes, ..options.clone() }));
+    let mut other = options.clone();
+    other.sizes.dashpot = Some(0.2);
+    let line = refused(screened(&SlidingMass::right(), &other));
     assert!(line.contains("other changes"), "{line}");
     screened(&SlidingMass::right(), &options).unwrap();
 }

@@ -22,11 +22,14 @@ fn case(name: &str) -> PathBuf {
 
 fn options(kinds: &[ChangeKind], up_to: usize) -> ScreenOptions {
     let sizes = Sizes { mass: Some(1.0), spring: Some(0.8), dashpot: Some(1.0) };
-    ScreenOptions { constraints: 0, kinds: kinds.to_vec(), sizes, up_to, draws: 400, confirmed: 2 }
+    let mut options = ScreenOptions::default();
+    (options.kinds, options.sizes, options.up_to) = (kinds.to_vec(), sizes, up_to);
+    (options.draws, options.confirmed) = (400, 2);
+    options
 }
 
 fn screened<B: UncertainBrake>(brake: &B, options: &ScreenOptions, samples: u64) -> Screen {
-    let how = Confirmation { samples, threads: Some(2), checkpoint: None, preparation: &(), evaluation: &() };
+    let how = Confirmation::new(samples).with_threads(Some(2));
     confirm(brake, rank(brake, options, &()).unwrap(), options, &how).unwrap()
 }
 
@@ -90,8 +93,9 @@ fn two_by_two() -> LatticeBrake {
 fn a_constraint_of_the_screening_is_a_constraint_of_the_case() {
     // The case's own set is laid out by the lattice, with its smaller symmetry; the screening divides the scenes of the brake as it is.
     let brake = two_by_two();
-    let screen =
-        screened(&brake, &ScreenOptions { draws: 3, confirmed: 8, ..options(&[ChangeKind::Constraint], 2) }, 40);
+    let mut options = options(&[ChangeKind::Constraint], 2);
+    (options.draws, options.confirmed) = (3, 8);
+    let screen = screened(&brake, &options, 40);
     let own = &screen.sets[1];
     assert_eq!((own.places.as_str(), own.count), ("first-row", 2));
     let hold = |dofs: &[usize]| ChangeSet {

@@ -39,9 +39,7 @@ pub enum Error {
         source: Box<Error>,
     },
     /// What would take more memory than there is.
-    #[error(
-        "{what} take roughly {needed}, and {budget} are there; what would fit: {fits}, or --memory where there is more"
-    )]
+    #[error("{what} take roughly {needed}, and {budget} are there; what would fit: {fits}, or more memory")]
     TooLarge {
         /// What would take it.
         what: String,

@@ -60,6 +60,7 @@ pub struct UnstableMode {
 
 /// How a study is prepared. Neither changes a verdict or a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct StudyOptions {
     /// Whether regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
     /// searched. That takes three norm bounds for each configuration, which few samples do not earn back.

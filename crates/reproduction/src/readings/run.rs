@@ -65,10 +65,9 @@ fn of_family(family: Family, stage: Stage) -> Vec<Row> {
 
 fn rows(family: &Family, stage: Stage) -> Result<Vec<Row>, Error> {
     let (start, plan) = (Instant::now(), family.plan());
-    let options = StudyOptions {
-        certificates: stage == Stage::Full,
-        likeness_too: plan.mode_identity == ModeIdentity::Continuation,
-    };
+    let mut options = StudyOptions::default();
+    options.certificates = stage == Stage::Full;
+    options.likeness_too = plan.mode_identity == ModeIdentity::Continuation;
     let study = Study::with_options(family, &squeal::cea::BatchSolver, options)?;
     let threads = (stage != Stage::Full).then_some(1);
     let sampling = Sampling { block: 16, threads, ..Sampling::new(plan.seed, plan.samples) };

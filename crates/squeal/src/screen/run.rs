@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use cea::EigenSolver;
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Sampling, run_with};
 use study::identity::{Written, of_study};
 use study::{Study, UncertainBrake, divergence_doubt, samples_together};
@@ -23,6 +24,7 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
 /// What is screened, and how far.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ScreenOptions {
     /// The set of constraints that is changed, by its place in the plan.
     pub constraints: usize,
@@ -36,6 +38,15 @@ pub struct ScreenOptions {
     pub draws: u64,
     /// Single changes of each kind that are confirmed.
     pub confirmed: usize,
+}
+
+impl Default for ScreenOptions {
+    /// All kinds of changes of the first set of constraints, in sizes in proportion, singly and in pairs, by eight draws; the best of each
+    /// kind is confirmed.
+    fn default() -> Self {
+        let kinds = ChangeKind::ALL.to_vec();
+        Self { constraints: 0, kinds, sizes: Sizes::default(), up_to: 2, draws: 8, confirmed: 1 }
+    }
 }
 
 impl ScreenOptions {
@@ -81,7 +92,10 @@ pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dy
 }
 
 /// How the best of a ranking are confirmed.
+#[non_exhaustive]
 pub struct Confirmation<'a> {
+    /// Solver of spectra: [`cea::BatchSolver`] unless another is given.
+    pub solver: &'a dyn EigenSolver,
     /// Draws, >= 2.
     pub samples: u64,
     /// Worker threads, on which the result does not depend.
@@ -92,6 +106,39 @@ pub struct Confirmation<'a> {
     pub preparation: &'a dyn Progress,
     /// Told of the evaluations.
     pub evaluation: &'a dyn Progress,
+}
+
+impl<'a> Confirmation<'a> {
+    /// A confirmation by this many draws, >= 2, on one worker a core, without a checkpoint; nobody is told.
+    #[must_use]
+    pub fn new(samples: u64) -> Self {
+        Self { solver: &cea::BatchSolver, samples, threads: None, checkpoint: None, preparation: &(), evaluation: &() }
+    }
+
+    /// The confirmation with another solver of spectra.
+    #[must_use]
+    pub fn with_solver(self, solver: &'a dyn EigenSolver) -> Self {
+        Self { solver, ..self }
+    }
+
+    /// The confirmation with a number of worker threads; `None` is one a core.
+    #[must_use]
+    pub fn with_threads(self, threads: Option<usize>) -> Self {
+        Self { threads, ..self }
+    }
+
+    /// The confirmation with a file in which its state is kept.
+    #[must_use]
+    pub fn with_checkpoint(self, checkpoint: Option<PathBuf>) -> Self {
+        Self { checkpoint, ..self }
+    }
+
+    /// The confirmation with who is told of the steps before the first sample and of the evaluations, and can
+    /// [cancel](Progress::is_cancelled) it.
+    #[must_use]
+    pub fn with_progress(self, preparation: &'a dyn Progress, evaluation: &'a dyn Progress) -> Self {
+        Self { preparation, evaluation, ..self }
+    }
 }
 
 /// Confirms the best of a ranking by a study of all scenes: the brake as it is, its other sets of constraints, the best single
@@ -109,9 +156,8 @@ pub fn confirm<B: UncertainBrake>(
     let to_confirm: Vec<usize> = (0..sets.len()).filter(|&at| sets[at].place.is_some()).collect();
     let changes: Vec<ChangeSet> = to_confirm.iter().map(|&at| sets[at].changes.clone()).collect();
     let modified = Modified::new(brake, &changes)?;
-    let solver = cea::BatchSolver;
     let pool = crate::run::workers(how.threads)?;
-    let study = pool.install(|| Study::with_progress(&modified, &solver, how.preparation))?;
+    let study = pool.install(|| Study::with_progress(&modified, how.solver, how.preparation))?;
     let plan = study.plan();
     let mut sampling = Sampling::new(plan.seed, how.samples);
     sampling.threads = how.threads;
