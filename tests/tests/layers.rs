@@ -7,8 +7,9 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 21] = [
+const LAYERS: [(&str, &str); 22] = [
     ("formats", "crates/formats"),
+    ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
     ("friction", "crates/friction"),
     ("osc-model", "crates/osc-model"),

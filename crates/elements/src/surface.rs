@@ -1,0 +1,181 @@
+//! Faces of elements where they lie in the mesh, and those that are seen from outside.
+
+use std::collections::{HashMap, HashSet};
+
+use nalgebra::Vector3;
+
+use crate::faces::{FaceKind, FaceShape};
+use crate::{ElementsError, Mesh};
+
+/// Face of an element: the place of the element in the mesh, and the number of the face from 1 (S1, S2, ...).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FaceId {
+    /// The place of the element in the mesh, from 0.
+    pub element: usize,
+    /// The number of the face, from 1.
+    pub number: usize,
+}
+
+/// Face of an element with its nodes where they are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Face {
+    /// Which one it is.
+    pub id: FaceId,
+    /// Its kind.
+    pub kind: FaceKind,
+    /// Its nodes, by their places in the mesh: corners so that from outside they go around against the clock, then middles.
+    pub nodes: Vec<usize>,
+    /// Where they are.
+    pub positions: Vec<Vector3<f64>>,
+}
+
+/// Point on a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Where it is.
+    pub position: Vector3<f64>,
+    /// `dx/dr` and `dx/ds` by the own coordinates of the face.
+    pub tangents: [Vector3<f64>; 2],
+    /// `dx/dr x dx/ds`, which points out of the element; its length is the area by area in own coordinates.
+    pub area: Vector3<f64>,
+    /// Shape functions of the face.
+    pub shape: FaceShape,
+}
+
+impl Face {
+    /// The point at own coordinates, also beyond the border.
+    #[must_use]
+    pub fn at(&self, own: [f64; 2]) -> SurfacePoint {
+        let shape = self.kind.shape(own);
+        let mut position = Vector3::zeros();
+        let mut tangents = [Vector3::zeros(); 2];
+        for ((node, &n), d) in self.positions.iter().zip(shape.values()).zip(shape.derivatives()) {
+            position += node * n;
+            tangents[0] += node * d[0];
+            tangents[1] += node * d[1];
+        }
+        SurfacePoint { position, tangents, area: tangents[0].cross(&tangents[1]), shape }
+    }
+
+    /// Its area with its normal, `int n dA`; its length is the area where it is flat.
+    #[must_use]
+    pub fn area(&self) -> Vector3<f64> {
+        self.kind.rule().into_iter().map(|(own, weight)| self.at(own).area * weight).sum()
+    }
+}
+
+impl Mesh {
+    /// A face.
+    ///
+    /// # Errors
+    /// No such element, no such face of it.
+    pub fn face(&self, id: FaceId) -> Result<Face, ElementsError> {
+        let element = self.element(id.element)?;
+        let Some(own) = element.kind.face(id.number) else {
+            let faces = element.kind.faces();
+            return Err(ElementsError::NoFace { element: element.label, face: id.number, faces });
+        };
+        let nodes: Vec<usize> = own.iter().map(|&node| element.nodes[node]).collect();
+        let positions = nodes.iter().map(|&node| self.positions()[node]).collect();
+        Ok(Face { id, kind: FaceKind::of_nodes(own.len()), nodes, positions })
+    }
+
+    /// The faces of these elements that no other element of the mesh has, element by element.
+    ///
+    /// # Errors
+    /// A place without an element.
+    pub fn outer_faces(&self, elements: &[usize]) -> Result<Vec<FaceId>, ElementsError> {
+        let mut count: HashMap<Vec<usize>, usize> = HashMap::new();
+        for place in 0..self.elements().len() {
+            for number in 1..=self.elements()[place].kind.faces() {
+                *count.entry(self.corners(FaceId { element: place, number })?).or_default() += 1;
+            }
+        }
+        let mut outer = Vec::new();
+        for &element in elements {
+            for number in 1..=self.element(element)?.kind.faces() {
+                let id = FaceId { element, number };
+                if count.get(&self.corners(id)?) == Some(&1) {
+                    outer.push(id);
+                }
+            }
+        }
+        Ok(outer)
+    }
+
+    /// The outer faces all of whose corners are among these nodes, given by their places: the surface that a node set means.
+    ///
+    /// # Errors
+    /// None; faces are those of the mesh.
+    pub fn faces_on(&self, nodes: &[usize]) -> Result<Vec<FaceId>, ElementsError> {
+        let nodes: HashSet<usize> = nodes.iter().copied().collect();
+        let mut on = Vec::new();
+        for id in self.outer_faces(&self.all())? {
+            if self.corners(id)?.iter().all(|node| nodes.contains(node)) {
+                on.push(id);
+            }
+        }
+        Ok(on)
+    }
+
+    /// The corners of a face, ascending: alike from both sides, and for a linear and a quadratic element.
+    fn corners(&self, id: FaceId) -> Result<Vec<usize>, ElementsError> {
+        let face = self.face(id)?;
+        let mut corners = face.nodes[..face.kind.corners()].to_vec();
+        corners.sort_unstable();
+        Ok(corners)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Kind;
+
+    fn cube(kinds: Kind) -> Mesh {
+        let nodes: Vec<(i64, [f64; 3])> = (1..).zip(kinds.places()).collect();
+        let labels = nodes.iter().map(|(label, _)| *label).collect();
+        Mesh::new(nodes, vec![(1, kinds, labels)]).unwrap()
+    }
+
+    #[test]
+    fn all_faces_of_one_element_enclose_its_volume() {
+        for kind in Kind::ALL {
+            let mesh = cube(kind);
+            let faces = mesh.outer_faces(&[0]).unwrap();
+            assert_eq!(faces.len(), kind.faces());
+            // The divergence theorem: 3 V = int x . n dA.
+            let mut volume = 0.0;
+            for id in faces {
+                let face = mesh.face(id).unwrap();
+                for (own, weight) in face.kind.rule() {
+                    let point = face.at(own);
+                    volume += point.position.dot(&point.area) * weight / 3.0;
+                }
+            }
+            assert!((volume - mesh.volume(0).unwrap()).abs() < 1e-13, "{kind:?} {volume}");
+            let error = mesh.face(FaceId { element: 0, number: 9 });
+            assert_eq!(error, Err(ElementsError::NoFace { element: 1, face: 9, faces: kind.faces() }));
+        }
+    }
+
+    #[test]
+    fn a_face_between_two_elements_is_not_outside() {
+        let mut nodes: Vec<(i64, [f64; 3])> = (1..).zip(Kind::Hexahedron8.places()).collect();
+        nodes.extend(
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].iter().zip(9..).map(|(p, n)| (n, [p[0], p[1], 3.0])),
+        );
+        let elements = vec![
+            (1, Kind::Hexahedron8, vec![1, 2, 3, 4, 5, 6, 7, 8]),
+            (2, Kind::Hexahedron8, vec![5, 6, 7, 8, 9, 10, 11, 12]),
+        ];
+        let mesh = Mesh::new(nodes, elements).unwrap();
+        assert_eq!(mesh.outer_faces(&mesh.all()).unwrap().len(), 10);
+        let top: Vec<usize> = [9, 10, 11, 12].iter().map(|&label| mesh.place(label).unwrap()).collect();
+        assert_eq!(mesh.faces_on(&top).unwrap(), [FaceId { element: 1, number: 2 }]);
+        let between: Vec<usize> = [5, 6, 7, 8].iter().map(|&label| mesh.place(label).unwrap()).collect();
+        assert!(mesh.faces_on(&between).unwrap().is_empty());
+        let normal = mesh.face(FaceId { element: 1, number: 2 }).unwrap().area();
+        assert!((normal - Vector3::new(0.0, 0.0, 4.0)).norm() < 1e-15);
+    }
+}
