@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 22] = [
+const LAYERS: [(&str, &str); 23] = [
     ("formats", "crates/formats"),
     ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
@@ -18,6 +18,7 @@ const LAYERS: [(&str, &str); 22] = [
     ("tracking", "crates/tracking"),
     ("work", "crates/work"),
     ("sparse", "crates/sparse"),
+    ("contact", "crates/contact"),
     ("reduction", "crates/reduction"),
     ("montecarlo", "crates/montecarlo"),
     ("output", "crates/output"),

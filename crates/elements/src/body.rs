@@ -102,3 +102,8 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, ElementsEr
     let is_allowed = value.is_finite() && value > 0.0;
     if is_allowed { Ok(value) } else { Err(ElementsError::Material { what, value, allowed: "a finite number > 0" }) }
 }
+
+/// `(A + A^T) / 2`: a matrix that is symmetric but for the order of its sums, exactly so.
+pub(crate) fn symmetric(a: &CscMatrix<f64>) -> CscMatrix<f64> {
+    (a + a.transpose()) * 0.5
+}

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use nalgebra_sparse::CscMatrix;
 
-use crate::body::{Body, positive};
+use crate::body::{Body, positive, symmetric};
 use crate::points::Point;
 use crate::{ElementsError, Mesh};
 
@@ -54,12 +54,13 @@ impl Body<'_> {
     /// A density that is not > 0.
     pub fn mass(&self, density: f64) -> Result<CscMatrix<f64>, ElementsError> {
         positive("the density", density)?;
-        self.scalar(|_, point, matrix| {
+        let mass = self.scalar(|_, point, matrix| {
             let n = point.shape.values();
             for (a, b) in pairs(n.len()) {
                 matrix[(a, b)] += density * point.weight * n[a] * n[b];
             }
-        })
+        })?;
+        Ok(symmetric(&mass))
     }
 
     /// The stiffness matrix of a material, fully integrated by the rule of each kind. It is meant for solutions beside the model's own
@@ -69,12 +70,13 @@ impl Body<'_> {
     /// None beyond those of the body.
     pub fn stiffness(&self, material: &Material) -> Result<CscMatrix<f64>, ElementsError> {
         let Material { lambda, shear } = *material;
-        self.blocks(|point, a, b| {
+        let stiffness = self.blocks(|point, a, b| {
             let (a, b) = (point.gradients[a], point.gradients[b]);
             let block =
                 a * b.transpose() * lambda + b * a.transpose() * shear + Matrix3::identity() * (shear * a.dot(&b));
             block * point.weight
-        })
+        })?;
+        Ok(symmetric(&stiffness))
     }
 }
 

@@ -16,7 +16,7 @@ use nalgebra::{DVector, Vector3};
 use nalgebra_sparse::CscMatrix;
 
 use crate::ElementsError;
-use crate::body::{Body, positive};
+use crate::body::{Body, positive, symmetric};
 use crate::elastic::{Material, gradient, pairs};
 use crate::points::Point;
 
@@ -75,24 +75,22 @@ impl Body<'_> {
             let velocity = axis.velocity(&point.position);
             point.gradients.iter().map(|gradient| gradient.dot(&velocity)).collect::<Vec<f64>>()
         };
-        let half = |sign: f64| {
-            self.scalar(|_, point, matrix| {
-                let (n, turned) = (point.shape.values(), along(point));
-                for (a, b) in pairs(n.len()) {
-                    matrix[(a, b)] += 0.5 * density * point.weight * (n[a] * turned[b] + sign * n[b] * turned[a]);
-                }
-            })
-        };
+        let whole = self.scalar(|_, point, matrix| {
+            let (n, turned) = (point.shape.values(), along(point));
+            for (a, b) in pairs(n.len()) {
+                matrix[(a, b)] += density * point.weight * n[a] * turned[b];
+            }
+        })?;
         let centripetal = self.scalar(|_, point, matrix| {
             let turned = along(point);
             for (a, b) in pairs(turned.len()) {
                 matrix[(a, b)] += density * point.weight * turned[a] * turned[b];
             }
         })?;
-        let (gyroscopic, symmetric) = (half(-1.0)?, half(1.0)?);
+        let gyroscopic = (&whole - whole.transpose()) * 0.5;
         let norm = |matrix: &CscMatrix<f64>| matrix.values().iter().map(|value| value * value).sum::<f64>().sqrt();
-        let departure = norm(&symmetric) / norm(&gyroscopic).max(f64::MIN_POSITIVE);
-        Ok(Transport { gyroscopic, centripetal, departure })
+        let departure = norm(&symmetric(&whole)) / norm(&gyroscopic).max(f64::MIN_POSITIVE);
+        Ok(Transport { gyroscopic, centripetal: symmetric(&centripetal), departure })
     }
 
     /// The centrifugal load for a speed of 1 rad/s, `int rho N^T (distance from the axis)`, a force for each row.
@@ -119,13 +117,14 @@ impl Body<'_> {
         if found != expected {
             return Err(ElementsError::Displacements { found, expected });
         }
-        self.scalar(|place, point, matrix| {
+        let of_stress = self.scalar(|place, point, matrix| {
             let stress = material.stress(&gradient(self.mesh, place, point, displacements));
             let pulled: Vec<Vector3<f64>> = point.gradients.iter().map(|gradient| stress * gradient).collect();
             for (a, b) in pairs(pulled.len()) {
                 matrix[(a, b)] += point.weight * point.gradients[a].dot(&pulled[b]);
             }
-        })
+        })?;
+        Ok(symmetric(&of_stress))
     }
 
     /// Displacements of all nodes of the mesh from a vector with an entry for each row; 0 where the model holds a node.

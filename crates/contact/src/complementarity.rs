@@ -1,0 +1,163 @@
+//! Linear complementarity problems: `w = q + M z` with `w >= 0`, `z >= 0`, `w^T z = 0`.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Entries of a tableau below this are rounding; chosen, problems here are scaled to about 1.
+const PIVOT: f64 = 1e-11;
+/// What is below zero by less than this part of the largest is zero; chosen, above rounding of the last solution.
+const NEGATIVE: f64 = 1e-10;
+/// Steps by number of unknowns after which a search ends; chosen, far more than were ever needed.
+const STEPS: usize = 50;
+/// Two solutions that differ by less than this part are one.
+const ALIKE: f64 = 1e-8;
+
+/// Solution of a complementarity problem.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Complementary {
+    /// z.
+    pub z: DVector<f64>,
+    /// w.
+    pub w: DVector<f64>,
+}
+
+/// Why there is no solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unsolved {
+    /// The path of Lemke's method ends in a ray: where M has a semi-definite symmetric part there is no solution, else it may have missed one.
+    Ray,
+    /// The path did not end.
+    Steps,
+}
+
+/// Solves a problem by Lemke's method. The set of zeros that its path ends with is solved anew, so that rounding on the way does not matter.
+///
+/// # Errors
+/// No solution at the end of the path.
+///
+/// ```
+/// use contact::complementarity::lemke;
+/// use contact::nalgebra::{dmatrix, dvector};
+/// let found = lemke(&dvector![-1.0, 2.0], &dmatrix![2.0, 1.0; 1.0, 2.0]).ok();
+/// assert!(found.is_some_and(|found| (found.z - dvector![0.5, 0.0]).amax() < 1e-15));
+/// ```
+pub fn lemke(q: &DVector<f64>, m: &DMatrix<f64>) -> Result<Complementary, Unsolved> {
+    let n = q.len();
+    let scale = q.amax();
+    if q.iter().all(|&q| q >= 0.0) {
+        return Ok(Complementary { z: DVector::zeros(n), w: q.clone() });
+    }
+    // Columns: w, z, the covering variable, the right-hand side of `w - M z - e z0 = q`.
+    let (cover, right) = (2 * n, 2 * n + 1);
+    let mut tableau = DMatrix::zeros(n, 2 * n + 2);
+    for row in 0..n {
+        tableau[(row, row)] = 1.0;
+        (0..n).for_each(|column| tableau[(row, n + column)] = -m[(row, column)]);
+        tableau[(row, cover)] = -1.0;
+        tableau[(row, right)] = q[row] / scale;
+    }
+    let mut basis: Vec<usize> = (0..n).collect();
+    let (mut row, mut entering) = (tableau.column(right).imin(), cover);
+    for _ in 0..STEPS * (n + 2) {
+        eliminate(&mut tableau, row, entering);
+        let leaving = std::mem::replace(&mut basis[row], entering);
+        if leaving == cover {
+            let opened: Vec<bool> = (0..n).map(|at| basis.contains(&(n + at))).collect();
+            return solved(q, m, &opened).ok_or(Unsolved::Steps);
+        }
+        entering = if leaving < n { leaving + n } else { leaving - n };
+        row = leaving_row(&tableau, entering, &basis, cover).ok_or(Unsolved::Ray)?;
+    }
+    Err(Unsolved::Steps)
+}
+
+/// The row whose variable reaches zero first; of several the covering variable, else that with the largest pivot.
+fn leaving_row(tableau: &DMatrix<f64>, entering: usize, basis: &[usize], cover: usize) -> Option<usize> {
+    let right = tableau.ncols() - 1;
+    let rows = (0..tableau.nrows()).filter(|&row| tableau[(row, entering)] > PIVOT);
+    let ratio = |row: usize| tableau[(row, right)].max(0.0) / tableau[(row, entering)];
+    let least = rows.clone().map(ratio).fold(f64::INFINITY, f64::min);
+    let first = rows.filter(|&row| ratio(row) <= least + PIVOT * (1.0 + least));
+    first.max_by(|&a, &b| {
+        let rank = |row: usize| (basis[row] == cover, tableau[(row, entering)]);
+        rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1))
+    })
+}
+
+fn eliminate(tableau: &mut DMatrix<f64>, row: usize, column: usize) {
+    let pivot = tableau[(row, column)];
+    tableau.row_mut(row).iter_mut().for_each(|entry| *entry /= pivot);
+    let line = tableau.row(row).clone_owned();
+    let factors = tableau.column(column).clone_owned();
+    for (at, &entry) in line.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+        let mut own = tableau.column_mut(at);
+        (0..factors.len()).filter(|&other| other != row).for_each(|other| own[other] -= factors[other] * entry);
+    }
+}
+
+/// The solution with z > 0 where it is said, if that is one.
+fn solved(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<Complementary> {
+    let places: Vec<usize> = (0..q.len()).filter(|&at| opened[at]).collect();
+    let mut z = DVector::zeros(q.len());
+    if !places.is_empty() {
+        let sub = m.select_rows(&places).select_columns(&places);
+        let found = sub.lu().solve(&-q.select_rows(&places))?;
+        places.iter().zip(found.iter()).for_each(|(&at, &value)| z[at] = value);
+    }
+    let mut w = q + m * &z;
+    places.iter().for_each(|&at| w[at] = 0.0);
+    let (of_z, of_w) = (NEGATIVE * z.amax(), NEGATIVE * (q.amax() + w.amax()));
+    let is_one = z.iter().all(|&z| z.is_finite() && z >= -of_z) && w.iter().all(|&w| w.is_finite() && w >= -of_w);
+    is_one.then(|| Complementary { z: z.map(|z| z.max(0.0)), w: w.map(|w| w.max(0.0)) })
+}
+
+/// All solutions, from all 2^n sets of zeros; those that differ in z alone are one. Sets whose equations are singular are passed over.
+#[must_use]
+pub fn all_solutions(q: &DVector<f64>, m: &DMatrix<f64>) -> Vec<Complementary> {
+    let mut found: Vec<Complementary> = Vec::new();
+    for set in 0_u64..1 << q.len() {
+        let opened: Vec<bool> = (0..q.len()).map(|at| set >> at & 1 == 1).collect();
+        if let Some(next) = solved(q, m, &opened) {
+            let is_known = |known: &Complementary| (&known.w - &next.w).amax() <= ALIKE * q.amax();
+            if !found.iter().any(is_known) {
+                found.push(next);
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{dmatrix, dvector};
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_ray_is_told_from_a_solution() {
+        assert_eq!(lemke(&dvector![-1.0], &dmatrix![0.0]), Err(Unsolved::Ray));
+        assert_eq!(lemke(&dvector![-1.0, -2.0], &dmatrix![1.0, -1.0; -1.0, 1.0]), Err(Unsolved::Ray));
+        // No P-matrix: two solutions, of which the path finds one.
+        let (q, m) = (dvector![1.0, -1.0], dmatrix![1.0, -2.0; -2.0, 1.0]);
+        assert_eq!(all_solutions(&q, &m).len(), 0);
+        let (q, m) = (dvector![1.0, 1.0], dmatrix![1.0, -2.0; -2.0, 1.0]);
+        assert_eq!(all_solutions(&q, &m).len(), 2);
+        assert!(lemke(&q, &m).is_ok());
+    }
+
+    proptest! {
+        /// Positive definite matrices have one solution, which is the only one among all sets.
+        #[test]
+        fn lemke_is_enumeration(a in prop::collection::vec(-1.0..1.0_f64, 49), q in prop::collection::vec(-1.0..1.0_f64, 7)) {
+            let a = DMatrix::from_vec(7, 7, a);
+            let skew = (&a - a.transpose()) * 2.0;
+            let m = &a * a.transpose() + DMatrix::identity(7, 7) * 0.05 + skew;
+            let q = DVector::from_vec(q);
+            let found = lemke(&q, &m).unwrap();
+            let all = all_solutions(&q, &m);
+            prop_assert_eq!(all.len(), 1);
+            prop_assert!((&found.w - &all[0].w).amax() < 1e-9);
+            prop_assert!((&found.w - &q - &m * &found.z).amax() < 1e-9 * (1.0 + found.z.amax()));
+            prop_assert!(found.z.component_mul(&found.w).amax() < 1e-12);
+        }
+    }
+}

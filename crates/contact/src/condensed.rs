@@ -1,0 +1,130 @@
+//! A structure under its loads as its contact points see it.
+
+use nalgebra::{DMatrix, DVector};
+use nalgebra_sparse::{CooMatrix, CscMatrix};
+use num_complex::Complex;
+use sparse::{Problem, SparseError, SparseSecondOrder};
+
+use crate::sliding::value;
+use crate::{ContactError, Row};
+
+/// A solution that is larger by this than forces and stiffness ask for is one of a singular stiffness; chosen: a structure that is held has
+/// 1e10 at most, one that is not 1e15 and more.
+const NOT_HELD: f64 = 1e13;
+
+/// Structure condensed on its contact points: how their gaps answer to normal forces, friction and loads.
+///
+/// With the points' springs k in it, as if all were closed, the structure has the stiffness `K_s = K + sum k g g^T`. With a gap h at each
+/// point before the loads, its normal force N and friction `mu N` along the sliding, `K u = f + sum N (g + mu s)` and gaps `h + g^T u` become
+///
+/// ```text
+/// gap = h + G^T K_s^-1 (f - G k h) + A (N + k gap) + B mu N,       A = G^T K_s^-1 G,   B = G^T K_s^-1 S
+/// ```
+///
+/// which holds for any law between gap and N, any mu and any multiple of the loads: one factorisation serves all of them. A body that its
+/// contact alone holds is allowed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Condensed {
+    /// k, N/m.
+    pub(crate) stiffness: DVector<f64>,
+    /// A.
+    pub(crate) normal: DMatrix<f64>,
+    /// B.
+    pub(crate) friction: DMatrix<f64>,
+    /// `G^T K_s^-1 f` of each load, a column each.
+    pub(crate) loads: DMatrix<f64>,
+}
+
+impl Condensed {
+    /// The structure of stiffness K (without any contact) with contact points by their rows of gap and slip, the stiffness of each closed
+    /// point, N/m, and loads, a column for each of them that is scaled by itself.
+    ///
+    /// # Errors
+    /// No points, other numbers of slip rows or stiffnesses than points, loads of another order, a stiffness that is not > 0; bodies that nothing
+    /// holds though all points are closed.
+    pub fn new(
+        structure: &CscMatrix<f64>,
+        gaps: &[Row],
+        slips: &[Row],
+        stiffness: &[f64],
+        loads: &DMatrix<f64>,
+    ) -> Result<Self, ContactError> {
+        let (order, points) = (structure.nrows(), gaps.len());
+        let counts = [
+            ("slip rows", slips.len(), points),
+            ("stiffnesses", stiffness.len(), points),
+            ("rows of the loads", loads.nrows(), order),
+        ];
+        for (what, found, expected) in counts {
+            if found != expected {
+                return Err(ContactError::Count { what, found, expected });
+            }
+        }
+        if points == 0 {
+            return Err(ContactError::Count { what: "contact points", found: 0, expected: 1 });
+        }
+        if let Some(&k) = stiffness.iter().find(|k| !(k.is_finite() && **k > 0.0)) {
+            return Err(value("the stiffness of a contact point", k, "a finite number > 0"));
+        }
+        let mut closed = CooMatrix::new(order, order);
+        structure.triplet_iter().for_each(|(row, column, &value)| closed.push(row, column, value));
+        for (row, k) in gaps.iter().zip(stiffness) {
+            for &(i, a) in row {
+                row.iter().for_each(|&(j, b)| closed.push(i, j, k * (a * b)));
+            }
+        }
+        let closed = CscMatrix::from(&closed);
+        let norm = norm(&closed);
+        let mut right = DMatrix::zeros(order, loads.ncols() + 2 * points);
+        right.columns_mut(0, loads.ncols()).copy_from(loads);
+        for (column, row) in (loads.ncols()..).zip(gaps.iter().chain(slips)) {
+            row.iter().for_each(|&(dof, value)| right[(dof, column)] += value);
+        }
+        // The mass plays no part at lambda = 0.
+        let zero = || CscMatrix::zeros(order, order);
+        let system = SparseSecondOrder::new(zero(), zero(), closed)?;
+        let solution = match Problem::new(&system)?.solve(Complex::from(0.0), &right) {
+            Ok(solution) => solution.map(|z| z.re),
+            Err(error @ SparseError::Memory { .. }) => return Err(error.into()),
+            Err(_) => return Err(ContactError::NothingHolds { growth: f64::INFINITY }),
+        };
+        for (force, found) in right.column_iter().zip(solution.column_iter()) {
+            let growth = norm * found.amax() / force.amax();
+            let is_held = growth < NOT_HELD;
+            if force.amax() > 0.0 && !is_held {
+                return Err(ContactError::NothingHolds { growth });
+            }
+        }
+        // Rows times columns: only the entries of a row are needed.
+        let seen = |columns: std::ops::Range<usize>| {
+            DMatrix::from_fn(points, columns.len(), |point, column| {
+                gaps[point].iter().map(|&(dof, value)| value * solution[(dof, columns.start + column)]).sum()
+            })
+        };
+        let of_loads = loads.ncols();
+        Ok(Self {
+            stiffness: DVector::from_column_slice(stiffness),
+            normal: seen(of_loads..of_loads + points),
+            friction: seen(of_loads + points..of_loads + 2 * points),
+            loads: seen(0..of_loads),
+        })
+    }
+
+    /// Number of contact points.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.stiffness.len()
+    }
+
+    /// Number of loads.
+    #[must_use]
+    pub fn load_cases(&self) -> usize {
+        self.loads.ncols()
+    }
+}
+
+/// The largest sum of a column's absolute values.
+fn norm(a: &CscMatrix<f64>) -> f64 {
+    let sums = a.col_iter().map(|column| column.values().iter().map(|value| value.abs()).sum());
+    sums.fold(0.0, f64::max)
+}

@@ -1,0 +1,178 @@
+//! Errors in contacts.
+
+use std::fmt;
+
+use elements::ElementsError;
+use linsys::LinsysError;
+use sparse::SparseError;
+
+/// Side of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// The side whose faces are integrated over: the pad.
+    Slave,
+    /// The side that these points are projected on: the disc.
+    Master,
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if *self == Self::Slave { "slave" } else { "master" })
+    }
+}
+
+/// Errors of this crate. Elements and nodes are named by their numbers in the model.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// A fault of the mesh.
+    #[error(transparent)]
+    Mesh(#[from] ElementsError),
+    /// A fault of a system of equations.
+    #[error(transparent)]
+    Sparse(#[from] SparseError),
+    /// A fault of a channel.
+    #[error(transparent)]
+    Linsys(#[from] LinsysError),
+    /// A side without faces.
+    #[error("the {side} has no faces; it must have one or more")]
+    NoFaces {
+        /// Which.
+        side: Side,
+    },
+    /// A face without area.
+    #[error("the {side} has a face without area: S{face} of element {element}")]
+    NoArea {
+        /// Of which side.
+        side: Side,
+        /// The number of the element.
+        element: i64,
+        /// The number of the face.
+        face: usize,
+    },
+    /// A setting that is not allowed.
+    #[error("{what} is {value}; allowed is {allowed}")]
+    Value {
+        /// Which.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// Faces that are farther from each other than they may be.
+    #[error(
+        "the faces do not meet: node {node} of the slave is {distance:e} from the nearest face of the master, of which at most {reach:e} is allowed"
+    )]
+    Apart {
+        /// The number of the node of the slave next to the point.
+        node: i64,
+        /// From the point to the nearest face that looks at it; infinite where none was near.
+        distance: f64,
+        /// The largest that is allowed.
+        reach: f64,
+    },
+    /// Points of the slave beside the master.
+    #[error(
+        "the master is smaller than the slave: {beside} of {total} points have no face of it opposite, the first at node {node}"
+    )]
+    MasterSmaller {
+        /// The number of the node of the slave next to the first such point.
+        node: i64,
+        /// How many points.
+        beside: usize,
+        /// Of how many.
+        total: usize,
+    },
+    /// Faces that do not look at each other.
+    #[error(
+        "the normals contradict: the face of the master opposite to node {node} of the slave does not look at it (cosine {cosine:.3}, allowed at most {allowed})"
+    )]
+    Normals {
+        /// The number of the node of the slave next to the point.
+        node: i64,
+        /// Of the angle between both normals to the outside.
+        cosine: f64,
+        /// The largest that is allowed.
+        allowed: f64,
+    },
+    /// A velocity without a direction along the face.
+    #[error("nothing slides at node {node}: the velocity {velocity:?} has no part along the face")]
+    NoSliding {
+        /// The number of the node of the slave next to the point.
+        node: i64,
+        /// The velocity there.
+        velocity: [f64; 3],
+    },
+    /// An axis of rotation that goes through the slave.
+    #[error("the axis of rotation goes through the slave, at node {node} of element {element}, where nothing slides")]
+    AxisThroughSlave {
+        /// The number of the element.
+        element: i64,
+        /// The number of the node next to it.
+        node: i64,
+    },
+    /// A point that belongs to no patch.
+    #[error("node {node} of the slave is in no patch")]
+    NoPatch {
+        /// The number of the node next to the point.
+        node: i64,
+    },
+    /// A point that belongs to two patches equally.
+    #[error("node {node} of the slave is in patch {first:?} and in patch {second:?} alike")]
+    TwoPatches {
+        /// The number of the node next to the point.
+        node: i64,
+        /// A patch.
+        first: String,
+        /// Another one.
+        second: String,
+    },
+    /// A list of another length.
+    #[error("there are {found} {what}; {expected} are expected")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A node without a pressure.
+    #[error("node {node} of the slave has no pressure")]
+    NoPressure {
+        /// Its number.
+        node: i64,
+    },
+    /// Pressures that are of nodes that the slave lacks.
+    #[error("there is a pressure of node {node}, which the slave lacks")]
+    UnknownNode {
+        /// Its number.
+        node: i64,
+    },
+    /// A structure that moves though all contacts are closed.
+    #[error(
+        "nothing holds the bodies: with all contacts closed there is a motion without stiffness (a solution has the size {growth:e} of what the stiffness asks for)"
+    )]
+    NothingHolds {
+        /// The norm of the solution times that of the stiffness over that of the forces; infinite where there is none.
+        growth: f64,
+    },
+    /// Friction that locks.
+    #[error("friction locks: with all contacts closed the normal forces are not determined by the loads")]
+    Locks,
+    /// No state of open and closed contacts is in balance.
+    #[error("there is no equilibrium: {reason}")]
+    NoEquilibrium {
+        /// How this is known.
+        reason: &'static str,
+    },
+    /// An iteration that did not end.
+    #[error("the equilibrium was not found in {steps} steps; what is missing to balance is {residual:e} of the forces")]
+    NotFound {
+        /// How many.
+        steps: usize,
+        /// What is missing, relative to the largest force.
+        residual: f64,
+    },
+}

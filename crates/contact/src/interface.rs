@@ -1,0 +1,213 @@
+//! Two sides of a contact whose meshes do not match, and the points between them.
+
+use elements::{Face, FaceId, FaceShape, Mesh};
+
+use crate::grid::Grid;
+use crate::point::ContactPoint;
+use crate::project::{Projection, project};
+use crate::segments::segments;
+use crate::sliding::{Sliding, faces, value};
+use crate::{ContactError, Side};
+
+/// Weights of this size are rounding of a shape function, or of a component of a normal, that is zero.
+const NO_WEIGHT: f64 = 1e-14;
+
+/// How the slave's faces are integrated over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Integration {
+    /// Points of Gauss of each face of the slave, each on whatever face of the master is opposite: 2 x 2 of a linear, 3 x 3 of a quadratic
+    /// quadrilateral, 3 and 7 of a triangle. What the master gets of a constant pressure is exact but for what its shape functions bend
+    /// within a face of the slave.
+    #[default]
+    GaussPoints,
+    /// Each face of the slave is cut along the edges of the master's, and each piece has seven points of its own: a constant pressure passes
+    /// exactly between flat faces with straight edges. Ten times as many points.
+    Segments,
+}
+
+/// What makes points of two sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pairing {
+    /// Velocity of the master under the slave.
+    pub sliding: Sliding,
+    /// Largest distance or overlap at a point.
+    pub reach: f64,
+    /// Rule of integration.
+    pub integration: Integration,
+    /// Largest cosine of the angle between the normals to the outside of both sides; -1 where they look at each other exactly.
+    pub largest_cosine: f64,
+    /// How far a point may be outside of the master's faces, in their own coordinates (2 across a quadrilateral): meshes of a curved face
+    /// leave slits between their facets.
+    pub slit: f64,
+}
+
+impl Pairing {
+    /// A pairing with points of Gauss, normals that look at each other within 60 degrees, and slits of a hundredth of a face.
+    #[must_use]
+    pub fn new(sliding: Sliding, reach: f64) -> Self {
+        Self { sliding, reach, integration: Integration::GaussPoints, largest_cosine: -0.5, slit: 0.02 }
+    }
+
+    fn check(&self) -> Result<(), ContactError> {
+        if !(self.reach.is_finite() && self.reach > 0.0) {
+            return Err(value("the reach of a contact", self.reach, "a finite distance > 0"));
+        }
+        if !(self.largest_cosine > -1.0 && self.largest_cosine < 0.0) {
+            return Err(value("the largest cosine of normals", self.largest_cosine, "above -1 and below 0"));
+        }
+        if !(self.slit >= 0.0 && self.slit < 1.0) {
+            return Err(value("the slit between faces", self.slit, "0 or more, below 1"));
+        }
+        Ok(())
+    }
+}
+
+/// Interface: the contact points between a slave and a master, face by face of the slave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interface {
+    points: Vec<ContactPoint>,
+    projections: usize,
+}
+
+impl Interface {
+    /// The points between faces of a slave and of a master.
+    ///
+    /// # Errors
+    /// A setting that is not allowed, a side without faces, a face without area, faces that do not meet, a master that is smaller than the
+    /// slave, normals that contradict each other, an axis through the slave, no sliding along a face.
+    pub fn new(mesh: &Mesh, slave: &[FaceId], master: &[FaceId], pairing: &Pairing) -> Result<Self, ContactError> {
+        pairing.check()?;
+        let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
+        pairing.sliding.check(mesh, &slave)?;
+        let mut search = Search { grid: Grid::new(&master, pairing.reach), master: &master, pairing, projections: 0 };
+        let (mut points, mut total, mut beside, mut first) = (Vec::new(), 0, 0, None);
+        for face in &slave {
+            let rule = match pairing.integration {
+                Integration::GaussPoints => face.kind.rule(),
+                Integration::Segments => segments(face, &master, &search.grid, pairing.largest_cosine),
+            };
+            for (own, weight) in rule {
+                total += 1;
+                let at = face.at(own);
+                let node = mesh.labels()[face.nodes[largest(&at.shape)]];
+                let outwards = at.area.normalize();
+                let Some((opposite, found)) = search.opposite(&at.position, &outwards, node)? else {
+                    beside += 1;
+                    first = first.or(Some(node));
+                    continue;
+                };
+                let normal = snapped(&found.normal);
+                let (sliding, speed) = pairing.sliding.on(&at.position, &normal, node)?;
+                points.push(ContactPoint {
+                    position: at.position,
+                    normal,
+                    sliding,
+                    speed,
+                    gap: found.gap,
+                    area: weight * at.area.norm(),
+                    slave_face: face.id,
+                    master_face: opposite.id,
+                    slave: weights(face, &at.shape),
+                    master: weights(opposite, &found.at.shape),
+                });
+            }
+        }
+        match first {
+            None => Ok(Self { points, projections: search.projections }),
+            Some(node) if points.is_empty() => Err(search.apart(&slave, mesh, node)),
+            Some(node) => Err(ContactError::MasterSmaller { node, beside, total }),
+        }
+    }
+
+    /// The points.
+    #[must_use]
+    pub fn points(&self) -> &[ContactPoint] {
+        &self.points
+    }
+
+    /// The area, as the points add up to it.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.points.iter().map(|point| point.area).sum()
+    }
+
+    /// How often a point was projected on a face: what the search costs.
+    #[must_use]
+    pub fn projections(&self) -> usize {
+        self.projections
+    }
+}
+
+/// A normal along an axis up to rounding, exactly along it: rows have a third of the entries then.
+fn snapped(normal: &nalgebra::Vector3<f64>) -> nalgebra::Vector3<f64> {
+    normal.map(|x| if x.abs() < NO_WEIGHT { 0.0 } else { x }).normalize()
+}
+
+/// Nodes of a face with their shape functions.
+fn weights(face: &Face, shape: &FaceShape) -> Vec<(usize, f64)> {
+    let all = face.nodes.iter().copied().zip(shape.values().iter().copied());
+    all.filter(|(_, weight)| weight.abs() > NO_WEIGHT).collect()
+}
+
+/// The node of a face with the largest shape function.
+fn largest(shape: &FaceShape) -> usize {
+    let values = shape.values().iter().enumerate();
+    values.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| node)
+}
+
+/// The faces of the master, searched for what is opposite to a point.
+struct Search<'a> {
+    grid: Grid,
+    master: &'a [Face],
+    pairing: &'a Pairing,
+    projections: usize,
+}
+
+impl<'a> Search<'a> {
+    /// The face opposite to a point, whose own face looks outwards: among those within reach the one that the point is over, and of two
+    /// the nearer one.
+    fn opposite(
+        &mut self,
+        at: &nalgebra::Vector3<f64>,
+        outwards: &nalgebra::Vector3<f64>,
+        node: i64,
+    ) -> Result<Option<(&'a Face, Projection)>, ContactError> {
+        let mut best: Option<(&Face, Projection)> = None;
+        // The least of those that are over the point and look elsewhere.
+        let mut contradicting: Option<f64> = None;
+        for place in self.grid.near(at) {
+            let face = &self.master[place];
+            self.projections += 1;
+            let Some(found) = project(face, at) else { continue };
+            if found.outside > self.pairing.slit || found.gap.abs() > self.pairing.reach {
+                continue;
+            }
+            let cosine = found.normal.dot(outwards);
+            if cosine > self.pairing.largest_cosine {
+                contradicting = Some(contradicting.map_or(cosine, |least| least.min(cosine)));
+                continue;
+            }
+            let rank = |found: &Projection| (found.outside.max(1e-9), found.gap.abs());
+            let is_better = best.as_ref().is_none_or(|(_, known)| rank(&found) < rank(known));
+            if is_better {
+                best = Some((face, found));
+            }
+        }
+        match (best, contradicting) {
+            (None, Some(cosine)) => Err(ContactError::Normals { node, cosine, allowed: self.pairing.largest_cosine }),
+            (best, _) => Ok(best),
+        }
+    }
+
+    /// What is said where no point has anything opposite: how far the nearest face is from the first one.
+    fn apart(&self, slave: &[Face], mesh: &Mesh, node: i64) -> ContactError {
+        let place = mesh.place(node);
+        let position = place.map(|place| mesh.positions()[place]).unwrap_or(slave[0].positions[0]);
+        let distance = |face: &Face| {
+            let found = project(face, &position).filter(|found| found.outside <= self.pairing.slit);
+            found.map_or(f64::INFINITY, |found| found.gap.abs())
+        };
+        let distance = self.master.iter().map(distance).fold(f64::INFINITY, f64::min);
+        ContactError::Apart { node, distance, reach: self.pairing.reach }
+    }
+}

@@ -1,0 +1,96 @@
+//! Whether a complementarity problem has one solution.
+
+use std::fmt;
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use crate::complementarity::all_solutions;
+
+/// Unknowns up to which all 2^n principal minors and sets are looked at; chosen: 2 million eliminations of a row.
+const MOST_ENUMERATED: usize = 14;
+/// An eigenvalue of this part of the largest is zero; chosen, above rounding.
+const ZERO: f64 = 1e-11;
+
+/// Whether the forces of an equilibrium are the only ones, and how this is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Uniqueness {
+    /// They are: the symmetric part of the matrix is positive definite, or it is symmetric and positive semi-definite.
+    Definite,
+    /// They are: all 2^n principal minors are positive (a P-matrix).
+    PrincipalMinors,
+    /// They are, at these loads: of all 2^n states of open and closed contacts this alone is in balance.
+    Enumerated,
+    /// They are not: so many states are in balance.
+    Several(usize),
+    /// Neither is known: the symmetric part is indefinite, and there are too many contacts to look at all states.
+    NotDecided,
+}
+
+impl fmt::Display for Uniqueness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Definite => write!(f, "unique: the symmetric part of its matrix is not indefinite"),
+            Self::PrincipalMinors => write!(f, "unique: its matrix is a P-matrix"),
+            Self::Enumerated => write!(f, "unique at these loads: no other state is in balance"),
+            Self::Several(count) => write!(f, "not unique: {count} states are in balance"),
+            Self::NotDecided => write!(f, "whether it is unique was not decided"),
+        }
+    }
+}
+
+/// Looks whether `w = q + M z` has one solution w.
+pub(crate) fn uniqueness(q: &DVector<f64>, m: &DMatrix<f64>) -> Uniqueness {
+    let symmetric = (m + m.transpose()) * 0.5;
+    let is_symmetric = (m - &symmetric).amax() <= ZERO * m.amax();
+    let values = SymmetricEigen::new(symmetric).eigenvalues;
+    let floor = ZERO * values.amax() * if is_symmetric { -1.0 } else { 1.0 };
+    if values.min() > floor {
+        return Uniqueness::Definite;
+    }
+    if m.nrows() > MOST_ENUMERATED {
+        return Uniqueness::NotDecided;
+    }
+    let are_positive = (1_u64..1 << m.nrows()).all(|set| {
+        let places: Vec<usize> = (0..m.nrows()).filter(|at| set >> at & 1 == 1).collect();
+        m.select_rows(&places).select_columns(&places).determinant() > 0.0
+    });
+    if are_positive {
+        return Uniqueness::PrincipalMinors;
+    }
+    match all_solutions(q, m).len() {
+        0 => Uniqueness::NotDecided,
+        1 => Uniqueness::Enumerated,
+        count => Uniqueness::Several(count),
+    }
+}
+
+/// Whether the problem has no solution, where all states can be looked at; `None` where they cannot.
+pub(crate) fn has_none(q: &DVector<f64>, m: &DMatrix<f64>) -> Option<bool> {
+    (m.nrows() <= MOST_ENUMERATED).then(|| all_solutions(q, m).is_empty())
+}
+
+/// Whether the symmetric part is positive semi-definite, where a ray of Lemke's method means that there is no solution.
+pub(crate) fn is_monotone(m: &DMatrix<f64>) -> bool {
+    let values = SymmetricEigen::new((m + m.transpose()) * 0.5).eigenvalues;
+    values.min() >= -ZERO * values.amax()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{dmatrix, dvector};
+
+    #[test]
+    fn how_it_is_known_is_said() {
+        let q = dvector![-1.0, 0.5];
+        assert_eq!(uniqueness(&q, &dmatrix![2.0, 1.0; 0.0, 2.0]), Uniqueness::Definite);
+        assert_eq!(uniqueness(&q, &dmatrix![1.0, -1.0; -1.0, 1.0]), Uniqueness::Definite);
+        assert_eq!(uniqueness(&q, &dmatrix![1.0, 5.0; 0.0, 1.0]), Uniqueness::PrincipalMinors);
+        let reverse = dmatrix![1.0, -2.0; -2.0, 1.0];
+        assert_eq!(uniqueness(&dvector![1.0, 1.0], &reverse), Uniqueness::Several(2));
+        assert_eq!(uniqueness(&dvector![-1.0, -1.0], &dmatrix![1.0, 2.0; 3.0, 1.0]), Uniqueness::Several(3));
+        assert_eq!(uniqueness(&dvector![-1.0, 1.0], &dmatrix![1.0, 2.0; 3.0, 1.0]), Uniqueness::Enumerated);
+        let large = DMatrix::from_fn(20, 20, |i, j| if i == j { 1.0 } else { -1.0 });
+        assert_eq!(uniqueness(&DVector::repeat(20, 1.0), &large), Uniqueness::NotDecided);
+    }
+}
