@@ -1,6 +1,6 @@
-//! The modes of a brake that finds them itself, with their names: by likeness to those of the reference; where one is in doubt, by likeness
-//! to modes at known points near by, which are followed to the reference once for all samples; and followed there themselves only where
-//! that is in doubt too. So most samples need no matrices.
+//! Names of the modes that a brake finds itself, in order of cost: MAC with the modes of the reference; where a mode is in doubt, MAC with
+//! modes at known points near by, which are followed to the reference once for all samples; continuation of the mode itself where that is
+//! in doubt too. Most samples need no matrices.
 
 use cea::{EigenSolver, Mode, Modes, Workspace, real_count};
 use linsys::SecondOrder;
@@ -14,27 +14,27 @@ use super::sector_modes::{SectorModes, UnstableSectorMode};
 use super::{BandMode, KnownMode, ModeIdentity, ModeLabel, Plan, Reference};
 use crate::Error;
 
-/// What the modes of a scene are named by.
+/// Data by which the modes of a scene are named.
 pub(super) struct BandNames<'a> {
     pub solver: &'a dyn EigenSolver,
     pub plan: &'a Plan,
     pub reference: &'a Reference,
-    /// The names of modes at known points.
+    /// Names of modes at known points.
     pub known: &'a KnownNames,
-    /// Whether modes are named by likeness to those of the origin too.
+    /// Modes are named by MAC with those of the origin too.
     pub likeness_too: bool,
 }
 
-/// Where modes in doubt are followed from.
+/// Start of the path on which modes in doubt are followed.
 pub(super) enum BandStart<'a> {
     System(Box<SecondOrder>),
-    /// The brake evaluates the path from there to the reference.
+    /// Path from the system to the reference, which the brake evaluates.
     Owned(Box<dyn OwnedPath + 'a>),
 }
 
 impl<'a> BandNames<'a> {
-    /// The modes found in one sample, the unstable ones with names. Its mass matrix is given, its system and a cheaper way to follow modes
-    /// from there are made where they are needed.
+    /// The modes found in one sample, the unstable ones with names. `mass` is its mass matrix; `start` makes its system, or a cheaper way
+    /// to follow modes from there, and `from_known` a path from a known point, where they are needed.
     ///
     /// # Errors
     /// A system that cannot be made; those of the solver.
@@ -72,7 +72,7 @@ impl<'a> BandNames<'a> {
         Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal: 0 })
     }
 
-    /// The names of some modes of a system, with M phi of each, of which some look like known ones.
+    /// The names of some modes of a system, with M phi of each; `like` is the known mode that each resembles, if any.
     fn names(
         &self,
         (modes, weighted): (&[Mode], &[DVector<Complex<f64>>]),
@@ -141,7 +141,7 @@ impl<'a> BandNames<'a> {
     }
 }
 
-/// The places of names of which others have one too.
+/// Indices of the modes that have a name in common with another one.
 fn shared(names: &[Option<Vec<ModeLabel>>]) -> Vec<usize> {
     let have = |other: usize, name: &ModeLabel| names[other].as_ref().is_some_and(|names| names.contains(name));
     let is_shared = |at: &usize| {

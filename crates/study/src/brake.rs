@@ -5,7 +5,7 @@ use montecarlo::StreamRng;
 
 use crate::{DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scene};
 
-/// A brake with everything that is uncertain in it.
+/// A brake with all its uncertain numbers.
 ///
 /// The equations are data, in the [`Plan`]; this trait is what a brake computes: draws, and the numbers that a draw puts
 /// into the equations. Spectra, certificates, names of modes, net work, plain sampling, tables and figures follow from these
@@ -14,7 +14,7 @@ use crate::{DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scen
 /// A brake whose draws are independent numbers is an [`IndependentBrake`](crate::IndependentBrake), which has all of this but
 /// [`Modifiable`] and [`ModeSource`] from its distributions and one function.
 pub trait UncertainBrake: Sync {
-    /// One draw of all that is uncertain; every scene uses the same.
+    /// Draw of all that is uncertain; every scene uses the same.
     type Sample: Send + Sync;
 
     /// The configurations and scenes of the study.
@@ -43,28 +43,29 @@ pub trait UncertainBrake: Sync {
         Ok(self.plan().brake(scene).system.assemble(&self.operating_point(scene, sample)?)?)
     }
 
-    /// What is drawn, by name and by quantiles: for influence, kept samples and estimators that need fewer samples.
+    /// Drawn inputs, by name and by quantiles: for influence, kept samples and estimators that need fewer samples.
     fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<Self::Sample>> {
         None
     }
 
-    /// Its parameters by name: for sweeps and for why a mode grows.
+    /// Parameters by name: for sweeps and for why a mode grows.
     fn parametrised(&self) -> Option<&dyn Parametrised> {
         None
     }
 
-    /// Contacts, places and symmetries of its own: for screens, which otherwise go by the plan ([`ModifiablePlan`](crate::ModifiablePlan)).
+    /// Contacts, places and symmetries of the brake: for screens, which otherwise go by the plan
+    /// ([`ModifiablePlan`](crate::ModifiablePlan)).
     fn modifiable(&self) -> Option<&dyn Modifiable> {
         None
     }
 
-    /// The modes of a brake that finds them itself.
+    /// Source of the modes, of a brake that finds them itself.
     fn mode_source(&self) -> Option<&dyn ModeSource> {
         None
     }
 }
 
-/// A brake behind a pointer is one, `dyn UncertainBrake` among them.
+/// Implements [`UncertainBrake`] for pointers to a brake, `dyn UncertainBrake` among them.
 macro_rules! forwarded {
     ($($pointer:ty),*) => { $(
         impl<B: UncertainBrake + ?Sized> UncertainBrake for $pointer {

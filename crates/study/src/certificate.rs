@@ -10,14 +10,14 @@ use rayon::prelude::*;
 use super::{Configuration, Scene, UncertainBrake};
 use crate::Error;
 
-/// Draws whose quartiles say where ellipses are placed and how wide they are tried. Chosen; a proof does not depend on it, only
+/// Number of draws whose quartiles say where ellipses are placed and how wide they are tried. Chosen; a proof does not depend on it, only
 /// how many samples it covers.
 const DRAWS_TO_PLACE_ELLIPSES: u64 = 32;
-/// How far below the median coefficient of friction the centres of the ellipses lie, in interquartile ranges of the
+/// Distances of the centres of the ellipses below the median coefficient of friction, in interquartile ranges of the
 /// coefficient. Chosen: where the system is unstable at the median, lower centres can still be certified.
 const SPREADS_BELOW_MEDIAN: [f64; 3] = [0.0, 0.75, 1.5];
 
-/// What is certified of one configuration: ellipses in the plane of coefficient mu and slope `N0 h` of friction, inside of which
+/// Certificate of one configuration: ellipses in the plane of coefficient mu and slope `N0 h`, Ns/m, of friction, inside of which
 /// every system is stable.
 ///
 /// No operating point all of whose channels lie in one of them has an eigenvalue with `Re lambda >= 0`, whatever the law,
@@ -34,13 +34,13 @@ pub struct Certificate {
 /// Bounds of the matrices of a configuration, from which a bound of its eigenvalues follows: 2-norms of `M^-1/2 A M^-1/2`.
 #[derive(Debug, Clone, Copy, Default)]
 struct NormBounds {
-    /// Of C without friction, 1/s.
+    /// Norm for C without friction, 1/s.
     damping: f64,
-    /// Of K without friction, 1/s^2.
+    /// Norm for K without friction, 1/s^2.
     stiffness: f64,
-    /// Of what a slope of 1 Ns/m in every channel adds to C.
+    /// Norm for the change of C by a slope of 1 Ns/m in every channel.
     slope: f64,
-    /// Of what a coefficient of 1 in every channel adds to K, at most.
+    /// Bound of the norm for the change of K by a coefficient of 1 in every channel.
     coupling: f64,
 }
 
@@ -53,9 +53,9 @@ struct Ellipse {
 /// Friction in one channel, or the difference of two such frictions.
 #[derive(Debug, Clone, Copy)]
 struct Friction {
-    /// Coefficient.
+    /// Coefficient of friction mu.
     mu: f64,
-    /// N0 h, Ns/m.
+    /// Slope `N0 h`, Ns/m.
     slope: f64,
 }
 
@@ -113,12 +113,12 @@ impl Certificate {
         Ok(Self { coefficients, ellipses, norms, margins })
     }
 
-    /// How far eigenvalues were from the axis in the matrices that the ellipses rest on.
+    /// Margins of the eigenvalues from the axis in the matrices that the ellipses rest on.
     pub fn margins(&self) -> AxisMargins {
         self.margins
     }
 
-    /// Whether the system at this operating point is certified to be stable.
+    /// True if the system at this operating point is certified to be stable.
     pub fn covers(&self, at: &OperatingPoint) -> bool {
         if self.ellipses.is_empty() || at.coefficients != self.coefficients {
             return false;
@@ -135,7 +135,7 @@ fn common_coefficients(points: &[OperatingPoint]) -> Option<Vec<f64>> {
 }
 
 impl NormBounds {
-    /// `None` for a mass matrix that is not positive definite.
+    /// The bounds of the matrices; `None` for a mass matrix that is not positive definite.
     fn new(structure: &SecondOrder, force: &DMatrix<f64>, reading: &DMatrix<f64>) -> Option<Self> {
         let mass = structure.m.clone().symmetric_eigen();
         if mass.eigenvalues.min() <= 0.0 {
@@ -165,7 +165,7 @@ impl NormBounds {
 }
 
 impl Ellipse {
-    /// Whether friction in a channel stays in the ellipse for every lambda with `Re lambda >= 0`, `|lambda| <= radius`.
+    /// True if friction in a channel stays in the ellipse for every lambda with `Re lambda >= 0`, `|lambda| <= radius`.
     fn contains(&self, gain: &ChannelGain, radius: f64) -> bool {
         let Self { centre, half_axes } = self;
         let mu = in_half_axes(gain.mu - centre.mu, half_axes.mu);
@@ -191,7 +191,7 @@ fn middle_slope(gain: &ChannelGain) -> f64 {
     0.5 * gain.slope_extremes().iter().sum::<f64>()
 }
 
-/// One matrix on top of another.
+/// The matrix `above` on top of the matrix `below`.
 fn stacked(above: DMatrix<f64>, below: DMatrix<f64>) -> DMatrix<f64> {
     let rows = above.nrows();
     let mut both = above.resize_vertically(rows + below.nrows(), 0.0);

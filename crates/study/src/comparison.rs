@@ -2,29 +2,29 @@
 
 use super::{Plan, SceneKey, SceneLabels};
 
-/// All arrangements with one number in contact, under one constraint set, law and speed range.
+/// Panel: all arrangements with one number in contact, under one constraint set, law and speed range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// What its scenes have in common.
+    /// Key that its scenes have in common.
     pub key: SceneKey,
-    /// How many arrangements it has.
+    /// Number of its arrangements.
     pub arrangements: usize,
-    /// Its scenes.
+    /// Indices of its scenes in the plan.
     pub scenes: Vec<usize>,
 }
 
-/// Two panels and why they are compared: the first is expected to have more unstable modes.
+/// Two panels that are compared, and why: the first is expected to have more unstable modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Comparison {
-    /// What differs.
+    /// Kind of difference between the two.
     pub kind: ComparisonKind,
-    /// Place of the panel with more expected.
+    /// Index of the panel with more expected.
     pub more: usize,
-    /// Place of the panel with fewer expected.
+    /// Index of the panel with fewer expected.
     pub fewer: usize,
 }
 
-/// What differs between two compared panels.
+/// Kind of difference between two compared panels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ComparisonKind {
     /// More contacts closed against fewer.
@@ -33,15 +33,15 @@ pub enum ComparisonKind {
     Law,
     /// A lower speed range against a higher.
     Speed,
-    /// Without constraints (the first set) against with.
+    /// No constraints (the first set) against constraints.
     Constraints,
 }
 
 impl ComparisonKind {
-    /// All of them.
+    /// Kinds of comparison, all of them.
     pub const ALL: [Self; 4] = [Self::Contact, Self::Law, Self::Speed, Self::Constraints];
 
-    /// In tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Contact => "contact",
@@ -77,7 +77,7 @@ pub fn comparisons(plan: &Plan, panels: &[Panel]) -> Vec<Comparison> {
     found
 }
 
-/// What tells two panels apart, if it is one thing that is compared in this direction.
+/// Kind of difference between two panels, if it is one thing that is compared in this direction.
 fn kind(labels: &SceneLabels, more: SceneKey, fewer: SceneKey) -> Option<ComparisonKind> {
     let same_scene = more.law == fewer.law && more.speed == fewer.speed;
     if more.constraints != fewer.constraints {

@@ -1,4 +1,4 @@
-//! What a brake of a user's own type forgets, or says twice and differently.
+//! Contradictions of a brake of a user's own type: what it forgets, or says twice and differently.
 
 use montecarlo::DistributionFault;
 
@@ -9,27 +9,27 @@ pub enum Contradiction {
     /// A list of a plan that has nothing.
     #[error("the plan has no {what}; allowed: at least one")]
     Empty {
-        /// scenes, configurations.
+        /// "scenes" or "configurations".
         what: &'static str,
     },
     /// An index of a plan that is out of range.
     #[error("{of} has {what} {index}; there are {count}, numbered from 0, in {list}")]
     Index {
-        /// What has the index: a scene or configuration by its place in the plan.
+        /// Owner of the index: a scene or configuration by its index in the plan.
         of: String,
-        /// What the index is of.
+        /// Kind of thing that is indexed.
         what: &'static str,
         /// The index.
         index: usize,
         /// Length of the list.
         count: usize,
-        /// The list.
+        /// Name of the list.
         list: &'static str,
     },
     /// A scene that stands for no arrangement.
     #[error("scene {scene} has no members; allowed: places in the list of arrangements of its panel, at least one")]
     NoMembers {
-        /// Its place in the plan.
+        /// Index of the scene in the plan.
         scene: usize,
     },
     /// An arrangement that two scenes, or one twice, stand for.
@@ -37,11 +37,11 @@ pub enum Contradiction {
         "scenes {first} and {second} both stand for arrangement {member} of one set of constraints, law, speed range and panel"
     )]
     SceneTwice {
-        /// The place of one in the plan.
+        /// Index of one scene in the plan.
         first: usize,
-        /// The place of the other; the same where one scene has a member twice.
+        /// Index of the other scene; the same where one scene has a member twice.
         second: usize,
-        /// The arrangement, by its place in the list of the panel.
+        /// Index of the arrangement in the list of the panel.
         member: usize,
     },
     /// A body with a degree of freedom that does not exist.
@@ -49,11 +49,11 @@ pub enum Contradiction {
     BodyDof {
         /// Configuration or origin.
         of: String,
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// The degree of freedom.
+        /// Index of the degree of freedom, from 0.
         dof: usize,
-        /// How many there are.
+        /// Number of degrees of freedom.
         order: usize,
     },
     /// A body that has a degree of freedom twice.
@@ -61,29 +61,29 @@ pub enum Contradiction {
     BodyDofTwice {
         /// Configuration or origin.
         of: String,
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// The degree of freedom.
+        /// Index of the degree of freedom, from 0.
         dof: usize,
     },
-    /// Degrees of freedom or sectors of another system.
+    /// A brake with degrees of freedom or sectors of another system.
     #[error("{of} has {found} {what}; its equations have {order} degrees of freedom")]
     Order {
         /// Configuration or origin.
         of: String,
-        /// Free degrees of freedom, or degrees of freedom in its sectors.
+        /// Kind of what is counted: free degrees of freedom, or degrees of freedom in its sectors.
         what: &'static str,
-        /// How many.
+        /// Number found.
         found: usize,
-        /// Those of its terms.
+        /// Number of degrees of freedom of its equations.
         order: usize,
     },
     /// A band that is no range of positive numbers.
     #[error("the band of the plan is {from} to {to} rad/s; allowed: 0 <= from < to, both finite")]
     Band {
-        /// Its lower end.
+        /// Lower end of the band, rad/s.
         from: f64,
-        /// Its upper end.
+        /// Upper end of the band, rad/s.
         to: f64,
     },
     /// A parameter of a distribution that is not allowed.
@@ -91,13 +91,13 @@ pub enum Contradiction {
     Distribution {
         /// Name of the parameter that is drawn.
         parameter: String,
-        /// Which number of the distribution, and what is allowed.
+        /// Number of the distribution that is not allowed, and what is allowed.
         fault: DistributionFault,
     },
-    /// Two of one name.
+    /// Two things of one name.
     #[error("the {what} {name:?} is there twice; allowed: names that differ")]
     NameTwice {
-        /// Kind of what is named.
+        /// Kind of the two.
         what: &'static str,
         /// Name of both.
         name: String,
@@ -108,13 +108,13 @@ pub enum Contradiction {
          of median() in {scene}"
     )]
     Medians {
-        /// Its place in the plan.
+        /// Index of the configuration in the plan.
         configuration: usize,
         /// The number that differs.
         what: String,
-        /// At the naming point.
+        /// Value at the naming point.
         named: f64,
-        /// At the medians.
+        /// Value at the medians.
         median: f64,
         /// The scene in words.
         scene: String,
@@ -124,27 +124,27 @@ pub enum Contradiction {
     Differ {
         /// The scene in words.
         scene: String,
-        /// One way.
+        /// First way.
         one: String,
-        /// The other.
+        /// Second way.
         other: String,
         /// The number that differs.
         what: String,
-        /// By the first way.
+        /// Value by the first way.
         found: f64,
-        /// By the second.
+        /// Value by the second way.
         expected: f64,
     },
-    /// Not one value for each input.
+    /// Numbers of inputs and of their values that differ.
     #[error(
         "{scene}: inputs() lists {inputs}, input_values() has {values} of a sample; allowed: one value for each input"
     )]
     InputValues {
         /// The scene in words.
         scene: String,
-        /// Inputs.
+        /// Number of inputs.
         inputs: usize,
-        /// Values.
+        /// Number of values of a sample.
         values: usize,
     },
     /// An input that is no function of its coordinate.
@@ -154,9 +154,9 @@ pub enum Contradiction {
     IdleCoordinate {
         /// The scene in words.
         scene: String,
-        /// The input.
+        /// Name of the input.
         input: String,
-        /// Its coordinate.
+        /// Coordinate of the input in [`DrawnInputs::quantile_sample`](crate::DrawnInputs::quantile_sample).
         coordinate: u32,
     },
     /// An input that changes with the coordinate of another, although it is said to depend on none.
@@ -167,11 +167,11 @@ pub enum Contradiction {
     SharedCoordinate {
         /// The scene in words.
         scene: String,
-        /// The input.
+        /// Name of the input.
         input: String,
-        /// The coordinate.
+        /// Coordinate that both change with.
         coordinate: u32,
-        /// Whose coordinate it is.
+        /// Name of the input that the coordinate belongs to.
         other: String,
     },
     /// A scene that is said to depend on one parameter, and does not.
@@ -179,7 +179,7 @@ pub enum Contradiction {
     NotSingle {
         /// The scene in words.
         scene: String,
-        /// What is there instead.
+        /// Finding that contradicts it.
         found: String,
     },
     /// A parameter by which nothing changes.
@@ -189,9 +189,9 @@ pub enum Contradiction {
     IdleParameter {
         /// The scene in words.
         scene: String,
-        /// The parameter.
+        /// Name of the parameter.
         parameter: String,
-        /// The values.
+        /// Values tried.
         tried: String,
     },
     /// A value that is lost where several parameters have one.
@@ -201,7 +201,7 @@ pub enum Contradiction {
     LostValues {
         /// The scene in words.
         scene: String,
-        /// The parameter whose value alone counts.
+        /// Name of the parameter whose value alone counts.
         parameter: String,
     },
 }

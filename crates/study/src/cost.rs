@@ -1,4 +1,4 @@
-//! What a study takes, roughly, before anything of it is computed.
+//! Cost of a study, roughly, before anything of it is computed.
 
 use super::Plan;
 use crate::{Error, memory};
@@ -17,27 +17,33 @@ pub struct Cost {
     pub seconds: f64,
 }
 
-/// Bytes for each entry of a matrix of the order of the brake. By scene: its system and modes at the medians, whole and by sectors, and what is
-/// counted of it. By configuration: its terms. By thread: what the report computes, and systems, spectra and continuations of each of the
-/// samples that are solved together. Fitted to the peak memory of `squeal run` (GNU time) on two threads for lattices of 2 x 2 to 12 x 12 with
-/// and without symmetry, two scenes each, 8 to 1,000 samples, 21 to 592 MB, and for `cases/paper.toml` with its 675 scenes.
+/// Memory of a scene, bytes for each entry of a matrix of the order of the brake: its system and modes at the medians, whole and by
+/// sectors, and what is counted of it. This constant and the three below are fitted to the peak memory of `squeal run` (GNU time) on two
+/// threads for lattices of 2 x 2 to 12 x 12 with and without symmetry, two scenes each, 8 to 1,000 samples, 21 to 592 MB, and for
+/// `cases/paper.toml` with its 675 scenes.
 const BYTES_BY_SCENE: f64 = 220.0;
+/// Memory of a configuration, bytes for each entry of a matrix: its terms. Fitted with [`BYTES_BY_SCENE`].
 const BYTES_BY_CONFIGURATION: f64 = 130.0;
+/// Memory of a thread, bytes for each entry of a matrix: what the report computes. Fitted with [`BYTES_BY_SCENE`].
 const BYTES_BY_THREAD: f64 = 900.0;
+/// Memory of each of the samples that a thread solves together, bytes for each entry of a matrix: systems, spectra and continuations.
+/// Fitted with [`BYTES_BY_SCENE`].
 const BYTES_BY_SAMPLE: f64 = 65.0;
-/// What the program takes in any case, bytes. Measured.
+/// Memory of the program in any case, bytes. Measured.
 const BYTES_ALWAYS: f64 = 2.6e7;
-/// Processor time for each scene, s, by the cube of the order. Measured with the same on an AMD EPYC (Zen 4): 4e-8, 6e-7 and 9e-8.
+/// Processor time for each scene, s, by the cube of the order. Measured with the same lattices and case on an AMD EPYC (Zen 4): 4e-8, 6e-7
+/// and 9e-8.
 const SECONDS_BY_SCENE: f64 = 2e-7;
 
-/// Bytes of a basis of a reduction by the square of its columns, beside itself: its terms, residuals and anchors. Measured with cases/disc-pad:
+/// Memory of a basis of a reduction, bytes by the square of its columns, beside itself: its terms, residuals and anchors. Measured with
+/// cases/disc-pad:
 /// 260 bases of 57 to 90 columns for 2,349 degrees of freedom take 3.4 GB.
 const BYTES_BY_BASIS: f64 = 2300.0;
-/// Processor time for each basis, s, by the cube of its columns. Measured with the same: 330 s.
+/// Processor time for each basis, s, by the cube of its columns. Measured with cases/disc-pad: 330 s.
 const SECONDS_BY_BASIS: f64 = 3e-6;
 
 impl Cost {
-    /// That of so many samples, on all cores, of scenes and configurations of an order.
+    /// The cost of `samples` samples, on all cores, of scenes and configurations of an order.
     pub fn new(order: usize, configurations: usize, scenes: usize, samples: u64) -> Self {
         let (size, configurations, count) = (order as f64, configurations as f64, scenes as f64);
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as f64;
@@ -47,13 +53,13 @@ impl Cost {
         Self { order, scenes, bytes: BYTES_ALWAYS + entry * size * size, seconds }
     }
 
-    /// That of a plan.
+    /// The cost of a plan.
     pub fn of(plan: &Plan) -> Self {
         let orders = plan.configurations.iter().map(|configuration| configuration.brake.system.order());
         Self::new(orders.max().unwrap_or(0), plan.configurations.len(), plan.scenes.len(), plan.samples)
     }
 
-    /// That of bases of a reduction, of so many columns each, for a brake of so many degrees of freedom.
+    /// The cost of bases of a reduction, of `columns` columns each, for a brake of `order` degrees of freedom.
     pub fn of_bases(order: usize, columns: &[usize]) -> Self {
         let bytes = |&columns: &usize| (8 * order * columns) as f64 + BYTES_BY_BASIS * (columns as f64).powi(2);
         let seconds = |&columns: &usize| SECONDS_BY_BASIS * (columns as f64).powi(3);
@@ -61,7 +67,7 @@ impl Cost {
         Self { order, scenes: 0, bytes, seconds }
     }
 
-    /// Refuses what takes more memory than there is, of which `study` is the case file or the name.
+    /// Refuses a study that takes more memory than there is, `budget` bytes; `study` is the case file or the name.
     ///
     /// # Errors
     /// [`Error::TooLarge`].
@@ -83,8 +89,8 @@ impl Cost {
     }
 }
 
-/// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many
-/// threads, of which 2, 4 or 8 get as much each.
+/// Number of samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few
+/// enough for many threads, of which 2, 4 or 8 get as much each.
 pub fn samples_together(samples: u64) -> u64 {
     let blocks = samples.div_ceil(128).max(1).next_multiple_of(8);
     samples.div_ceil(blocks).max(8)

@@ -1,4 +1,4 @@
-//! What is known of the divergence of a reduced brake: its samples have the modes of the band alone.
+//! Divergence of a reduced brake, as far as it is known: its samples have the modes of the band alone.
 
 use super::FullChecks;
 

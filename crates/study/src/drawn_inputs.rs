@@ -1,4 +1,4 @@
-//! The capability of a brake whose numbers are drawn one by one: what they are called, and samples by quantiles.
+//! The capability of a brake whose numbers are drawn one by one: their names and values, and samples by quantiles.
 
 use montecarlo::Distribution;
 
@@ -7,23 +7,23 @@ use crate::Scene;
 /// A number that is drawn for a scene.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Input {
-    /// Its name, as the case file has it; with the number of its contact where each has a draw of its own.
+    /// Name of the input, as the case file has it; with the number of its contact where each has a draw of its own.
     pub name: String,
-    /// Its unit, for people.
+    /// Unit of the input, for people.
     pub unit: String,
-    /// The coordinate of [`DrawnInputs::quantile_sample`] that it is a function of.
+    /// Coordinate of [`DrawnInputs::quantile_sample`] that the input is a function of.
     pub coordinate: u32,
-    /// Whether it depends on another input.
+    /// The input depends on another one.
     pub is_correlated: bool,
 }
 
 /// Samples as functions of numbers that are drawn: for influence, for samples that are kept, and for estimators that need fewer samples
 /// than plain draws.
 pub trait DrawnInputs<S>: Sync {
-    /// What is drawn and matters in a scene. Constants are not listed.
+    /// Inputs that are drawn and matter in a scene. Constants are not listed.
     fn inputs(&self, scene: &Scene) -> Vec<Input>;
 
-    /// The value that each of the [`DrawnInputs::inputs`] has in a sample.
+    /// Values of the [`DrawnInputs::inputs`] in a sample, one each.
     fn input_values(&self, scene: &Scene, sample: &S) -> Vec<f64>;
 
     /// The sample at a point of the unit cube, by the quantile functions of the parameters: `uniform(d)` in (0, 1) is its
@@ -36,7 +36,7 @@ pub trait DrawnInputs<S>: Sync {
 
 /// The one parameter that the operating points of a scene are a function of.
 pub struct SingleParameter<'a, S> {
-    /// What it is drawn from.
+    /// Distribution that the parameter is drawn from.
     pub distribution: &'a Distribution,
     at: Box<dyn Fn(f64) -> S + 'a>,
 }

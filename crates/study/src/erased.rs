@@ -1,4 +1,4 @@
-//! A brake whose type of samples is not known: what one program takes that works on brakes of every kind.
+//! A brake whose type of samples is not known, for a program that works on brakes of every kind.
 
 use std::any::Any;
 
@@ -67,7 +67,7 @@ impl<B: UncertainBrake<Sample: 'static>> UncertainBrake for Erased<B> {
     }
 }
 
-/// Given where the inner brake has its inputs: only then [`UncertainBrake::drawn_inputs`] hands it out.
+/// Inputs of the inner brake. [`UncertainBrake::drawn_inputs`] hands this out only where the inner brake has some.
 impl<B: UncertainBrake<Sample: 'static>> DrawnInputs<AnySample> for Erased<B> {
     fn inputs(&self, scene: &Scene) -> Vec<Input> {
         self.0.drawn_inputs().map_or_else(Vec::new, |drawn| drawn.inputs(scene))

@@ -1,16 +1,16 @@
 //! Errors of a study, each one line for its user.
 
-/// What can go wrong between a brake and what its samples say.
+/// Errors between a brake and what its samples say.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The model of a brake.
+    /// An error of the model of a brake.
     #[error(transparent)]
     Model(#[from] osc_model::OscModelError),
-    /// A friction law.
+    /// An error of a friction law.
     #[error(transparent)]
     Friction(#[from] friction::FrictionError),
-    /// An eigenvalue analysis.
+    /// An error of an eigenvalue analysis.
     #[error(transparent)]
     Cea(#[from] cea::CeaError),
     /// Work in a mode.
@@ -27,7 +27,7 @@ pub enum Error {
     Median {
         /// The case file, or the name of the study.
         study: String,
-        /// Why.
+        /// Cause.
         source: Box<Error>,
     },
     /// A scene whose reference modes cannot be found.
@@ -35,31 +35,31 @@ pub enum Error {
     Scene {
         /// Constraints, law, contacts and speed, as far as they matter.
         scene: String,
-        /// Why.
+        /// Cause.
         source: Box<Error>,
     },
-    /// What would take more memory than there is.
+    /// A computation that would take more memory than there is.
     #[error("{what} take roughly {needed}, and {budget} are there; what would fit: {fits}, or more memory")]
     TooLarge {
-        /// What would take it.
+        /// Name of the computation.
         what: String,
-        /// How much, in words.
+        /// Memory that it needs, in words.
         needed: String,
-        /// What there is, in words.
+        /// Memory that is there, in words.
         budget: String,
-        /// What would fit.
+        /// Smaller computation that would fit, in words.
         fits: String,
     },
-    /// What a brake of a user's own type forgets, or says twice and differently.
+    /// A fault of a brake of a user's own type, which forgets something or says it twice and differently.
     #[error(transparent)]
     Contradiction(#[from] crate::Contradiction),
     /// A sample that another brake has drawn.
     #[error("the sample is one of another brake; allowed: those that this brake draws")]
     OtherSample,
-    /// What a brake of a user's own type refuses.
+    /// An error of a brake of a user's own type.
     #[error("{0}")]
     Brake(Box<dyn std::error::Error + Send + Sync>),
-    /// An eigenvalue of the whole brake that is not found next to one of the reduced.
+    /// An eigenvalue of the full model that is not found next to one of the reduced.
     #[error("{0}")]
     WholeEigenvalue(Box<dyn std::error::Error + Send + Sync>),
     /// A system or an operating point.
@@ -68,7 +68,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
+    /// True if this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::MonteCarlo(montecarlo::MonteCarloError::Cancelled))
     }

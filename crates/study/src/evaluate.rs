@@ -1,4 +1,4 @@
-//! A brake, ready to be sampled: what all samples share.
+//! Study: a brake ready to be sampled, with the data that all samples share.
 
 mod samples;
 
@@ -19,7 +19,7 @@ use super::secular_equations::{SecularEquations, anchors, equations};
 use super::{ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
 use crate::Error;
 
-/// The result of one complex eigenvalue analysis (CEA) of a study.
+/// Outcome of one complex eigenvalue analysis (CEA) of a study.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Outcome {
     /// Unstable modes, ascending in frequency: their growth beyond [`Plan::threshold`] is more than its error bound.
@@ -32,40 +32,40 @@ pub struct Outcome {
     pub divergence: f64,
     /// Number of eigenvalues whose verdict the error bound leaves open, conjugate pairs once.
     pub undecided: u32,
-    /// Those among them that are real: they may be divergence.
+    /// Number of the undecided eigenvalues that are real: they may be divergence.
     pub undecided_real: u32,
     /// Number of eigenvalues on the imaginary axis to within rounding of the matrices, conjugate pairs once: they neither grow
     /// nor decay.
     pub marginal: u32,
-    /// Whether the system was certified to be stable without a spectrum.
+    /// The system was certified to be stable without a spectrum.
     pub is_certified: bool,
 }
 
-/// One unstable mode of one CEA.
+/// Unstable mode of a CEA.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnstableMode {
     /// Frequency rank in this CEA, from 1.
     pub rank: ModeLabel,
     /// Growth rate, Re lambda, 1/s.
     pub growth: f64,
-    /// Names it may have as a tracked mode: one, or several near a coalescence, or none.
+    /// Candidate names as a tracked mode: one, or several near a coalescence, or none.
     pub names: Vec<ModeLabel>,
     /// Names by MAC, more than one half with the shape at the origin of names; in a study with [`StudyOptions::likeness_too`].
     pub names_by_likeness: Option<Vec<ModeLabel>>,
-    /// Work in one period on each body; in scenes that want it.
+    /// Work in one period on each body; `None` in scenes that do not want it.
     pub work: Option<ModeWork>,
-    /// Its residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    /// Residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,
 }
 
-/// How a study is prepared. Neither changes a verdict or a name.
+/// Options of the preparation of a study. None of them changes a verdict or a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct StudyOptions {
-    /// Whether regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
+    /// Regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
     /// searched. That takes three norm bounds for each configuration, which few samples do not earn back.
     pub certificates: bool,
-    /// Whether modes that are known by continuation are named by likeness too ([`ModeIdentity::Mac`]).
+    /// Modes that are known by continuation are named by MAC too ([`ModeIdentity::Mac`]).
     pub likeness_too: bool,
 }
 
@@ -79,36 +79,36 @@ impl Default for StudyOptions {
 pub struct Study<'a, B: UncertainBrake> {
     brake: &'a B,
     solver: WholeSpectra<'a>,
-    /// Modes of each origin, by its place in [`Plan::origins`], from where names are continued.
+    /// Modes of each origin, by its index in [`Plan::origins`], from where names are continued.
     origin_references: Arc<[Reference]>,
     references: Arc<[Reference]>,
     sector_references: Vec<Vec<Reference>>,
     certificates: Vec<Certificate>,
-    /// By configuration.
+    /// Secular equations of each configuration.
     equations: Vec<SecularEquations>,
-    /// By scene and sector.
+    /// Anchors of the secular equations, by scene and sector.
     anchors: Vec<Vec<Option<Anchors>>>,
-    /// By scene, of a brake that finds its modes itself.
+    /// Names at known points, by scene, of a brake that finds its modes itself.
     known_names: Vec<KnownNames>,
-    /// By scene: where its reference modes were computed.
+    /// Operating point of each scene at median parameters, at which its reference modes were computed.
     reference_points: Vec<OperatingPoint>,
-    /// By scene: the gain there.
+    /// Gain of each scene at its reference point; `None` where the channels have none in common.
     reference_gains: Vec<Option<Gain>>,
     options: StudyOptions,
 }
 
 impl<'a, B: UncertainBrake> Study<'a, B> {
-    /// Computes what all samples share: the reference modes of every scene, and for every configuration the certificates, the
+    /// Computes the data that all samples share: the reference modes of every scene, and for every configuration the certificates, the
     /// secular equations and their anchors.
     ///
     /// # Errors
-    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and those of the solver. What it takes is not asked here: see
-    /// [`Cost::check`](super::Cost::check).
+    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and those of the solver. Memory and time that the study
+    /// takes are not checked here: see [`Cost::check`](super::Cost::check).
     pub fn new(brake: &'a B, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
         Self::with_progress(brake, solver, &())
     }
 
-    /// As [`Study::new`], prepared in another way.
+    /// Study as by [`Study::new`], prepared with `options`.
     ///
     /// # Errors
     /// As [`Study::new`].
@@ -116,7 +116,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         Self::prepared(brake, solver, options, &())
     }
 
-    /// As [`Study::new`], and tells how far it has come.
+    /// Study as by [`Study::new`], with its progress reported.
     ///
     /// # Errors
     /// As [`Study::new`].
@@ -211,7 +211,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         Arc::clone(&self.references)
     }
 
-    /// The reference of each scene with its modes named by likeness; `None` of a study that does not ask for these names.
+    /// The reference of each scene with its modes named by MAC; `None` of a study that does not ask for these names.
     pub fn references_by_likeness(&self) -> Option<Vec<Reference>> {
         self.references.iter().map(Reference::named_by_likeness).collect()
     }
@@ -231,7 +231,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         &self.equations[self.plan().scenes[scene].configuration]
     }
 
-    /// How each sector of a scene is solved.
+    /// Solvers of the sectors of a scene.
     pub(super) fn solvers(&self, scene: usize) -> Vec<SectorSolver<'_>> {
         let equations = &self.equations(scene).sectors;
         let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);

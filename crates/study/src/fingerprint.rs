@@ -1,4 +1,4 @@
-//! What tells one text from another: a hash.
+//! Hash that tells one text from another.
 
 use sha2::{Digest, Sha256};
 

@@ -1,46 +1,46 @@
-//! What draws of a reduced brake are in the full model.
+//! Checks of draws of a reduced brake against the full model.
 
 use serde::Serialize;
 
-/// What draws of a reduced brake are in the whole one: the modes in the band, whether they grow or not.
+/// Counts of draws of a reduced brake in the full model: the modes in the band, whether they grow or not.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct FullChecks {
-    /// Draws of a scene whose whole brake was solved.
+    /// Draws of a scene whose full model was solved.
     pub samples: u64,
-    /// Its modes.
+    /// Modes of the full model.
     pub modes: u64,
-    /// Those of them that the reduced brake does not have.
+    /// Modes of the full model that the reduced brake does not have.
     pub missing: u64,
     /// Modes that only the reduced brake has.
     pub invented: u64,
-    /// Modes that surely grow in the whole brake and do not count in the reduced one, or count there and do not grow.
+    /// Modes that surely grow in the full model and do not count in the reduced one, or count there and do not grow.
     pub other_verdicts: u64,
     /// Modes of the reduced brake with a residual above the one asked for.
     pub residuals_above: u64,
-    /// Draws in which a mode of the whole brake grows next to the band, where it does not count.
+    /// Draws in which a mode of the full model grows next to the band, where it does not count.
     pub growing_beside: u64,
-    /// The lowest and the highest frequency of these, Hz.
+    /// Lowest and highest frequency of the modes that grow next to the band, Hz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_hz: Option<[f64; 2]>,
-    /// Draws in which a real eigenvalue of the whole brake grows: divergence, which no sample of a reduced brake shows.
+    /// Draws in which a real eigenvalue of the full model grows: divergence, which no sample of a reduced brake shows.
     pub diverging: u64,
-    /// The largest of these, 1/s.
+    /// Largest real eigenvalue that grows, 1/s.
     pub divergence: f64,
-    /// Draws in which the search for these did not come to an end.
+    /// Draws in which the search for real eigenvalues that grow did not come to an end.
     pub divergence_open: u64,
-    /// The largest distance of an eigenvalue from that of the reduced brake, relative to its size.
+    /// Largest distance of an eigenvalue of the full model from that of the reduced brake, relative to its size.
     pub largest_distance: f64,
-    /// How often the reduction was trained on because such draws did not agree.
+    /// Number of times that the reduction was trained on because such draws did not agree.
     pub trained_on: u64,
 }
 
 impl FullChecks {
-    /// Whether the reduced brake has other modes or verdicts than the whole one.
+    /// True if the reduced brake has other modes or verdicts than the full model.
     pub fn has_other_modes(&self) -> bool {
         self.missing + self.invented + self.other_verdicts > 0
     }
 
-    /// Draws beside others.
+    /// Counts of both sets of draws together.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl FullChecks {
     }
 }
 
-/// A range that holds two.
+/// The least range that holds both ranges.
 pub fn wider([low, high]: [f64; 2], [other_low, other_high]: [f64; 2]) -> [f64; 2] {
     [low.min(other_low), high.max(other_high)]
 }

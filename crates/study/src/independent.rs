@@ -1,4 +1,4 @@
-//! A brake whose draws are independent numbers: what it draws and where that puts it are all that has to be said.
+//! A brake whose draws are independent numbers: its distributions, and the operating point at some values, are all that has to be said.
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
@@ -101,7 +101,7 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> IndependentB
         Ok(Self { plan, drawn, at })
     }
 
-    /// The same brake under several friction laws by name and title, in whose order [`SceneKey::law`](crate::SceneKey::law) counts them.
+    /// The brake under several friction laws by name and title, in whose order [`SceneKey::law`](crate::SceneKey::law) counts them.
     ///
     /// # Errors
     /// As [`Plan::with_laws`].
@@ -110,7 +110,7 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> IndependentB
         Ok(self)
     }
 
-    /// The same brake in several ranges of sliding speed by name and description, in whose order
+    /// The brake in several ranges of sliding speed by name and description, in whose order
     /// [`SceneKey::speed`](crate::SceneKey::speed) counts them.
     ///
     /// # Errors
@@ -120,14 +120,14 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> IndependentB
         Ok(self)
     }
 
-    /// The same brake with another number of samples, >= 1, and seed.
+    /// The brake with another number of samples, >= 1, and seed.
     #[must_use]
     pub fn with_samples(mut self, samples: u64, seed: u64) -> Self {
         (self.plan.samples, self.plan.seed) = (samples, seed);
         self
     }
 
-    /// The parameters that are not constant, with their places.
+    /// Parameters that are not constant, with their indices.
     fn varying(&self) -> impl Iterator<Item = (usize, &Drawn)> {
         let varies =
             |(_, parameter): &(usize, &Drawn)| !matches!(parameter.distribution, Distribution::Constant { .. });

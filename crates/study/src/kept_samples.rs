@@ -1,4 +1,4 @@
-//! The samples of a study, kept where they are asked for: in which anything was unstable, what, and how fast it grows.
+//! Samples of a study, kept where they are asked for: in which anything was unstable, what, and how fast it grows.
 //!
 //! Inputs are not among them: a sample is drawn again from the seed and its index.
 
@@ -11,7 +11,7 @@ use super::{ModeLabel, Outcome};
 /// The samples of one scene. Those in neither list are stable.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct KeptSamples {
-    /// Ascending in the index.
+    /// Unstable samples, ascending in the index.
     pub unstable: Vec<KeptSample>,
     /// Indices of the samples whose evaluation failed, ascending. Samples whose draw failed are in no list.
     pub failed: Vec<u64>,
@@ -20,7 +20,7 @@ pub struct KeptSamples {
 /// A sample in which anything is unstable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeptSample {
-    /// Its index.
+    /// Index of the sample.
     pub index: u64,
     /// The largest growth rate of an unstable mode or of a divergence, 1/s.
     pub growth: f64,
@@ -52,20 +52,20 @@ impl KeptSamples {
         self.failed.extend(later.failed);
     }
 
-    /// What a sample was, if it was unstable.
+    /// The unstable sample `index`; `None` if it was stable or failed.
     #[must_use]
     pub fn sample(&self, index: u64) -> Option<&KeptSample> {
         let at = self.unstable.binary_search_by_key(&index, |sample| sample.index).ok()?;
         Some(&self.unstable[at])
     }
 
-    /// Whether the evaluation of a sample failed.
+    /// True if the evaluation of sample `index` failed.
     #[must_use]
     pub fn has_failed(&self, index: u64) -> bool {
         self.failed.binary_search(&index).is_ok()
     }
 
-    /// Whether these can be samples of a run of these indices, of which so many were unstable.
+    /// True if these can be the samples of a run of the indices `samples`, of which `unstable` were unstable.
     pub(super) fn may_be_of(&self, samples: &Range<u64>, unstable: u64) -> bool {
         self.unstable.len() as u64 == unstable
             && ascend(self.unstable.iter().map(|sample| sample.index), samples)
@@ -73,7 +73,7 @@ impl KeptSamples {
     }
 }
 
-/// Whether indices ascend, all of a run.
+/// True if the indices ascend and all lie in `samples`.
 fn ascend(mut indices: impl Iterator<Item = u64>, samples: &Range<u64>) -> bool {
     let mut least = samples.start;
     indices.all(|index| {

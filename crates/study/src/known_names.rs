@@ -1,4 +1,4 @@
-//! The names of modes at known points of a scene, each followed once to the reference: samples near by take theirs from there.
+//! The names of modes at known points of a scene, each followed once to the reference: samples near by take theirs from these.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -8,14 +8,14 @@ use super::{KnownMode, ModeLabel};
 /// The names of a mode; `None` where it cannot be followed.
 type Names = Option<Vec<ModeLabel>>;
 
-/// The names found so far, by known point and mode. Whoever finds one finds the same.
+/// Names found so far, by known point and mode. Every thread that finds one finds the same.
 #[derive(Debug, Default)]
 pub(super) struct KnownNames {
     found: Mutex<HashMap<(usize, usize), Names>>,
 }
 
 impl KnownNames {
-    /// The names of a mode, which are found where they are not known.
+    /// The names of a mode; `find` finds them where they are not known yet.
     ///
     /// # Errors
     /// Those of finding them.

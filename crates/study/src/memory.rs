@@ -1,4 +1,4 @@
-//! How much memory a computation may take: what is said, or what the machine has.
+//! Memory that a computation may take: the budget given, or what the machine has.
 
 use std::path::Path;
 
@@ -6,13 +6,13 @@ use output::bytes_in_words;
 
 use crate::Error;
 
-/// Bytes where nothing tells what the machine has (other systems than Linux); chosen: what a small machine has.
+/// Memory assumed where nothing tells what the machine has (other systems than Linux), bytes; chosen: that of a small machine.
 const FALLBACK: u64 = 4_000_000_000;
 
-/// The value of an option that is a size of memory.
+/// Size of memory in bytes, from the text of an option.
 ///
 /// # Errors
-/// What is allowed.
+/// The values allowed, in words.
 pub fn size(text: &str) -> Result<u64, String> {
     let allowed = || "allowed: a number of bytes > 0, or of k, M, G or T of them, as 512M or 8G".to_owned();
     let number = text.trim_end_matches(['k', 'K', 'M', 'G', 'T']);
@@ -29,7 +29,7 @@ pub fn size(text: &str) -> Result<u64, String> {
     if (1.0..=1e18).contains(&bytes) { Ok(bytes as u64) } else { Err(allowed()) }
 }
 
-/// What this machine has left, bytes: on Linux the least of what `/proc/meminfo` calls available and the limits of the control groups of
+/// Memory left on this machine, bytes: on Linux the least of what `/proc/meminfo` calls available and the limits of the control groups of
 /// this process; elsewhere 4 GB.
 #[must_use]
 pub fn of_machine() -> u64 {
@@ -45,7 +45,7 @@ fn available(meminfo: &str) -> Option<u64> {
     Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }
 
-/// The files with the limits of a line of `/proc/self/cgroup`, of the group and of those above it: `memory.max` of version 2, which says
+/// Files with the limits of a line of `/proc/self/cgroup`, of the group and of those above it: `memory.max` of version 2, which says
 /// "max" for none, or `memory.limit_in_bytes` of version 1.
 fn limit_files(line: &str) -> Vec<String> {
     let mut parts = line.splitn(3, ':').skip(1);
@@ -63,7 +63,7 @@ fn limit_files(line: &str) -> Vec<String> {
         .collect()
 }
 
-/// Refuses what takes more memory than there is; `fits` says what would not.
+/// Refuses a computation that takes more than `budget` bytes of memory; `fits` says, in words, what would not take more.
 ///
 /// # Errors
 /// [`Error::TooLarge`].

@@ -1,4 +1,4 @@
-//! What a mode is called.
+//! Labels of modes: the numbers that they are called by.
 
 use std::fmt;
 
@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 pub struct ModeLabel(u16);
 
 impl ModeLabel {
-    /// What does not oscillate and has no frequency rank: a real eigenvalue beyond the threshold, static instability.
+    /// Label of a motion that does not oscillate and has no frequency rank: a real eigenvalue beyond the threshold, static instability.
     pub const DIVERGENCE: Self = Self(u16::MAX);
-    /// Unstable modes without a name, because no mode where names come from continues as one of them.
+    /// Label of unstable modes without a name, because no mode where names come from continues as one of them.
     pub const UNNAMED: Self = Self(u16::MAX - 1);
 
-    /// Whether it is the label of a mode.
+    /// True if it is the label of a mode.
     #[must_use]
     pub const fn is_mode(self) -> bool {
         self.0 < Self::UNNAMED.0
@@ -38,7 +38,7 @@ impl ModeLabel {
         Self(rank as u16)
     }
 
-    /// Its number.
+    /// Number of the label.
     #[must_use]
     pub const fn number(self) -> u16 {
         self.0

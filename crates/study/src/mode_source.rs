@@ -11,20 +11,20 @@ use crate::{Error, FullChecks, Scene};
 /// The residual of a mode in the system that a brake is a reduction of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeResidual {
-    /// Relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
+    /// Norm of the residual relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     pub value: f64,
-    /// Whether it is above the one that was asked for.
+    /// The residual is above the one that was asked for.
     pub is_above: bool,
 }
 
-/// A mode at a point where a brake knows its modes.
+/// A mode at a known point: one of the operating points at which a brake knows its modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownMode {
-    /// Which of the known points of a scene, from 0: [`ModeSource::known_point`].
+    /// Index of the known point of the scene, from 0: [`ModeSource::known_point`].
     pub point: usize,
-    /// Which of the modes there, from 0.
+    /// Index of the mode at this point, from 0.
     pub mode: usize,
-    /// Its eigenvalue, rad/s.
+    /// Eigenvalue of the mode, rad/s.
     pub lambda: Complex<f64>,
 }
 
@@ -35,25 +35,25 @@ pub struct BandMode {
     pub lambda: Complex<f64>,
     /// The shape over the free degrees of freedom of the configuration.
     pub shape: DVector<Complex<f64>>,
-    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided.
+    /// Error bound of the eigenvalue, rad/s: a mode nearer than that to the threshold of the plan is undecided.
     pub bound: f64,
     /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,
-    /// The mode at a known point near by that it clearly looks like; `None` where there is none.
+    /// Mode at a known point near by that this one clearly resembles by MAC; `None` where there is none.
     pub like: Option<KnownMode>,
 }
 
-/// An eigenvalue of the brake that another one is a reduction of.
+/// An eigenvalue of the full model, of which the brake is a reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WholeEigenvalue {
-    /// rad/s.
+    /// Eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// Its error to first order, rad/s: its condition number times its backward error.
+    /// Error of the eigenvalue to first order, rad/s: its condition number times its backward error.
     pub bound: f64,
 }
 
-/// A larger brake of which an origin and a configuration are reductions, in coordinates that they have in common: there the modes of
-/// the origin are followed to those of the configuration.
+/// Common subspace of an origin and a configuration: a larger brake, of which both are reductions, in coordinates that they have in common.
+/// There the modes of the origin are followed to those of the configuration.
 #[derive(Debug)]
 pub struct Bridge {
     /// The larger brake at the operating point of the origin.
@@ -64,7 +64,7 @@ pub struct Bridge {
     pub path: Option<Box<dyn OwnedPath>>,
     /// The coordinates of the origin in terms of those in common, as columns.
     pub origin: DMatrix<f64>,
-    /// Those of the configuration.
+    /// The coordinates of the configuration in terms of those in common, as columns.
     pub own: DMatrix<f64>,
     /// The coordinates of the origin in terms of those of the configuration: the nearest that these have.
     pub between: DMatrix<f64>,
@@ -84,14 +84,14 @@ pub trait ModeSource: Sync {
     /// A point at which the brake knows the modes of a scene, from which samples near by may have their names; `None` beyond the last.
     fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint>;
 
-    /// What the modes of a configuration, by its place in the plan, have in common with those of its origin, where the degrees of
-    /// freedom of both are not the same; `modes` are those of the origin and its own.
+    /// The common subspace of a configuration, by its index in the plan, and its origin; `None` where the degrees of freedom of both are
+    /// the same. `modes` are those of the origin and of the configuration.
     ///
     /// # Errors
     /// Medians that have no operating point.
     fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, Error>;
 
-    /// Within which part of its size an eigenvalue of a scene is taken to be that of the full model: a rule, not a bound.
+    /// Relative error of an eigenvalue of a scene against that of the full model: a rule, not a bound.
     fn relative_error(&self, scene: &Scene) -> f64;
 
     /// The eigenvalue of the full model next to `near`, with parameters at some values, as
@@ -106,6 +106,6 @@ pub trait ModeSource: Sync {
         near: Complex<f64>,
     ) -> Result<WholeEigenvalue, Error>;
 
-    /// What draws against the full model have shown; `None` where none was checked.
+    /// Results of the draws checked against the full model; `None` where none was checked.
     fn full_checks(&self) -> Option<FullChecks>;
 }

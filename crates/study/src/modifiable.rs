@@ -7,74 +7,75 @@ use crate::{Error, Plan, Scene};
 /// A relabelling of degrees of freedom and contacts that maps a brake onto itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symmetry {
-    /// What each degree of freedom, held ones too, becomes.
+    /// Map of the degrees of freedom, held ones too: degree of freedom i becomes `dofs[i]`.
     pub dofs: Vec<usize>,
-    /// What each contact becomes, by [`WholeContact::number`].
+    /// Map of the contacts, by [`WholeContact::number`]: contact i becomes `contacts[i]`.
     pub contacts: Vec<usize>,
 }
 
 /// A contact with all that is there because of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WholeContact {
-    /// Its number, from 0, the same in all configurations.
+    /// Number of the contact, from 0, the same in all configurations.
     pub number: usize,
-    /// What it is called.
+    /// Name of the contact.
     pub name: String,
-    /// Its channels, as places in the system of a configuration.
+    /// Indices of its channels in the system of a configuration.
     pub channels: Vec<usize>,
-    /// Its damping and stiffness over the free degrees of freedom of the configuration; `None` where they are not known apart from
-    /// the rest, so that only its friction can be taken away.
+    /// Damping and stiffness of the contact over the free degrees of freedom of the configuration; `None` where they are not known apart
+    /// from the rest, so that only its friction can be taken away.
     pub structure: Option<SecondOrder>,
 }
 
-/// Where a mass, springs and dashpots to ground can be attached to a brake.
+/// Attachment point: where a mass, springs and dashpots to ground can be attached to a brake.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
-    /// What it is called: a body, a degree of freedom, a set of nodes.
+    /// Name of the place: a body, a degree of freedom, a set of nodes.
     pub name: String,
-    /// The directions in which it moves; a mass acts in all of them, a spring or dashpot in one.
+    /// Directions in which the place moves; a mass acts in all of them, a spring or dashpot in one.
     pub directions: Vec<Direction>,
 }
 
-/// One direction of a [`Place`].
+/// Direction in which a [`Place`] moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {
-    /// What it is called.
+    /// Name of the direction.
     pub name: String,
-    /// The degree of freedom that it is, by its number with held ones counted; `None` where it is a combination of several, which
+    /// Number of the degree of freedom in this direction, held ones counted; `None` where the direction is a combination of several, which
     /// cannot be held by taking out a row.
     pub dof: Option<usize>,
-    /// Vectors p over all degrees of freedom: attaching a matrix entry of size s adds `s sum p p^T`.
+    /// Vectors p over all degrees of freedom, as (index, value) entries: attaching a matrix entry of size s adds `s sum p p^T`.
     pub parts: Vec<Vec<(usize, f64)>>,
-    /// The mass, kg, and the stiffness, N/m, of its own, to which the size of what is attached is in proportion.
+    /// Own mass and stiffness of the direction, to which the size of what is attached is in proportion.
     pub own: OwnSize,
 }
 
-/// What a direction has of its own.
+/// Own mass and stiffness of a [`Direction`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnSize {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness: f64,
 }
 
-/// What can be changed in a brake beside holding degrees of freedom and taking out the channels of its plan.
+/// Changes that can be made to a brake beside holding degrees of freedom and taking out the channels of its plan.
 pub trait Modifiable: Sync {
     /// The closed contacts of a scene, each of which can be taken out as a whole.
     fn contacts(&self, scene: &Scene) -> Vec<WholeContact>;
 
-    /// Where something can be attached to the brake with a set of constraints; `None` where its degrees of freedom are such places.
+    /// Attachment points of the brake with a set of constraints; `None` where its degrees of freedom are such places.
     ///
     /// # Errors
     /// Medians that have no operating point.
     fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error>;
 
-    /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; its plan has with each
-    /// arrangement all those that these make of it. Without any the list is empty.
+    /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; with each arrangement the plan has
+    /// all others that the symmetries make of it. Without any the list is empty.
     fn symmetries(&self, constraints: usize) -> Vec<Symmetry>;
 
-    /// Which of these maps the configuration of a scene onto one of its [`Scene::members`], by its place there.
+    /// Index, in [`Modifiable::symmetries`], of the symmetry that maps the configuration of a scene onto the arrangement of one of its
+    /// [`Scene::members`]; `member` is an index there.
     fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize;
 }
 

@@ -1,4 +1,4 @@
-//! Names by likeness: the other way to know a mode again, where none is followed.
+//! Names by MAC with modes that have names: the other way to know a mode again, where none is followed.
 
 use cea::Mode;
 use nalgebra::{DMatrix, RowDVector};
@@ -6,16 +6,16 @@ use tracking::mac;
 
 use super::ModeLabel;
 
-/// A mode has the name of one that it shares more than half of its kinetic energy with: of shapes that are orthogonal in M no
-/// two can do so with the same mode.
+/// Least MAC with the mode that gives its name, so that both share more than half of the kinetic energy: of shapes that are orthogonal in
+/// M no two can do so with the same mode.
 const LEAST_MAC: f64 = 0.5;
 
-/// Modes that give their names to all modes that look like them.
+/// Modes that give their names to all modes that resemble them by MAC.
 #[derive(Debug, Clone)]
 pub(super) struct NamedShapes {
     /// The modes, mass-normalised.
     pub modes: Vec<Mode>,
-    /// The names of each.
+    /// Names of each mode.
     pub names: Vec<Vec<ModeLabel>>,
 }
 

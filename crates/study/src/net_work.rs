@@ -17,7 +17,7 @@ pub fn mode_work(brake: &Brake, at: &OperatingPoint, mode: &Mode) -> Result<Mode
     work_with(&brake.system.mass(&at.coefficients)?, brake, at, mode.lambda, &mode.shape)
 }
 
-/// The same with the mass matrix of the operating point.
+/// The work in one mode, as [`mode_work`] has it, with the mass matrix of the operating point given.
 pub(super) fn work_with(
     mass: &DMatrix<f64>,
     brake: &Brake,

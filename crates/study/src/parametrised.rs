@@ -7,20 +7,20 @@ use crate::{Error, Scene};
 /// A parameter of a brake that has a name, by which a sweep varies it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedParameter {
-    /// Its name, as the case file has it.
+    /// Name of the parameter, as the case file has it.
     pub name: String,
-    /// Its unit, for people.
+    /// Unit of the parameter, for people.
     pub unit: String,
-    /// Its value where it is not varied.
+    /// Value of the parameter where it is not varied.
     pub median: f64,
 }
 
 /// Systems as functions of parameters that have names.
 pub trait Parametrised: Sync {
-    /// The parameters that [`Parametrised::system_with`] gives values to: all on which the systems of a scene depend.
+    /// Parameters that [`Parametrised::system_with`] gives values to: all on which the systems of a scene depend.
     fn parameters(&self, scene: &Scene) -> Vec<NamedParameter>;
 
-    /// The system of a scene in which some of its [`Parametrised::parameters`], by their places, have values, and all others
+    /// The system of a scene in which some of its [`Parametrised::parameters`], by their indices, have `values`, and all others
     /// their medians.
     ///
     /// # Errors

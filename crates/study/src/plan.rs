@@ -1,4 +1,4 @@
-//! What a study goes through: the configurations of a brake, and the scenes in which each sample is evaluated.
+//! Plan of a study: the configurations of a brake, and the scenes in which each sample is evaluated.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -12,30 +12,30 @@ use serde::{Deserialize, Serialize};
 
 use super::{Contradiction, ModeLabel};
 
-/// What tells scenes apart; indices into the lists of [`SceneLabels`].
+/// Key that tells scenes apart: indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct SceneKey {
-    /// Constraint set.
+    /// Index of the constraint set in [`SceneLabels::constraints`].
     pub constraints: usize,
-    /// Friction law.
+    /// Index of the friction law in [`SceneLabels::laws`].
     pub law: usize,
-    /// Speed range; `None` where nothing depends on speed, one scene then stands for all ranges.
+    /// Index of the speed range in [`SceneLabels::speeds`]; `None` where nothing depends on speed, one scene then stands for all ranges.
     pub speed: Option<usize>,
-    /// Number in contact.
+    /// Index of the number in contact in [`SceneLabels::panels`].
     pub panel: usize,
 }
 
-/// One scene: it stands for all arrangements of its symmetry class.
+/// Scene of a study: it stands for all arrangements of its symmetry class.
 #[non_exhaustive]
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
-    /// Where it belongs.
+    /// Key of the scene: constraint set, law, speed range and panel.
     pub key: SceneKey,
-    /// Arrangements it stands for, as places in the panel's list; the first is the one computed.
+    /// Indices of the arrangements that the scene stands for, in the panel's list; the first is the one computed.
     pub members: Vec<usize>,
-    /// Place of its configuration in [`Plan::configurations`].
+    /// Index of its configuration in [`Plan::configurations`].
     pub configuration: usize,
-    /// Whether net work is computed.
+    /// Net work is computed in this scene.
     pub wants_work: bool,
 }
 
@@ -44,87 +44,88 @@ pub struct Scene {
 pub struct Configuration {
     /// The brake, shared by all copies of the plan.
     pub brake: Arc<Brake>,
-    /// Where its modes are named: median parameters, of a baseline law where there are several.
+    /// Operating point at which its modes are named: median parameters, of a baseline law where there are several laws.
     pub naming_point: OperatingPoint,
-    /// Place in [`Plan::origins`] of the configuration from which its names come by continuation.
+    /// Index in [`Plan::origins`] of the origin from which its names come by continuation.
     pub origin: usize,
-    /// Its contacts, for people.
+    /// Contacts of the configuration in words, for people.
     pub contacts: String,
 }
 
-/// Where names of modes come from: a brake and an operating point at which modes are called by frequency rank.
+/// Origin of names: a brake and an operating point at which modes are called by frequency rank.
 #[derive(Debug, Clone)]
 pub struct Origin {
-    /// The brake; of the degrees of freedom of every configuration that is named after it.
+    /// Brake of the origin; its degrees of freedom are those of every configuration named after it, but where a brake that finds its modes
+    /// itself has a [`Bridge`](crate::Bridge) between them.
     pub brake: Arc<Brake>,
-    /// Its operating point.
+    /// Operating point of the brake.
     pub naming_point: OperatingPoint,
 }
 
 /// A friction law as reports call it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LawLabel {
-    /// In tables.
+    /// Name in tables.
     pub name: String,
-    /// In headings.
+    /// Title in headings.
     pub title: String,
 }
 
 /// A range of sliding speed as reports call it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SpeedLabel {
-    /// In tables.
+    /// Name in tables.
     pub name: String,
-    /// In legends, with its limits.
+    /// Description in legends, with the limits of the range.
     pub description: String,
 }
 
-/// All arrangements with one number in contact.
+/// Panel as reports call it: all arrangements with one number in contact.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PanelLabel {
-    /// How many contacts are closed; 0 for a brake that has none, whose friction is in its terms.
+    /// Number of closed contacts; 0 for a brake that has none, whose friction is in its terms.
     pub in_contact: usize,
-    /// Each arrangement in words.
+    /// Arrangements in words, one text each.
     pub arrangements: Vec<String>,
 }
 
-/// What the indices of a [`SceneKey`] are called.
+/// Labels for the indices of a [`SceneKey`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SceneLabels {
-    /// Constraint sets; at least one.
+    /// Names of the constraint sets; at least one.
     pub constraints: Vec<String>,
-    /// Friction laws; at least one.
+    /// Labels of the friction laws; at least one.
     pub laws: Vec<LawLabel>,
-    /// The law that others are compared with, if there is one.
+    /// Index of the law that others are compared with, if there is one.
     pub baseline_law: Option<usize>,
-    /// Speed ranges; none where no scene has one.
+    /// Labels of the speed ranges; none where no scene has one.
     pub speeds: Vec<SpeedLabel>,
-    /// Numbers in contact; at least one.
+    /// Labels of the numbers in contact; at least one.
     pub panels: Vec<PanelLabel>,
-    /// Where modes have the frequency ranks that tracked modes are named by, for axes: "at median parameters".
+    /// Words for the point where modes have the frequency ranks that tracked modes are named by, for axes: "at median parameters".
     pub named_at: String,
-    /// The degrees of freedom, held ones too; those without a name are called by their number, from 1.
+    /// Names of the degrees of freedom, held ones too; those without a name are called by their number, from 1.
     pub dofs: Vec<String>,
 }
 
 impl SceneLabels {
-    /// What a speed is called in tables; "all" where a scene stands for all ranges.
+    /// Name of a speed range in tables; "all" where a scene stands for all ranges.
     pub fn speed(&self, speed: Option<usize>) -> &str {
         speed.map_or("all", |range| &self.speeds[range].name)
     }
 
-    /// What a degree of freedom is called.
+    /// Name of the degree of freedom `index`, from 0; its number, from 1, where it has none.
     pub fn dof(&self, index: usize) -> String {
         self.dofs.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
     }
 
-    /// Constraints, law and speed of a scene or panel, as tables have them in their first columns.
+    /// Constraints, law and speed of a scene or panel: the first columns of tables.
     pub fn key_columns(&self, key: SceneKey) -> [String; 3] {
         let (constraints, law) = (&self.constraints[key.constraints], &self.laws[key.law].name);
         [constraints.clone(), law.clone(), self.speed(key.speed).to_owned()]
     }
 
-    /// What stands in all of [`SceneLabels::MODE_COLUMNS`] but the last for a scene, by the first of its arrangements.
+    /// Values of [`SceneLabels::MODE_COLUMNS`] but the last, the mode, for a scene, by the first of its arrangements.
     pub fn scene_columns(&self, scene: &Scene) -> Vec<String> {
         let PanelLabel { in_contact, arrangements } = &self.panels[scene.key.panel];
         let mut columns = self.key_columns(scene.key).to_vec();
@@ -135,7 +136,7 @@ impl SceneLabels {
     /// The first columns of tables with a row for each mode in each arrangement.
     pub const MODE_COLUMNS: [&str; 6] = ["constraints", "law", "speed", "in_contact", "arrangement", "mode"];
 
-    /// What stands in [`SceneLabels::MODE_COLUMNS`]; `arrangement` is a place in the list of the panel.
+    /// Values of [`SceneLabels::MODE_COLUMNS`]; `arrangement` is an index in the list of the panel.
     pub fn mode_columns(&self, key: SceneKey, arrangement: usize, mode: ModeLabel) -> Vec<String> {
         let PanelLabel { in_contact, arrangements } = &self.panels[key.panel];
         let mut columns = self.key_columns(key).to_vec();
@@ -144,24 +145,24 @@ impl SceneLabels {
     }
 }
 
-/// How modes are named.
+/// Rule by which modes are named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeNaming {
-    /// By shape: the frequency rank of the mode it continues, all in contact at median parameters.
+    /// Shape: the frequency rank of the mode that it continues, all in contact at median parameters.
     Tracked,
-    /// By frequency rank in its own sample, 1 to n.
+    /// Frequency rank in its own sample, 1 to n.
     Rank,
-    /// By place among all 2 n eigenvalues in its own sample: rank r is named 2 r - 1.
+    /// Rank among all 2 n eigenvalues of its own sample: frequency rank r is named 2 r - 1.
     Pair,
-    /// By frequency rank in its own sample from the highest frequency down.
+    /// Frequency rank in its own sample from the highest frequency down.
     RankDown,
-    /// By place among all 2 n eigenvalues in its own sample from the highest frequency down.
+    /// Rank among all 2 n eigenvalues of its own sample from the highest frequency down.
     PairDown,
 }
 
 impl ModeNaming {
-    /// Its word in a case file.
+    /// Word of this naming in a case file.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -173,7 +174,7 @@ impl ModeNaming {
         }
     }
 
-    /// The name of the mode of a frequency rank, of a brake with so many modes.
+    /// The name of the mode of frequency rank `rank`, of a brake with `modes` modes.
     #[must_use]
     pub fn name(self, rank: ModeLabel, modes: usize) -> ModeLabel {
         let counted = |rank: usize| match self {
@@ -204,60 +205,61 @@ impl ModeNaming {
     }
 }
 
-/// How a mode that is named by its shape is known again in another configuration and in a sample.
+/// Rule by which a mode that is named by its shape is known again in another configuration and in a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeIdentity {
-    /// By continuation from one system to the other, through every change of its shape.
+    /// Continuation from one system to the other, through every change of its shape.
     #[default]
     Continuation,
-    /// By a modal assurance criterion of more than one half with its shape at the origin of names.
+    /// Modal assurance criterion (MAC) of more than one half with its shape at the origin of names.
     Mac,
 }
 
 /// The file that a study was read from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StudySource {
-    /// Where it is.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What stands in it.
+    /// Text of the file.
     pub text: String,
 }
 
-/// How much lower and higher than the band of a study the modes are that may come into it, as a factor; chosen: friction and
-/// open contacts move a mode by less.
+/// Guard factor: reference modes are kept in `[f_min / 1.2, 1.2 f_max]` of the band of a study, since they may come into it; chosen:
+/// friction and open contacts move a mode by less.
 const BAND_MARGIN: f64 = 1.2;
 
-/// All scenes of a study. It is made by its methods; [`check`](crate::check) sees to it that what is changed afterwards fits.
+/// Plan of a study: its configurations and all its scenes. It is made by its methods; [`check`](crate::check) sees to it that what is
+/// changed afterwards fits.
 #[non_exhaustive]
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The case file, where there is one.
     pub source_file: Option<StudySource>,
-    /// What the study is called.
+    /// Name of the study.
     pub name: String,
-    /// Text that tells it from others beside what a study compares anyway before it continues a folder: equations, naming points, scenes,
+    /// Text that tells the study from others. Compared anyway before a study continues a folder: equations, naming points, scenes,
     /// threshold, seed, and the operating points of the first draws.
     pub identity: String,
     /// Samples per scene, >= 1.
     pub samples: u64,
     /// Seed of the random streams.
     pub seed: u64,
-    /// How modes are named in reports.
+    /// Naming of modes in reports.
     pub mode_labels: ModeNaming,
-    /// How a tracked mode is known again.
+    /// Rule by which a tracked mode is known again.
     pub mode_identity: ModeIdentity,
-    /// The frequencies of modes that are studied, rad/s: of a reduced brake those that it holds. `None` studies all. What does not
-    /// oscillate is studied whatever they are.
+    /// Band of the frequencies studied, rad/s: of a reduced brake those that it holds. `None` studies all. A real eigenvalue is studied
+    /// whatever the band.
     pub band: Option<[f64; 2]>,
-    /// From where on a growing mode counts as unstable; the axis: every mode that grows.
+    /// Instability threshold of a mode. Default: the imaginary axis, every mode that grows.
     pub threshold: Threshold,
-    /// Whether the naming point of each configuration is the operating point of the medians in one of its scenes, which a study checks
-    /// where it is so. [`Plan::add_constraint_set`] says that it is.
+    /// Naming points are the operating points of the medians, for each configuration in one of its scenes; a study checks it where this is
+    /// set. [`Plan::add_constraint_set`] sets it.
     pub is_named_at_medians: bool,
-    /// What scenes are called.
+    /// Labels for the keys of the scenes.
     pub labels: SceneLabels,
-    /// Where names of modes come from.
+    /// Origins of the names of modes.
     pub origins: Vec<Origin>,
     /// The configurations of the brake.
     pub configurations: Vec<Configuration>,
@@ -352,7 +354,8 @@ impl Plan {
         Ok(self)
     }
 
-    /// Puts several scenes in the place of each, which differ in one entry of their keys; of scenes that do already the first stays.
+    /// Replaces each scene by `count` ones that `set` tells apart by one entry of their keys; of scenes that differ in that entry alone
+    /// already the first stays.
     fn each_scene(&mut self, count: usize, set: impl Fn(&mut SceneKey, usize)) {
         let mut scenes: Vec<Scene> = Vec::new();
         for mut scene in std::mem::take(&mut self.scenes) {
@@ -370,7 +373,7 @@ impl Plan {
     }
 
     /// Adds a configuration of the set of constraints that its origin belongs to, and its scenes: one for each law and each of the
-    /// ranges of speed that the law tells apart. It stands for these `members` of the arrangements of a panel.
+    /// ranges of speed that the law tells apart. The scenes stand for the arrangements `members` of a panel.
     pub fn add_configuration(
         &mut self,
         configuration: Configuration,
@@ -389,7 +392,7 @@ impl Plan {
         self.configurations.push(configuration);
     }
 
-    /// Where the study comes from, for messages: its file or its name.
+    /// Source of the study, for messages: its file or its name.
     pub fn source(&self) -> String {
         self.source_file.as_ref().map_or_else(|| self.name.clone(), |file| file.path.display().to_string())
     }
@@ -405,12 +408,12 @@ impl Plan {
         format!("{}, {}, {contacts}{speed}", self.labels.constraints[constraints], self.labels.laws[law].name)
     }
 
-    /// Whether a mode with this eigenvalue, or a real eigenvalue, is studied.
+    /// True if a mode with eigenvalue `lambda`, rad/s, or a real eigenvalue, is studied.
     pub fn is_studied(&self, lambda: Complex<f64>) -> bool {
         lambda.im == 0.0 || self.band.is_none_or(|[from, to]| (from..=to).contains(&lambda.im))
     }
 
-    /// Whether the reference modes have one with this eigenvalue: those that are studied, and neighbours that may become one.
+    /// True if the reference modes include one with eigenvalue `lambda`, rad/s: those that are studied, and neighbours that may become one.
     pub fn is_followed(&self, lambda: Complex<f64>) -> bool {
         self.followed_band().is_none_or(|[from, to]| (from..=to).contains(&lambda.im))
     }
@@ -430,12 +433,12 @@ impl Plan {
         &self.configuration(scene).brake
     }
 
-    /// How many ranges of speed a scene stands for: all where nothing in it depends on speed.
+    /// Number of speed ranges that a scene stands for: all where nothing in it depends on speed.
     pub fn speeds_of(&self, key: SceneKey) -> usize {
         if key.speed.is_some() { 1 } else { self.labels.speeds.len().max(1) }
     }
 
-    /// Complex eigenvalue analyses that one sample stands for: every arrangement, law, constraint set and speed range.
+    /// Number of complex eigenvalue analyses that one sample stands for: every arrangement, law, constraint set and speed range.
     pub fn analyses_per_sample(&self) -> u64 {
         let SceneLabels { constraints, laws, speeds, panels, .. } = &self.labels;
         let arrangements: usize = panels.iter().map(|panel| panel.arrangements.len()).sum();

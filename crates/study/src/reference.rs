@@ -1,4 +1,4 @@
-//! Reference modes: what a mode is called in each scene.
+//! Reference modes: the modes by which the modes of each scene are named.
 //!
 //! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator in
 //! contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point,
@@ -6,7 +6,7 @@
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
 //! then matched to the modes of their scene.
 //!
-//! Under [`ModeIdentity::Mac`] nothing is followed: a mode has the name of the mode of the origin that it looks like.
+//! Under [`ModeIdentity::Mac`] nothing is followed: a mode has the name of the mode of the origin that it resembles by MAC.
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
 //! Of equal modes of different sectors that of the smaller sector ranks first; names of equal modes of one sector are open
@@ -39,21 +39,21 @@ pub(super) fn bounded_workspace(order: usize) -> Workspace {
 pub struct Reference {
     /// The system: over the free degrees of freedom of the brake, or over the shapes of one sector.
     pub system: SecondOrder,
-    /// Its oscillating modes, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
+    /// Oscillating modes of the system, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
-    /// The names of each: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
-    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path, or is like none.
+    /// Names of each mode: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
+    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path, or resembles none.
     pub names: Vec<Vec<ModeLabel>>,
-    /// The modes of the origin, where others are named by their likeness to these.
+    /// Modes of the origin, where others are named by their MAC with these.
     shapes: Option<NamedShapes>,
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
 #[derive(Debug, Clone)]
 pub struct SectoredReference {
-    /// The whole brake.
+    /// Reference modes of the whole brake.
     pub whole: Reference,
-    /// Each of its sectors.
+    /// Reference modes of each sector.
     pub sectors: Vec<Reference>,
 }
 
@@ -78,7 +78,7 @@ impl Reference {
         Ok(Self { names: vec![Vec::new(); modes.len()], modes, system, shapes: None })
     }
 
-    /// This reference, by whose modes all others are named that look like them.
+    /// The reference itself, by whose modes all others are named that resemble them by MAC.
     fn naming_by_likeness(mut self) -> Self {
         self.shapes = Some(NamedShapes { modes: self.modes.clone(), names: self.names.clone() });
         self
@@ -99,13 +99,13 @@ impl Reference {
         identify_all(solver, paths, work).into_iter().map(|links| links.map(names)).collect()
     }
 
-    /// The names of some modes of a system with this mass matrix, by likeness to the shapes of the origin; `None` where these are
+    /// The names of some modes of a system with this mass matrix, by MAC with the shapes of the origin; `None` where these are
     /// not kept.
     pub(super) fn names_by_likeness(&self, modes: &[Mode]) -> Option<Vec<Vec<ModeLabel>>> {
         Some(self.shapes.as_ref()?.names_of(modes, &self.system.m))
     }
 
-    /// This reference with its modes named by likeness; `None` where the shapes for that are not kept.
+    /// The reference with its modes named by MAC; `None` where the shapes for that are not kept.
     pub(super) fn named_by_likeness(&self) -> Option<Self> {
         Some(Self { names: self.names_by_likeness(&self.modes)?, ..self.clone() })
     }
@@ -156,7 +156,7 @@ impl Reference {
         Self { system, modes, names, shapes }
     }
 
-    /// Of the modes of a whole brake those that lie in one sector: with more than half of their squared norm.
+    /// The modes of a whole brake that lie in one sector: with more than half of their squared norm.
     fn within(&self, sector: &Sector) -> Result<Self, OscModelError> {
         let system = sector.reduced(&self.system)?;
         let mut part = Self { system, modes: Vec::new(), names: Vec::new(), shapes: None };
@@ -170,7 +170,7 @@ impl Reference {
         Ok(if self.shapes.is_some() { part.naming_by_likeness() } else { part })
     }
 
-    /// The modes of `system`, with names from this reference: by likeness to the shapes of the origin, or by continuation.
+    /// The modes of `system`, with names from this reference: by MAC with the shapes of the origin, or by continuation.
     fn linked(
         &self,
         solver: &dyn EigenSolver,
@@ -206,7 +206,7 @@ impl Reference {
     }
 }
 
-/// How modes get from one system to another.
+/// Way of modes from one system to another.
 #[derive(Debug, Clone, Copy)]
 enum Way<'a> {
     /// Every mode is continued.

@@ -9,7 +9,7 @@ use linsys::SecondOrder;
 /// Working memory of one block.
 #[derive(Default)]
 pub struct Scratch {
-    /// By sector, one for each sample.
+    /// Systems of the samples of the block, by sector and sample.
     pub(super) systems: Vec<Vec<SecondOrder>>,
     pub(super) memory: Memory,
 }
@@ -25,24 +25,24 @@ pub(super) struct Memory {
 /// Processor time of the stages of a study.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Spent {
-    /// Operating points, and whether a certificate covers them.
+    /// Operating points, and the test whether a certificate covers them.
     pub states: Duration,
-    /// Finding growing modes by secular equations.
+    /// Search of growing modes by secular equations.
     pub search: Duration,
-    /// Assembling matrices.
+    /// Assembly of matrices.
     pub assembly: Duration,
     /// Spectra and verdicts of samples that the secular equations leave open.
     pub spectra: Duration,
-    /// Computing the shapes of growing modes.
+    /// Shapes of growing modes.
     pub shapes: Duration,
-    /// Naming them, continuation included.
+    /// Names of growing modes, continuation included.
     pub names: Duration,
     /// Ranks and net work.
     pub outcomes: Duration,
 }
 
 impl Scratch {
-    /// How often each kind of computation was done so far.
+    /// Counters of each kind of computation so far.
     pub fn counters(&self) -> Counters {
         self.memory.work.counters
     }

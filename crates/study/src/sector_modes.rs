@@ -14,15 +14,15 @@ use super::{ModeLabel, ModeResidual, Plan, Reference};
 /// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
 pub(super) struct SectorModes {
-    /// All of them. Where the secular equation found the growing ones, the others are approximations in the right order.
+    /// Modes of the sector. Where the secular equation found the growing ones, the others are approximations in the right order.
     pub modes: Modes,
-    /// The unstable ones, beyond the threshold of the plan, ascending in frequency.
+    /// Unstable modes, beyond the threshold of the plan, ascending in frequency.
     pub unstable: Vec<UnstableSectorMode>,
     /// Real eigenvalues that surely are beyond the threshold, 1/s, whether of the structure or of an internal state.
     pub divergent: Vec<f64>,
     /// Number of eigenvalues whose verdict the error bound leaves open.
     pub undecided: u32,
-    /// Those among them that are real.
+    /// Number of the undecided eigenvalues that are real.
     pub undecided_real: u32,
     /// Number of eigenvalues on the axis to within rounding of the matrices.
     pub marginal: u32,
@@ -31,15 +31,15 @@ pub(super) struct SectorModes {
 /// An unstable mode of one sector.
 #[derive(Debug, Clone)]
 pub(super) struct UnstableSectorMode {
-    /// Its index among the oscillating modes of the sector.
+    /// Index of the mode among the oscillating modes of the sector.
     pub index: usize,
     /// Eigenvalue, and shape in the basis of the sector.
     pub mode: Mode,
-    /// Names it may have as a tracked mode.
+    /// Candidate names as a tracked mode.
     pub names: Vec<ModeLabel>,
-    /// Names by likeness, where the study asks for these too.
+    /// Names by MAC, where the study asks for these too.
     pub names_by_likeness: Option<Vec<ModeLabel>>,
-    /// Its residual, where the brake found it itself.
+    /// Residual of the mode, where the brake found it itself.
     pub residual: Option<ModeResidual>,
 }
 
@@ -54,17 +54,17 @@ pub(super) struct NamedMode {
     pub names_by_likeness: Option<Vec<ModeLabel>>,
 }
 
-/// What the modes of one sector of a scene are computed with.
+/// Solver of the modes of one sector of a scene.
 pub(super) struct SectorSolver<'a> {
-    /// Computes spectra.
+    /// Solver of the spectra.
     pub eigen_solver: &'a dyn EigenSolver,
-    /// The modes that give the names.
+    /// Modes that give the names.
     pub reference: &'a Reference,
-    /// Which modes are judged.
+    /// Plan, which says which modes are judged.
     pub plan: &'a Plan,
-    /// `None` where spectra are computed instead, see [`Secular::new`].
+    /// Secular equation of the sector; `None` where spectra are computed instead, see [`Secular::new`].
     pub equation: Option<SectorEquation<'a>>,
-    /// Whether modes are named by likeness too.
+    /// Modes are named by MAC too.
     pub likeness_too: bool,
 }
 
@@ -165,8 +165,8 @@ impl SectorSolver<'_> {
     }
 }
 
-/// Refuses a spectrum that is not of numbers: squares of large entries overflow, and what is no number is in none of the lists of
-/// modes.
+/// Refuses a spectrum with entries that are not finite: squares of large entries overflow, and an eigenvalue that is no number is in
+/// none of the lists of modes.
 ///
 /// # Errors
 /// [`CertifiedError::Range`].
@@ -180,7 +180,7 @@ pub fn check_range(system: &SecondOrder, spectrum: &Spectrum) -> Result<(), CeaE
     Err(CertifiedError::Range { smallest, largest }.into())
 }
 
-/// The names that each of some modes may have.
+/// Candidate names of some modes, one list each.
 type Names = Vec<Vec<ModeLabel>>;
 
 /// The modes of one system, with verdicts.
@@ -188,7 +188,7 @@ struct ModesWithVerdicts {
     modes: Modes,
     /// Indices of the unstable ones among the oscillating modes.
     unstable: Vec<usize>,
-    /// As those of [`SectorModes`].
+    /// Divergent eigenvalues and counts as in [`SectorModes`].
     divergent: Vec<f64>,
     undecided: u32,
     undecided_real: u32,

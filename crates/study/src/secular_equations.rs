@@ -1,4 +1,4 @@
-//! Finding the growing modes of a scene without spectra: the secular equations of its configuration, started at anchors.
+//! The search of the growing modes of a scene without spectra: the secular equations of its configuration, started at anchors.
 
 use cea::{Anchors, CeaError, EigenSolver, Feedback, Gain, Growing, Secular, Spectrum, Workspace};
 use linsys::{ChannelGain, OperatingPoint};
@@ -23,12 +23,12 @@ const MOST_DRAWS_FOR_ANCHORS: u64 = 64;
 pub(super) struct SecularEquations {
     /// The coefficient of each term; the equations hold for this structure alone.
     coefficients: Vec<f64>,
-    /// By sector.
+    /// Equation of each sector.
     pub sectors: Vec<Option<Secular>>,
 }
 
 impl SecularEquations {
-    /// No equation: for a brake that finds its modes itself.
+    /// No equation in any sector: for a brake that finds its modes itself.
     pub fn none(configuration: &Configuration) -> Self {
         let sectors = configuration.brake.sectors.iter().map(|_| None).collect();
         Self { coefficients: configuration.naming_point.coefficients.clone(), sectors }

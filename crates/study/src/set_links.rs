@@ -1,10 +1,10 @@
-//! Which mode of one set of constraints becomes which of another, where the second holds more.
+//! Links between the modes of one set of constraints and those of another that holds more.
 //!
-//! Modes have their names by frequency rank in each set of its own, so equal names of two sets say nothing. Between the two
-//! the coupling between what the second set holds and the rest fades out, and each mode is followed by continuation: at the end
-//! stand the modes of the second set, and apart from them those of what is held. Springs to ground whose stiffness grows without
-//! limit would end in the same modes, but push those of what is held up through all others, which exchange shapes with them on
-//! the way.
+//! Modes have their names by frequency rank in each set of its own, so equal names of two sets say nothing. Between the two sets
+//! the coupling between the degrees of freedom that the second set holds and the others fades out, and each mode is followed by
+//! continuation. The path ends in the modes of the second set and, apart from them, in the modes of the held degrees of freedom. Springs to
+//! ground whose stiffness grows without limit would end in the same modes, but push those of the held degrees of freedom up through all
+//! others, which exchange shapes with them on the way.
 
 use cea::{EigenSolver, Mode, Modes, Workspace};
 use linsys::{DofMap, SecondOrder};
@@ -17,21 +17,21 @@ use super::reference::bounded_workspace;
 use super::{Plan, Reference};
 use crate::Error;
 
-/// What modes of one set of constraints are in another that holds more.
+/// Links between the modes of one set of constraints and those of another that holds more.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetLinks {
-    /// The set that holds less.
+    /// Index of the set that holds less.
     pub from: usize,
-    /// The set that holds more.
+    /// Index of the set that holds more.
     pub to: usize,
-    /// By mode of `from` and mode of `to`, in the order of the reference modes of their origins.
+    /// MAC of each mode of `from` (row) and mode of `to` (column), in the order of the reference modes of their origins.
     pub mac: DMatrix<f64>,
-    /// For each mode of `from` what it may become, several where a coalescence leaves it open: a mode of `to`, or `None`, a mode of
-    /// what is held.
+    /// Modes that each mode of `from` may become, several where a coalescence leaves it open: index of a mode of `to`, or `None`, a mode of
+    /// the held degrees of freedom.
     pub becomes: Vec<Vec<Option<usize>>>,
 }
 
-/// The place of the origin of each set of constraints.
+/// Index of the origin of a set of constraints, in [`Plan::origins`]; `None` where no scene has the set.
 pub fn origin_of_set(plan: &Plan, constraints: usize) -> Option<usize> {
     let scene = plan.scenes.iter().find(|scene| scene.key.constraints == constraints)?;
     Some(plan.configuration(scene).origin)
@@ -58,7 +58,7 @@ pub fn set_links(plan: &Plan, origins: &[Reference], solver: &dyn EigenSolver) -
     pairs.par_iter().map(link).collect()
 }
 
-/// Whether `b` holds all that `a` does, and more.
+/// True if `b` holds all that `a` does, and more.
 fn holds_more(a: &DofMap, b: &DofMap) -> bool {
     a.total() == b.total() && b.free().len() < a.free().len() && b.free().iter().all(|&dof| a.position(dof).is_some())
 }
@@ -70,7 +70,7 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// Whether each degree of freedom of `from` is held in `to`.
+    /// Flag of each degree of freedom of `from`: it is held in `to`.
     fn is_held(&self) -> Vec<bool> {
         self.from.0.free().iter().map(|&dof| self.to.0.position(dof).is_none()).collect()
     }
@@ -94,7 +94,7 @@ impl Pair<'_> {
         mac(&self.from.1.modes, &self.ends(), &self.from.1.system.m)
     }
 
-    /// What each mode of `from` becomes.
+    /// Modes that each mode of `from` may become, as [`SetLinks::becomes`].
     fn becomes(&self, solver: &dyn EigenSolver) -> Result<Vec<Vec<Option<usize>>>, Error> {
         let (held, start, mut ends) = (self.is_held(), self.from.1, self.ends());
         let mut work = bounded_workspace(start.system.order());
@@ -114,7 +114,7 @@ impl Pair<'_> {
     }
 }
 
-/// The modes of what is held, left to itself, over all degrees of freedom.
+/// The modes of the held degrees of freedom left to themselves, over all degrees of freedom.
 fn modes_of_held(
     system: &SecondOrder,
     held: &[bool],
@@ -134,7 +134,7 @@ fn modes_of_held(
     Ok(Mode::at(&alone, &found.oscillatory, work)?.into_iter().map(expand).collect())
 }
 
-/// The system with nothing between what is held and the rest; what is held is left to itself.
+/// The system without coupling between the held degrees of freedom and the others.
 fn without_coupling(system: &SecondOrder, held: &[bool]) -> SecondOrder {
     let mut apart = system.clone();
     for matrix in [&mut apart.m, &mut apart.c, &mut apart.k] {

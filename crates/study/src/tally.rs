@@ -1,4 +1,4 @@
-//! What is kept of the samples: counts, whose size does not depend on the number of samples; and where it is asked for the samples.
+//! Counts of the samples of a study, whose size does not depend on the number of samples; and the samples, where they are asked for.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,21 +15,21 @@ use super::{KeptSamples, ModeLabel, Outcome, Plan, Study, UncertainBrake, Unstab
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyTally {
-    /// One per scene.
+    /// Tally of each scene.
     pub scenes: Vec<SceneTally>,
-    /// By panel: the number of unstable modes and divergences in all arrangements together, over the samples solved in all of them.
+    /// Number of unstable modes and divergences in all arrangements of each panel together, over the samples solved in all of them.
     pub panels: Vec<BoundedMean>,
-    /// By comparison: the difference of those numbers of its two panels, each times the number of arrangements of the other, so
+    /// Difference of the numbers of `panels` for the two panels of each comparison, each times the number of arrangements of the other, so
     /// that it is a whole number.
     pub comparisons: Vec<BoundedMean>,
-    /// By scene: the samples, in a study that keeps them.
+    /// Samples kept of each scene, in a study that keeps them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kept: Option<Vec<KeptSamples>>,
     #[serde(skip)]
     layout: PanelLayout,
 }
 
-/// Which scenes make up which panel. It follows from the plan and is not stored with the counts.
+/// Layout of panels: which scenes make up which panel. It follows from the plan and is not stored with the counts.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct PanelLayout {
     panels: Vec<Panel>,
@@ -50,23 +50,23 @@ pub struct SceneTally {
     pub perhaps_unstable: u64,
     /// Unstable modes in all samples.
     pub unstable_modes: u64,
-    /// Those among them that have not one sure name: they pass near a coalescence, or began to oscillate on the path.
+    /// Number of the unstable modes that have not one sure name: they pass near a coalescence, or began to oscillate on the path.
     pub ambiguous_modes: u64,
     /// Real eigenvalues surely beyond the threshold.
     pub divergent: u64,
-    /// Samples in which there is any.
+    /// Samples with a real eigenvalue surely beyond the threshold.
     pub diverging: u64,
-    /// Samples in which there is none for sure, and the verdict on a real eigenvalue is open.
+    /// Samples in which no real eigenvalue surely is beyond the threshold, and the verdict on one is open.
     pub perhaps_diverging: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
     /// Eigenvalues on the imaginary axis to within rounding of the matrices.
     pub marginal: u64,
-    /// Unstable modes of a reduced brake whose residual in the whole one is known.
+    /// Unstable modes of a reduced brake whose residual in the full model is known.
     pub residuals: u64,
-    /// Those among them that are above the one that was asked for.
+    /// Unstable modes whose residual in the full model is above the one that was asked for.
     pub residuals_above: u64,
-    /// The largest of these residuals.
+    /// Largest relative residual of an unstable mode in the full model.
     pub largest_residual: f64,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another, or has
     /// no name and may be any.
@@ -76,7 +76,7 @@ pub struct SceneTally {
     /// Net work of each body in one period per `phi^H M phi`, 1/s^2, by name of the mode, over the samples in which it is
     /// unstable and known by name; one sketch for each body of the scene's brake.
     pub net_work: BTreeMap<ModeLabel, Vec<QuantileSketch>>,
-    /// The same told apart by family of forces, in the order of `AffineSystem::families`: of each family the bodies.
+    /// Net work as in `net_work`, told apart by family of forces, in the order of `AffineSystem::families`: of each family the bodies.
     pub family_work: BTreeMap<ModeLabel, Vec<Vec<QuantileSketch>>>,
 }
 
@@ -102,8 +102,8 @@ impl StudyTally {
 }
 
 impl StudyTally {
-    /// How far an occurrence can be from its estimate at a confidence, at most over all scenes and modes, seen or not; of modes that are
-    /// tracked or, if not, named by rank. What open names leave open is not in it.
+    /// Largest distance of an occurrence from its estimate at a confidence, over all scenes and modes, seen or not; of modes that are
+    /// tracked or, if not, named by rank. The width that open names leave is not in it.
     #[must_use]
     pub fn distance(&self, is_tracked: bool, confidence: Confidence) -> f64 {
         let of_scene = |scene: &SceneTally| {
@@ -202,8 +202,8 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
     bodies.iter_mut().zip(work).for_each(|(sketch, &value)| sketch.record(value));
 }
 
-/// Names of unstable modes, from the names that each may have, and whether each is sure. A mode without a name may be any of
-/// `all`, and is listed as unnamed.
+/// Names of unstable modes, from the candidate names of each; the value says whether the name is sure. A mode without a name may be any
+/// of `all`, and is listed as unnamed.
 pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>], all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
     let known = occurring_labels(candidates).into_iter().map(|(name, trial)| (name, trial == Trial::Yes));
     let mut names: BTreeMap<ModeLabel, bool> = known.collect();
@@ -217,19 +217,19 @@ pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>], all: &[Mode
 }
 
 impl Outcome {
-    /// Whether anything surely is unstable.
+    /// True if anything surely is unstable.
     #[must_use]
     pub fn is_unstable(&self) -> bool {
         self.instabilities() > 0
     }
 
-    /// Unstable modes and divergences.
+    /// Number of unstable modes and divergences.
     #[must_use]
     pub fn instabilities(&self) -> u32 {
         self.unstable.len() as u32 + self.divergent
     }
 
-    /// The same of all that is unstable: divergence is listed as what it is.
+    /// Names of all that is unstable, each with whether it is sure; divergence is listed as [`ModeLabel::DIVERGENCE`].
     pub(crate) fn unstable_names(&self, all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
         let mut names = unstable_names(&candidate_names(&self.unstable), all);
         if self.divergent > 0 || self.undecided_real > 0 {
@@ -315,13 +315,13 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
     }
 }
 
-/// The counts of a study with [`StudyOptions::likeness_too`](super::StudyOptions): with modes known by continuation, and the same
-/// samples with modes known by likeness.
+/// Counts of a study with [`StudyOptions::likeness_too`](super::StudyOptions): with modes named by the plan, and the same
+/// samples with modes known by MAC.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TwiceNamedTally {
-    /// By the names of the plan.
+    /// Counts by the names of the plan.
     pub by_plan: StudyTally,
-    /// By likeness.
+    /// Counts by the names that MAC gives.
     pub by_likeness: StudyTally,
 }
 

@@ -18,7 +18,7 @@ pub fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     parameters::check(brake)
 }
 
-/// The first scene of each kind, by what `kind` says tells kinds apart.
+/// The first scene of each kind; `kind` tells kinds apart.
 fn first_of_each<K: PartialEq>(scenes: &[Scene], kind: impl Fn(&Scene) -> K) -> Vec<&Scene> {
     let mut first: Vec<(K, &Scene)> = Vec::new();
     for scene in scenes {

@@ -1,4 +1,4 @@
-//! The named parameters of a brake: whether the systems that they make are those of its samples, and change with each of them.
+//! The named parameters of a brake: checks that the systems that they make are those of its samples, and change with each of them.
 
 use linsys::SecondOrder;
 
@@ -9,7 +9,7 @@ use crate::{Contradiction, NamedParameter, Parametrised, Plan, Scene, UncertainB
 
 /// Factors of the median by which a parameter is changed until the system changes, the nearest first.
 const FACTORS: [f64; 8] = [1.1, 0.9, 1.01, 0.99, 1.5, 0.5, 2.0, 0.1];
-/// What is added to a median of zero instead.
+/// Summands instead, for a median of zero.
 const SUMMANDS: [f64; 6] = [1.0, -1.0, 1e-3, -1e-3, 1e3, -1e3];
 /// The coordinate of quantile samples by which a parameter that is drawn is changed.
 const COORDINATE: f64 = 0.75;
@@ -59,13 +59,13 @@ struct Idle {
     tried: String,
 }
 
-/// What came of the values that were tried for a parameter.
+/// Result of the values that were tried for a parameter.
 enum Moved {
-    /// At this value the system is another.
+    /// Another system, at this value.
     To(f64, Box<SecondOrder>),
-    /// No value is allowed but the median.
+    /// No value allowed but the median.
     Refused,
-    /// At none of these.
+    /// No other system at any of these values.
     Nowhere(Vec<f64>),
 }
 
@@ -106,7 +106,7 @@ impl<'a, B: UncertainBrake> Changed<'a, B> {
         Ok(Self { brake, parametrised, scene, parameters, moved })
     }
 
-    /// Whether a value that a sample by quantiles has makes the system of that sample.
+    /// Checks that a value that a sample by quantiles has makes the system of that sample.
     fn as_drawn(&self) -> Result<(), Error> {
         let Self { brake, parametrised, scene, .. } = *self;
         let Some(drawn) = brake.drawn_inputs() else { return Ok(()) };
@@ -125,7 +125,7 @@ impl<'a, B: UncertainBrake> Changed<'a, B> {
         Ok(())
     }
 
-    /// Whether several values count together.
+    /// Checks that several values count together.
     fn all_count(&self) -> Result<(), Error> {
         let mut moved = Vec::new();
         for (place, of) in self.moved.iter().enumerate() {

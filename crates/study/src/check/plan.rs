@@ -1,4 +1,4 @@
-//! A plan: places in its lists, bodies, and scenes that are there once.
+//! A plan: indices into its lists, bodies, and scenes that occur once.
 
 use std::collections::BTreeMap;
 
@@ -60,7 +60,7 @@ fn brake(of: &str, Brake { system, dofs, bodies, sectors }: &Brake) -> Result<()
     Ok(())
 }
 
-/// Whether all that a scene names is there.
+/// Checks that all that a scene names is there.
 fn places(at: usize, scene: &Scene, plan: &Plan) -> Result<(), Contradiction> {
     let SceneLabels { constraints, laws, speeds, panels, .. } = &plan.labels;
     let (of, SceneKey { constraints: set, law, speed, panel }) = (format!("scene {at}"), scene.key);
@@ -81,7 +81,7 @@ fn places(at: usize, scene: &Scene, plan: &Plan) -> Result<(), Contradiction> {
         .try_for_each(|&member| within(&of, "member", member, arrangements, "the arrangements of its panel"))
 }
 
-/// Whether each arrangement has one scene of a set of constraints, law and speed range.
+/// Checks that each arrangement has one scene of a set of constraints, law and speed range.
 fn scenes_once(scenes: &[Scene]) -> Result<(), Contradiction> {
     // Of each arrangement its scenes, by speed range; one without a range stands for every one.
     let mut known: BTreeMap<[usize; 4], Vec<(Option<usize>, usize)>> = BTreeMap::new();

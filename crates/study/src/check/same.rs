@@ -1,4 +1,4 @@
-//! Whether two operating points, or two systems, are one but for rounding.
+//! The comparison of two operating points, or of two systems, but for rounding.
 
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 
@@ -9,7 +9,7 @@ pub(super) struct Difference {
     pub expected: f64,
 }
 
-/// All numbers of an operating point by name: coefficients of terms, and gains of channels.
+/// Numbers of an operating point by name: coefficients of terms, and gains of channels.
 pub(super) fn numbers(system: &AffineSystem, at: &OperatingPoint) -> Vec<(String, f64)> {
     let terms = system.terms().iter().zip(&at.coefficients);
     let mut numbers: Vec<_> =
@@ -23,10 +23,10 @@ pub(super) fn numbers(system: &AffineSystem, at: &OperatingPoint) -> Vec<(String
     numbers
 }
 
-/// What a difference that is zero may be rounded to.
+/// Largest rounding error of a difference that is zero.
 const NOTHING: f64 = 1e-16;
 
-/// The first number of two operating points that differs by more than a part of its size.
+/// The first number of two operating points that differs by more than the fraction `part` of its size.
 pub(super) fn points_differ(
     system: &AffineSystem,
     found: &OperatingPoint,
@@ -44,9 +44,9 @@ pub(super) fn points_differ(
     found.into_iter().zip(expected).find_map(|(found, expected)| differs(found, expected))
 }
 
-/// Rounding of an entry, as a part of the largest one of its matrix.
+/// Rounding of an entry, as a fraction of the largest one of its matrix.
 const ROUNDING: f64 = 1e-13;
-/// Rounding of an entry, as a part of itself.
+/// Rounding of an entry, as a fraction of itself.
 const OF_ENTRY: f64 = 1e-9;
 
 /// The first entry of two systems that differs by more than rounding.

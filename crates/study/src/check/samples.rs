@@ -1,4 +1,4 @@
-//! What a brake computes of samples: medians, inputs with their coordinates, and the one parameter of a scene that has one.
+//! The samples of a brake: checks of medians, inputs with their coordinates, and the one parameter of a scene that has one.
 
 use montecarlo::stream;
 
@@ -7,17 +7,18 @@ use super::same::{Difference, numbers, points_differ};
 use crate::Error;
 use crate::{Contradiction, DrawnInputs, Input, Scene, SingleParameter, UncertainBrake};
 
-/// Rounding of a number of an operating point that is computed twice, as a part of it.
+/// Rounding of a number of an operating point that is computed twice, as a fraction of it.
 const ROUNDING: f64 = 1e-9;
-/// Rounding of the median of a distribution by its quantile function.
+/// Rounding of the median of a distribution by its quantile function, as a fraction of a number.
 const OF_QUANTILES: f64 = 1e-6;
-/// How far the quantile at one half may be from the median that is without the bounds of a distribution, as a part of a number; chosen.
+/// Largest distance of the quantile at one half from the median that is without the bounds of a distribution, as a fraction of a number;
+/// chosen.
 const OF_BOUNDS: f64 = 1e-2;
 /// Draws by which a scene with one parameter is checked.
 const DRAWS: u64 = 8;
-/// Values of that parameter between which a draw is looked for, evenly in probability.
+/// Number of values of that parameter between which a draw is looked for, evenly in probability.
 const GRID: u32 = 64;
-/// Distance of a draw from the curve of that parameter, in units of the range of each number, from where on it is not on it; chosen, far
+/// Distance from the curve of that parameter beyond which a draw is not on it, in units of the range of each number; chosen, far
 /// above what the search leaves and far below what a second parameter does.
 const OFF_CURVE: f64 = 1e-3;
 /// Coordinates at which an input is compared with that at one half; several, for a distribution that is constant over most of them.
@@ -33,7 +34,7 @@ pub(super) fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether the naming point of each configuration is that of the medians in one of its scenes, if the plan says that it is.
+/// Checks that the naming point of each configuration is that of the medians in one of its scenes, if the plan says that it is.
 fn medians<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     let (plan, median) = (brake.plan(), brake.median());
     if !plan.is_named_at_medians {
@@ -61,7 +62,7 @@ fn medians<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether each input has a value, and those of samples by quantiles are functions of their coordinates.
+/// Checks that each input has a value, and that those of samples by quantiles are functions of their coordinates.
 fn inputs<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: &Scene) -> Result<(), Error> {
     let (plan, median, inputs) = (brake.plan(), brake.median(), of.inputs(scene));
     let drawn = brake.draw(&mut stream(plan.seed, 0)).ok();
@@ -110,7 +111,7 @@ fn inputs<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: 
     Ok(())
 }
 
-/// Whether a scene that is said to have one parameter has it, and no other.
+/// Checks that a scene that is said to have one parameter has it, and no other.
 fn single_parameter<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: &Scene) -> Result<(), Error> {
     let Some(single) = of.single_parameter(scene) else { return Ok(()) };
     let described = || brake.plan().describe(scene);

@@ -17,7 +17,7 @@ use crate::{ModeLabel, Study, UncertainBrake};
 const FIRST_HALVINGS: u32 = 2;
 /// Number of steps of the finest grid in each direction; chosen.
 const GRID_STEPS: u32 = 1 << 16;
-/// Of this many points one is left outside the cells at each end of each direction; chosen.
+/// Number of points of which one is left outside the cells at each end of each direction; chosen.
 const POINTS_PER_OUTLIER: usize = 4096;
 /// Number of points of which the nearest gives the gain of a sample point; chosen.
 const TANGENT_CANDIDATES: usize = 2048;
@@ -30,7 +30,7 @@ const RATE_MARGIN: f64 = 1.5;
 
 /// A cell without a leaf yet, in steps of the finest grid.
 pub(super) struct PendingCell {
-    /// Index in [`CellBuilder::cells`].
+    /// Index of the cell in [`CellBuilder::cells`].
     pub place: usize,
     low: [u32; 3],
     size: [u32; 3],
@@ -56,7 +56,7 @@ struct CellView<'a> {
     width: f64,
     /// Extent in H at the frequency of the coordinates.
     extent: f64,
-    /// All points of the cell.
+    /// Gains at all points of the cell.
     gains: Vec<&'a ChannelGain>,
 }
 
@@ -242,7 +242,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         }
     }
 
-    /// The names of a mode as a [`ModeSet`].
+    /// Bits of the names of a mode, as a [`ModeSet`].
     fn bits(&self, names: &[ModeLabel]) -> ModeSet {
         let bit = |name: &ModeLabel| self.names.iter().position(|other| other == name).map_or(0, |bit| 1 << bit);
         let perhaps = names.iter().fold(0, |bits, name| bits | bit(name));
@@ -263,7 +263,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
 }
 
 impl<'a> CellView<'a> {
-    /// Whether a mode at a corner could reach the threshold somewhere in the cell.
+    /// True if a mode at a corner could reach the threshold somewhere in the cell.
     fn reaches(&self, threshold: &Threshold, mode: &SampledMode) -> bool {
         // At other frequencies than that of the coordinates the slopes in the cell may differ more.
         let some = self.gains.iter().step_by(self.gains.len().div_ceil(SLOPES_PER_CELL));
@@ -278,7 +278,7 @@ impl<'a> CellView<'a> {
         self.modes.iter().zip(path).map(|((mu, all), &i)| (*mu, &all[i])).collect()
     }
 
-    /// The margin at each point of the cell, and whether the slope there is outside the range of the surface.
+    /// The margin at each point of the cell, and true where the slope there is outside the range of the surface.
     fn margins(&self, surface: &ResponseSurface) -> Vec<(f64, bool)> {
         self.gains.iter().map(|gain| surface.margin(gain)).collect()
     }

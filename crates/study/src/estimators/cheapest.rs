@@ -15,28 +15,31 @@ use super::{
 };
 use crate::{ModeLabel, Scene, SceneTally, SingleParameter, Study, UncertainBrake};
 
-/// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
+/// Least number of systems that a control variate solves, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 /// Number of pilot samples, which only determine the number of plain samples; chosen.
 pub(super) const PLAIN_PILOT_SAMPLES: u64 = 400;
-/// Half width that plain sampling is planned for, as a part of the half width asked for; chosen.
+/// Half width that plain sampling is planned for, as a fraction of the half width asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
 /// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
 const FINEST_HALF_WIDTH: f64 = 1e-3;
-/// Largest and least number of Sobol points per scrambling, and number of scramblings; chosen: with the largest number, the
-/// standard error of the mean of a prediction is about 1e-4.
+/// Largest number of Sobol points per scrambling; chosen: with this number the standard error of the mean of a prediction is about 1e-4.
 const FINEST_POINTS: f64 = 32_768.0;
+/// Least number of Sobol points per scrambling; chosen.
 const COARSEST_POINTS: f64 = 1_024.0;
+/// Number of scramblings for the mean of a prediction; chosen.
 const SCRAMBLINGS: u32 = 32;
-/// Scramblings where Sobol points are what is solved, and the logarithms of their numbers of points; chosen.
+/// Number of scramblings where Sobol points are what is solved; chosen.
 const SOBOL_SCRAMBLINGS: u32 = 16;
+/// Binary logarithms of the numbers of Sobol points that are solved in each scrambling; chosen.
 const SOBOL_POINTS: std::ops::RangeInclusive<u32> = 7..=16;
 
-/// Fewest and most values at which a brake is looked at for being affine in its parameter; chosen: the most take a second or so.
+/// Fewest values at which a brake is looked at for being affine in its parameter; chosen.
 const FEWEST_PROBES: f64 = 256.0;
+/// Most values at which a brake is looked at for being affine in its parameter; chosen: they take a second or so.
 const MOST_PROBES: f64 = 100_000.0;
-/// How far its numbers may be from affine, relative to the largest: rounding of some operations.
+/// Largest distance of its numbers from affine ones, relative to the largest: rounding of some operations.
 const AFFINE_ROUNDING: f64 = 1e-11;
 
 /// A way to estimate occurrences.
@@ -55,7 +58,7 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// All of them, the cheapest first where it applies.
+    /// Estimators, the cheapest first where it applies.
     pub const ALL: [Self; 4] = [Self::ExactIntegral, Self::ControlVariate, Self::ScrambledSobol, Self::PlainSampling];
 }
 
@@ -77,13 +80,13 @@ pub struct SceneOccurrences {
     pub estimator: Estimator,
     /// Occurrences by name of the mode; modes that are certainly never unstable are not listed.
     pub modes: BTreeMap<ModeLabel, Estimated>,
-    /// The largest half width of any mode, listed or not, without the part that is due to open names.
+    /// Largest half width of any mode, listed or not, without the part that is due to open names.
     pub half_width: f64,
     /// Number of all systems solved.
     pub evaluations: u64,
     /// Number of systems that plain sampling would solve for the same half width of the occurrence nearest to one half.
     pub plain_evaluations: u64,
-    /// Estimates that the samples of the study contradict, and which this one took the place of.
+    /// Estimates of earlier estimators that the samples of the study contradict.
     #[serde(default)]
     pub rejected: Vec<Rejected>,
 }
@@ -102,8 +105,8 @@ pub fn scene_occurrences<B: UncertainBrake>(
     scene_occurrences_beside(study, scene, half_width, points, None)
 }
 
-/// As [`scene_occurrences`], beside samples of the scene: an estimate that they contradict is rejected, and the next estimator takes
-/// over, plain sampling at last.
+/// Occurrences as by [`scene_occurrences`], beside samples of the scene, `own`: an estimate that they contradict is rejected, and the next
+/// estimator takes over, plain sampling at last.
 ///
 /// # Errors
 /// As [`scene_occurrences`].
@@ -171,7 +174,7 @@ pub fn scene_occurrences_beside<B: UncertainBrake>(
 
 /// An estimator that does not apply to a scene.
 struct DoesNotApply {
-    /// Systems solved until that was known.
+    /// Number of systems solved until that was known.
     evaluations: u64,
 }
 
@@ -191,7 +194,7 @@ pub fn friction_points<B: UncertainBrake>(
     if is_single { Ok(None) } else { points_of_friction(study, scene, half_width) }
 }
 
-/// [`friction_points`] of a scene whether it has a single parameter or not.
+/// Friction points as by [`friction_points`], of a scene whether it has a single parameter or not.
 fn points_of_friction<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -213,7 +216,7 @@ fn points_of_friction<B: UncertainBrake>(
     }
 }
 
-/// The occurrences by the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
+/// The occurrences by the exact integral; it does not apply where the scene has no single parameter, or its branches are not resolved.
 fn by_integral<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -263,7 +266,7 @@ fn single_parameter<'a, B: UncertainBrake>(brake: &'a B, scene: &Scene) -> Optio
     brake.drawn_inputs()?.single_parameter(scene)
 }
 
-/// Whether the coefficients and gains of a scene are affine in its one parameter at values of equal probability, of which a quarter of
+/// True if the coefficients and gains of a scene are affine in its one parameter at values of equal probability, of which a quarter of
 /// the half width lies between two: what a formula does in an interval as narrow as the half width is seen. A value at which the brake
 /// does not exist is none of an affine one.
 fn is_affine_throughout<B: UncertainBrake>(
@@ -291,7 +294,7 @@ fn is_affine_throughout<B: UncertainBrake>(
     (1..count).all(is_affine)
 }
 
-/// All numbers of an operating point.
+/// Numbers of an operating point: coefficients, and gains of all channels.
 fn numbers(at: OperatingPoint) -> Vec<f64> {
     let of_channel = |gain: &linsys::ChannelGain| {
         let lag = gain.lag.map_or([0.0; 3], |lag| [lag.decay, lag.drive, lag.force]);
@@ -300,7 +303,7 @@ fn numbers(at: OperatingPoint) -> Vec<f64> {
     at.coefficients.iter().copied().chain(at.channels.iter().flat_map(of_channel)).collect()
 }
 
-/// What came of Sobol points, with the systems solved.
+/// Outcome of Sobol points, with the number of systems solved.
 enum Sobol {
     Reached(Estimates, u64),
     GivenUp(u64),
@@ -334,8 +337,8 @@ fn by_sobol<B: UncertainBrake>(
     Ok(Sobol::GivenUp(spent))
 }
 
-/// Samples for a half width: what the occurrence nearest to one half needs, within the limits that pilots leave it. A mode that
-/// no pilot shows is planned for as if it occurred as often as the half width says.
+/// Number of samples for a half width: the number that the occurrence nearest to one half needs, within the limits that pilots leave it.
+/// A mode that no pilot shows is planned for as if it occurred as often as the half width says.
 pub(super) fn planned_samples(pilots: &Estimates, half_width: f64) -> u64 {
     let nearest = |mode: &Estimated| 0.5_f64.clamp(mode.limits.lower, mode.limits.upper);
     let needed = |p: f64| plain_samples(p, PLANNED_WIDTH * half_width);
@@ -343,7 +346,7 @@ pub(super) fn planned_samples(pilots: &Estimates, half_width: f64) -> u64 {
 }
 
 impl SceneOccurrences {
-    /// Whether nothing in the samples of the scene contradicts these.
+    /// True if nothing in the samples of the scene contradicts these occurrences.
     #[must_use]
     pub fn agrees_with(&self, own: &SceneTally) -> bool {
         contradiction(self, own).is_none()
@@ -363,7 +366,7 @@ impl SceneOccurrences {
     }
 }
 
-/// Samples with which plain sampling knows an occurrence to a half width at 95 %.
+/// Number of samples with which plain sampling knows an occurrence p to a half width at 95 %.
 fn plain_samples(p: f64, half_width: f64) -> f64 {
     trials_for_half_width(p, half_width, Confidence::P95)
 }

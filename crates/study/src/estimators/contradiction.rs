@@ -1,4 +1,4 @@
-//! Whether the samples of a study contradict an estimate of its occurrences.
+//! Contradictions between an estimate of the occurrences of a study and its samples.
 
 use std::collections::BTreeSet;
 
@@ -15,13 +15,13 @@ const TAIL: f64 = 0.5e-6;
 /// An estimate that was not used, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rejected {
-    /// Its estimator.
+    /// Estimator of the estimate.
     pub estimator: Estimator,
-    /// What contradicts it.
+    /// Contradiction, in words.
     pub because: String,
 }
 
-/// What in the samples of a scene contradicts its estimated occurrences, if anything: an occurrence, or that of anything unstable,
+/// Contradiction between the samples of a scene and its estimated occurrences, if any: an occurrence, or that of anything unstable,
 /// whose limits in the samples (Clopper and Pearson at 1e-6) have no number in common with those of the estimate, widened from 95 % to
 /// as much by the ratio of the normal deviations.
 pub(super) fn contradiction(found: &SceneOccurrences, own: &SceneTally) -> Option<String> {
@@ -55,7 +55,7 @@ pub(super) fn contradiction(found: &SceneOccurrences, own: &SceneTally) -> Optio
     are_apart(&any, &own.any()).then(|| in_words("anything", &any, &own.any()))
 }
 
-/// Whether the limits of a proportion have no number in common with an interval.
+/// True if the limits of a proportion have no number in common with an interval.
 fn are_apart(estimate: &Interval, of: &Proportion) -> bool {
     let (sure, possible, trials) = (of.hits(), of.hits() + of.ambiguous(), of.trials());
     // The lower limit of one hit, 1 - (1 - tail)^(1/n), which a bisection of numbers near 1 does not resolve.

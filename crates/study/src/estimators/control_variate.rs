@@ -26,9 +26,9 @@ use super::stratum::Stratum;
 use super::{ControlVariateEstimate, EstimatorError, Surrogate};
 use crate::{ModeLabel, Scratch, Study, UncertainBrake};
 
-/// Half width for which the samples of the first look are planned, as a part of the half width asked for; chosen.
+/// Half width for which the samples of the first look are planned, as a fraction of the half width asked for; chosen.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
-/// Parts of the half width tried for Student's t, of which the cheapest is taken; chosen.
+/// Fractions of the half width tried for Student's t, of which the cheapest is taken; chosen.
 const STUDENT_PARTS: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
 /// Cost of an uncertain sample over that of a clear one, whose modes need not be followed; chosen.
 const UNCERTAIN_PRICE: f64 = 2.0;
@@ -36,9 +36,9 @@ const UNCERTAIN_PRICE: f64 = 2.0;
 const PRIOR_WRONG_OF_ALL: f64 = 3e-4;
 /// Share of the uncertain samples in which a prediction is assumed to be wrong in addition; chosen.
 const PRIOR_WRONG_OF_UNCERTAIN: f64 = 0.05;
-/// Number of uncertain samples by which that share is estimated where many samples are needed; they have no other use. Chosen.
+/// Number of uncertain samples that estimate the share of wrong predictions where many samples are needed; they have no other use. Chosen.
 const PILOT_SAMPLES: u64 = 400;
-/// Standard error from uncertain samples for which a surrogate is refined, as a part of the half width; chosen.
+/// Standard error from uncertain samples for which a surrogate is refined, as a fraction of the half width; chosen.
 const SURROGATE_ERROR_PART: f64 = 0.13;
 /// Least number of uncertain samples in the first look, so that Student's t applies; chosen.
 const FEWEST_UNCERTAIN: f64 = 120.0;
@@ -137,7 +137,7 @@ struct StratifiedSamples<'a, B: UncertainBrake> {
     friction: LeadingFriction<'a, B>,
     scene: usize,
     surrogate: &'a Surrogate,
-    /// Every name of the scene.
+    /// Names that occur in the scene.
     names: Vec<ModeLabel>,
     seed: u64,
     next: u64,

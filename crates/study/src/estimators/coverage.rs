@@ -1,4 +1,4 @@
-//! Do the intervals keep their promise? Simulations with a known truth: the estimate may be farther from it than the half width
+//! Coverage of the intervals, by simulations with a known truth: the estimate may be farther from it than the half width
 //! in one run of twenty at most, wherever the truth is between 0 and 1.
 
 use std::collections::BTreeMap;
@@ -22,15 +22,15 @@ const MODE: ModeLabel = ModeLabel::new(7);
 /// Error probability of an interval.
 const TAIL: f64 = 0.05;
 
-/// What came of some runs.
+/// Counts of some runs of an estimator.
 #[derive(Debug, Clone, Copy, Default)]
 struct Coverage {
     runs: u64,
-    /// The estimate is farther from the truth than the half width.
+    /// Runs whose estimate is farther from the truth than the half width.
     missed: u64,
-    /// It is farther than half the width of the interval.
+    /// Runs whose estimate is farther from the truth than half the width of the interval.
     missed_by_halves: u64,
-    /// The half width is at most the one asked for.
+    /// Runs whose half width is at most the one asked for.
     reached: u64,
     half_width: f64,
 }
@@ -100,7 +100,7 @@ enum Event {
 }
 
 impl Event {
-    /// That number: `P = c`, and `P = c (1 - ln c)`.
+    /// Number below which u or u v is with a probability P: `P = c`, and `P = c (1 - ln c)`.
     fn threshold(self, probability: f64) -> f64 {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         for _ in 0..100 {
@@ -131,18 +131,18 @@ fn quasi(event: Event, truth: f64, points: u32, scramblings: u32, rng: &mut Stre
     of(&of_scramblings(&runs, points, Counters::default(), Confidence::P95))
 }
 
-/// How prediction and reference are distributed together.
+/// Joint distribution of prediction and reference.
 #[derive(Debug, Clone, Copy)]
 struct Population {
     /// Probability that the prediction is uncertain.
     uncertain: f64,
-    /// Of clear and of uncertain samples: the probability that the prediction alone says unstable, and the reference alone.
+    /// Probabilities that the prediction alone says unstable, and that the reference alone does, of clear and of uncertain samples.
     alone: [[f64; 2]; 2],
     truth: f64,
 }
 
 impl Population {
-    /// The prediction errs in parts of the stable and of the unstable samples, by kind.
+    /// A population whose prediction errs in fractions of the stable and of the unstable samples, by kind.
     fn new(truth: f64, uncertain: f64, errs: [[f64; 2]; 2]) -> Self {
         let alone = errs.map(|[of_stable, of_unstable]| [(1.0 - truth) * of_stable, truth * of_unstable]);
         Self { uncertain, alone, truth }
@@ -248,7 +248,7 @@ fn half_the_width_of_an_interval_that_ends_at_0_would_not_do() {
     assert!(coverage.missed_by_halves > 200, "{coverage:?}");
 }
 
-/// `cargo test --release -p squeal --lib coverage -- --ignored --nocapture`
+/// Command: `cargo test --release -p study --lib coverage -- --ignored --nocapture`
 #[test]
 #[ignore = "a hundred thousand simulated estimates"]
 fn coverage_of_every_estimator() {

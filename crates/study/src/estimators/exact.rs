@@ -25,11 +25,11 @@ const CUT_OFF: f64 = 2e-12;
 /// The result of the exact integral for one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exact {
-    /// The probabilities.
+    /// Occurrences, with the pieces of the interval that they are summed over.
     pub integral: Integral,
     /// Bound of the error of each probability, if no pair of onsets was overlooked within one step.
     pub error: f64,
-    /// The onsets.
+    /// Onsets of the unstable modes.
     pub onsets: Onsets,
     /// Numbers of computations, without those of the reference.
     pub counters: Counters,
@@ -74,7 +74,7 @@ fn named(
     unstable.into_iter().map(name).collect()
 }
 
-/// Those of some eigenvalues right of the axis that surely are, by their bounds; what is marginal neither grows nor decays.
+/// Indices of the eigenvalues right of the axis that surely are unstable, by their bounds; a marginal one neither grows nor decays.
 ///
 /// # Errors
 /// [`EstimatorError::NotOneParameter`] where a verdict is open.

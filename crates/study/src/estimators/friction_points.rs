@@ -54,7 +54,7 @@ impl FrictionPoints {
         Ok(Self { scramblings, training: of_scrambling(0)?, omega })
     }
 
-    /// Whether these points can be used for another scene: whether its friction has the same values at some of the points.
+    /// True if these points can be used for another scene: if its friction has the same values at some of the points.
     ///
     /// # Errors
     /// As [`FrictionPoints::new`].

@@ -23,14 +23,14 @@ pub struct Piece {
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// For each unstable mode its candidate names, one where the name is certain.
+    /// Candidate names of each unstable mode, one where the name is certain.
     pub unstable: Vec<Vec<ModeLabel>>,
 }
 
 /// Occurrences from the pieces of the parameter's interval.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Integral {
-    /// By name of the tracked mode; modes that are never unstable are not listed.
+    /// Occurrence of each tracked mode, by name; modes that are never unstable are not listed.
     pub occurrences: BTreeMap<ModeLabel, OccurrenceBounds>,
     /// Probability of any unstable mode.
     pub any: f64,

@@ -14,10 +14,10 @@ use crate::ModeLabel;
 
 /// Error probability of the interval for the probability of an uncertain prediction; chosen, as a part of the 5 % of all looks.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
-/// For each interim look at the counts its error probability, and its number of samples as a multiple of that of the first.
+/// Error probability of each interim look at the counts, and its number of samples as a multiple of that of the first.
 /// Chosen: with [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality).
 pub(super) const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
-/// Part of the error probability of a look that belongs to the clear samples; the rest belongs to Student's t. Chosen.
+/// Fraction of the error probability of a look that belongs to the clear samples; the rest belongs to Student's t. Chosen.
 const CLEAR_TAIL_PART: f64 = 0.7;
 
 /// Occurrences of one scene by a control variate.
@@ -27,7 +27,7 @@ pub struct ControlVariateEstimate {
     pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Upper limit of the occurrence of any mode that is not listed.
     pub unseen: f64,
-    /// Systems solved.
+    /// Numbers of systems solved.
     pub evaluations: Evaluations,
     /// Numbers of clear and of uncertain samples in which the prediction was wrong about any mode.
     pub wrong: [u64; 2],
@@ -36,7 +36,7 @@ pub struct ControlVariateEstimate {
 }
 
 impl ControlVariateEstimate {
-    /// The largest half width, without the part that is due to open names: more samples do not reduce that.
+    /// Largest half width, without the part that is due to open names: more samples do not reduce that.
     pub fn half_width(&self) -> f64 {
         self.modes.values().map(Estimated::half_width).fold(self.unseen, f64::max)
     }
@@ -44,7 +44,7 @@ impl ControlVariateEstimate {
 
 /// Means of a prediction over Sobol points, with the standard errors that follow from the scatter of the scramblings.
 pub(super) struct PredictionMeans {
-    /// By name, the probabilities of the predictions that a mode is certainly, and possibly, unstable.
+    /// Probabilities of the predictions that a mode is certainly, and possibly, unstable, by name.
     pub modes: BTreeMap<ModeLabel, [ReplicateMean; 2]>,
     /// The probability of an uncertain prediction.
     pub uncertain: ReplicateMean,
@@ -80,7 +80,7 @@ impl PredictionMeans {
     }
 }
 
-/// For each mode the number of points at which it is predicted to be certainly, and possibly, unstable; last, the number at
+/// Numbers of points at which each mode is predicted to be certainly, and possibly, unstable; last, the number at
 /// which the prediction is uncertain.
 fn hits(surrogate: &Surrogate, points: &[ChannelGain]) -> Vec<u32> {
     let count = surrogate.names().len();

@@ -27,7 +27,7 @@ impl ModeSet {
 pub(super) struct Prediction {
     /// Names of the unstable modes.
     pub unstable: ModeSet,
-    /// Whether the prediction is likely to be wrong.
+    /// The prediction is likely to be wrong.
     pub is_uncertain: bool,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct Leaf {
     pub unstable: CornerNames,
     /// Modes that may cross the threshold.
     pub crossing: Vec<CrossingMode>,
-    /// Whether a mode could not be followed between corners.
+    /// A mode could not be followed between corners.
     pub is_uncertain: bool,
 }
 
@@ -65,7 +65,7 @@ pub(super) struct CrossingMode {
 }
 
 impl CrossingMode {
-    /// Whether the mode is beyond the threshold under a gain, and whether that or the name is uncertain.
+    /// Prediction for the mode under a gain: it is beyond the threshold; this or the name is uncertain.
     pub fn predict(&self, gain: &ChannelGain) -> [bool; 2] {
         let (margin, is_outside) = self.surface.margin(gain);
         self.judge(margin, is_outside)
@@ -82,7 +82,7 @@ impl CrossingMode {
 #[derive(Debug, Clone)]
 pub(super) struct CornerNames {
     pub at: [ModeSet; CORNERS],
-    /// Whether the names differ between corners, or no corner gives a name.
+    /// The names differ between corners, or no corner gives a name.
     pub is_uncertain: bool,
 }
 

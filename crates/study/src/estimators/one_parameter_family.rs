@@ -16,7 +16,7 @@ use crate::{Scene, UncertainBrake};
 
 /// Shortest step in mu: what is still open there stays open; chosen.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
-/// How far matrices may be from affine in the parameter, relative to their largest entry: rounding of a few operations.
+/// Largest distance of matrices from affine in the parameter, relative to their largest entry: rounding of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-13;
 /// Probabilities of the values within the distribution at which matrices are compared with affine ones; chosen, so that what
 /// repeats itself over whole parts of it is seen.
@@ -32,7 +32,7 @@ pub struct OneParameterFamily<'a> {
     spectra: KeptSpectra<'a, MakeSystem>,
 }
 
-/// Makes the system at a value of the parameter.
+/// Function that makes the system at a value of the parameter.
 type MakeSystem = Box<dyn FnMut(f64) -> Result<SystemAt, EstimatorError> + Send>;
 
 impl<'a> OneParameterFamily<'a> {
@@ -110,12 +110,12 @@ impl<'a> OneParameterFamily<'a> {
         &self.change.above
     }
 
-    /// What was computed so far.
+    /// Counters of the computations so far.
     pub fn counters(&self) -> Counters {
         self.spectra.counters()
     }
 
-    /// Every onset between two coefficients.
+    /// The onsets between two values of the parameter, all of them.
     ///
     /// # Errors
     /// Those of the spectra; [`TrackingError`](tracking::TrackingError) where branches are not resolved, modes do not oscillate
@@ -125,7 +125,7 @@ impl<'a> OneParameterFamily<'a> {
     }
 }
 
-/// Whether the matrices at a value are `constant + value linear`, but for rounding: that of a difference of two systems grows
+/// True if the matrices at a value are `constant + value linear`, but for rounding: that of a difference of two systems grows
 /// with the value by which it is multiplied.
 fn is_affine(constant: &SecondOrder, linear: &SecondOrder, value: f64, found: &SecondOrder) -> bool {
     let expected = affine(constant, linear, value);

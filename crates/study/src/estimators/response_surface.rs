@@ -25,12 +25,12 @@ const RELIABLE_RANGE: f64 = 1.25;
 /// lambda as a polynomial in mu and H, both scaled to a cell.
 #[derive(Debug, Clone)]
 pub(super) struct ResponseSurface {
-    /// From where on the mode counts as unstable.
+    /// Instability threshold of a mode.
     threshold: Threshold,
     degree: usize,
     centre: (f64, Complex<f64>),
     scale: (f64, f64),
-    /// In the order of [`powers`].
+    /// Coefficients, rad/s, in the order of [`powers`].
     coefficients: Vec<Complex<f64>>,
     /// Root mean square error of the polynomial at the corners plus an estimate of the terms of higher degree, rad/s.
     pub residual: f64,
@@ -109,8 +109,8 @@ impl ResponseSurface {
         })
     }
 
-    /// lambda under a gain, and whether the slope at lambda is outside [`RELIABLE_RANGE`]: the slope depends on more than the
-    /// coordinates of the gain.
+    /// Eigenvalue lambda, rad/s, under a gain, and true if the slope at lambda is outside [`RELIABLE_RANGE`]: the slope depends on more
+    /// than the coordinates of the gain.
     fn eigenvalue(&self, gain: &ChannelGain) -> (Complex<f64>, bool) {
         let mut slope = gain.complex_slope(self.coefficients[0]);
         let mut lambda = self.at(gain.mu, slope);
@@ -124,7 +124,7 @@ impl ResponseSurface {
         (lambda, (slope - self.centre.1).norm_sqr() > (RELIABLE_RANGE * self.scale.1).powi(2))
     }
 
-    /// How far the eigenvalue is beyond the threshold under a gain, and whether the slope at it is outside [`RELIABLE_RANGE`].
+    /// Margin of the eigenvalue beyond the threshold under a gain, rad/s, and true if the slope at it is outside [`RELIABLE_RANGE`].
     pub fn margin(&self, gain: &ChannelGain) -> (f64, bool) {
         let (lambda, is_outside) = self.eigenvalue(gain);
         (self.threshold.margin(lambda), is_outside)

@@ -10,7 +10,7 @@ use super::EstimatorError;
 use super::friction_points::LeadingFriction;
 use crate::{ModeLabel, NearAxis, Scratch, Study, UncertainBrake};
 
-/// Largest decay rate, as a part of |lambda|, of an eigenvalue that counts as near the axis; chosen.
+/// Largest decay rate, as a fraction of |lambda|, of an eigenvalue that counts as near the axis; chosen.
 const LARGEST_DECAY: f64 = 0.025;
 
 /// An eigenvalue near the axis, as a function of mu and of the complex slope s.
@@ -40,8 +40,9 @@ pub(super) struct SamplePoints<'a, B: UncertainBrake> {
     study: &'a Study<'a, B>,
     scene: usize,
     friction: LeadingFriction<'a, B>,
-    /// dK / d mu and dC / d slope.
+    /// Change of K by mu, dK / d mu.
     by_mu: Sparse,
+    /// Change of C by the slope, dC / d slope.
     by_slope: Sparse,
     work: Workspace,
     scratch: Scratch,

@@ -22,9 +22,9 @@ pub(super) const UNSEEN_HITS: f64 = 2.0;
 /// An occurrence with what its estimator knows of its error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimated {
-    /// The estimate.
+    /// Estimate of the occurrence.
     pub occurrence: OccurrenceBounds,
-    /// Its 95 % interval, within 0 and 1: the lower limit is one of the mode surely unstable, the upper one of the mode perhaps
+    /// Limits of its 95 % interval, within 0 and 1: the lower limit is one of the mode surely unstable, the upper one of the mode perhaps
     /// unstable.
     pub limits: Interval,
 }
@@ -37,9 +37,9 @@ impl Estimated {
         Self { occurrence, limits }
     }
 
-    /// The largest distance from an end of the occurrence to the limit beyond it: at the confidence of the limits the true
+    /// Largest distance from an end of the occurrence to the limit beyond it: at the confidence of the limits the true
     /// occurrence is at most so far from the estimate. Near 0 and 1, where the interval ends at one side, this is more than half
-    /// of its width. What open names leave between the ends is not in it: more samples do not close that.
+    /// of its width. The distance that open names leave between the ends is not in it: more samples do not close that.
     #[must_use]
     pub fn half_width(&self) -> f64 {
         (self.occurrence.lower - self.limits.lower).max(self.limits.upper - self.occurrence.upper)
@@ -49,16 +49,16 @@ impl Estimated {
 /// Estimates for the modes that were unstable in any sample, by name.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Estimates {
-    /// By name of the tracked mode.
+    /// Estimate of each tracked mode, by name.
     pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Upper limit, at 95 %, of the occurrence of any mode that is not listed.
     pub unseen: f64,
-    /// What was computed.
+    /// Counters of the computations.
     pub counters: Counters,
 }
 
 impl Estimates {
-    /// The largest half width, of a mode that was seen or not.
+    /// Largest half width, of a mode that was seen or not.
     #[must_use]
     pub fn half_width(&self) -> f64 {
         self.modes.values().map(Estimated::half_width).fold(self.unseen, f64::max)
@@ -131,7 +131,7 @@ impl ScrambledSobol {
         Self { seed, points: 0, runs, counters: Counters::default() }
     }
 
-    /// Solves the points that are missing of so many in each scrambling.
+    /// Solves the points that are missing of the first `points` in each scrambling.
     pub fn extend<B: UncertainBrake>(
         &mut self,
         study: &Study<'_, B>,

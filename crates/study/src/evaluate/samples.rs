@@ -15,10 +15,10 @@ use crate::sector_modes::{SectorModes, SecularAnswer, UnstableSectorMode};
 use crate::secular_equations::growing_modes;
 use crate::{BandMode, KnownMode, ModeLabel, ModeSource, UncertainBrake};
 
-/// Memory, bytes, of the matrices of the samples of a block that are solved together; chosen: all of a block where they are small.
+/// Memory of the matrices of the samples of a block that are solved together, bytes; chosen: all of a block where they are small.
 const BYTES_TOGETHER: usize = 16_000_000;
 
-/// How many samples of a block are solved together by spectra: a multiple of the lanes of the solver, on which no result depends.
+/// Number of samples of a block solved together by spectra: a multiple of the lanes of the solver, on which no result depends.
 fn samples_together(order: usize) -> usize {
     let bytes = 3 * size_of::<f64>() * order * order;
     (BYTES_TOGETHER / bytes.max(1)).next_multiple_of(8).max(8)
@@ -189,8 +189,8 @@ impl<B: UncertainBrake> Study<'_, B> {
     }
 }
 
-/// Which samples have growing modes, and which are open, by the answers of all sectors: a sample that one sector leaves open
-/// needs the spectra of all. Samples in neither list are stable.
+/// Indices of the samples that have growing modes, and of those that are open, by the answers of all sectors: a sample that one sector
+/// leaves open needs the spectra of all. Samples in neither list are stable.
 fn growing_and_open(found: &[Vec<SecularAnswer>], samples: usize) -> (Vec<usize>, Vec<usize>) {
     let (mut growing, mut open) = (Vec::new(), Vec::new());
     for at in 0..samples {

@@ -1,12 +1,12 @@
-//! What tells one study from another, in one line.
+//! Identity: the line that tells one study from another.
 //!
 //! ```text
 //! "two pads" version=2 terms:1f0c88a1b2c3 parameters:77d0... threshold=0,0 scenes:5b1e... draws:90aa... seed=7 format=8
 //! ```
 //!
 //! A part that is long stands there as a digest after a colon, one that is short as itself after an equals sign, so that a refusal can say
-//! which part differs. What goes into a digest is written out field by field: it changes when a value does, and never with the name of a
-//! field or the layout of a type.
+//! which part differs. The values behind a digest are written out field by field: it changes when a value does, and never with the name of
+//! a field or the layout of a type.
 
 mod of_study;
 
@@ -15,7 +15,7 @@ pub use of_study::{channel, naming, of_study};
 use montecarlo::Distribution;
 use sha2::{Digest, Sha256};
 
-/// Changes when a part is added or written in another way, so that older lines are refused by name.
+/// Version of the line. It changes when a part is added or written in another way, so that older lines are refused by name.
 const VERSION: u32 = 2;
 /// Hexadecimal digits of a digest.
 const DIGITS: usize = 12;
@@ -40,7 +40,7 @@ impl Identity {
         }
     }
 
-    /// With a part that is long.
+    /// The identity with one more part, which is long: its digest.
     pub fn part(self, key: &str, write: impl FnOnce(&mut Written)) -> Self {
         let mut written = Written(Sha256::new());
         write(&mut written);
@@ -48,7 +48,7 @@ impl Identity {
         Self { line: format!("{} {key}:{}", self.line, &digest[..DIGITS]) }
     }
 
-    /// With a part that is short and has no spaces.
+    /// The identity with one more part, which is short and has no spaces: itself.
     pub fn given(self, key: &str, value: impl std::fmt::Display) -> Self {
         Self { line: format!("{} {key}={value}", self.line) }
     }
@@ -69,11 +69,11 @@ fn quoted(name: &str) -> String {
     format!("\"{}\"", escaped.collect::<String>())
 }
 
-/// Takes the values that a part is made of, one after the other.
+/// Digest of a part, which takes the values that the part is made of, one after the other.
 pub struct Written(Sha256);
 
 impl Written {
-    /// A whole number: a count, a place, which of several choices.
+    /// A whole number: a count, an index, which of several choices.
     pub fn count(&mut self, count: usize) {
         self.0.update((count as u64).to_le_bytes());
     }
@@ -83,7 +83,7 @@ impl Written {
         self.0.update((number + 0.0).to_bits().to_le_bytes());
     }
 
-    /// A number to nine digits: what differs less comes from another library of functions.
+    /// A number to nine digits: smaller differences come from another library of functions.
     pub fn rounded(&mut self, number: f64) {
         self.text(&format!("{:.8e}", number + 0.0));
     }
@@ -120,15 +120,15 @@ impl Written {
 
 /// The parts of a line.
 struct Parts<'a> {
-    /// With its quotes.
+    /// Name of the study, with its quotes.
     name: &'a str,
     version: &'a str,
-    /// Key, whether it is a digest, value.
+    /// Key, whether the value is a digest, value, of each part.
     parts: Vec<(&'a str, bool, &'a str)>,
 }
 
 impl<'a> Parts<'a> {
-    /// `None` of a text that is no line of an identity with a version.
+    /// The parts of a line; `None` of a text that is no line of an identity with a version.
     fn of(line: &'a str) -> Option<Self> {
         let mut is_escaped = false;
         let end = line.char_indices().skip(1).find(|&(_, c)| {
@@ -149,7 +149,7 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// What a folder that holds `found` has that a study `wanted` does not, for a message that begins with "holds".
+/// Difference of a folder that holds the study `found` from the study `wanted`, for a message that begins with "holds".
 pub fn difference(found: &str, wanted: &str) -> String {
     let (Some(wanted), true) = (Parts::of(wanted), found.starts_with('"')) else { return found.to_owned() };
     let older = || format!("{found}, a study of another version of this program, which this version cannot continue");

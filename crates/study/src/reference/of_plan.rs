@@ -1,4 +1,4 @@
-//! The references of a plan: of its origins, of its configurations from these, and of its scenes from those.
+//! The references of a plan: of its origins, of its configurations from the origins, and of its scenes from the configurations.
 
 use cea::{EigenSolver, Mode, Modes, ranks_together};
 use linsys::{OperatingPoint, SecondOrder, real_times_complex};
@@ -121,7 +121,7 @@ fn of_configuration(
     SectoredReference::linked(&from, solver, &brake.sectors, system, Way::Far, plan)
 }
 
-/// The modes of a configuration, by its place in the plan, named by those of an origin with other degrees of freedom, in coordinates that
+/// The modes of a configuration, by its index in the plan, named by those of an origin with other degrees of freedom, in coordinates that
 /// both have in common; `None` where both have the same.
 fn across(
     bridge: &Bridges<'_>,
