@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-/// What can go wrong between a study and its results.
+/// Errors between a study and its results.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The study.
+    /// An error of the study.
     #[error(transparent)]
     Study(#[from] study::Error),
     /// A spectrum contradicts the boundary of a stability map, however many lines it is looked for on.
@@ -15,22 +15,22 @@ pub enum Error {
          which the boundary is found, or a sweep over one parameter"
     )]
     MapContradicted {
-        /// Values of the parameters.
+        /// Values of the parameters, in words.
         at: String,
-        /// Unstable modes by the spectrum.
+        /// Number of unstable modes by the spectrum.
         found: usize,
-        /// Unstable modes by the curves.
+        /// Number of unstable modes by the curves.
         expected: usize,
     },
-    /// A sweep over parameters.
+    /// An error in a sweep over parameters.
     #[error("{at}: {source}")]
     Sweep {
-        /// The parameters with the values, or the range, at which it failed.
+        /// Parameters with the values, or the range, at which the sweep failed.
         at: String,
-        /// Why.
+        /// Cause.
         source: Box<Error>,
     },
-    /// An estimator of occurrences.
+    /// An error of an estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<study::estimators::EstimatorError>),
     /// A scene in which nothing is drawn.
@@ -47,22 +47,22 @@ pub enum Error {
         /// Constraints, law, contacts and speed.
         scene: String,
     },
-    /// A capability that something needs, and the type of the brake does not give.
+    /// A capability that a computation needs, and the type of the brake does not give.
     #[error("{needed_by} needs {capability} of the brake, which its type does not give")]
     NotGiven {
         /// The method of [`UncertainBrake`](study::UncertainBrake) that is `None`.
         capability: &'static str,
-        /// What asks for it.
+        /// Computation that needs the capability.
         needed_by: &'static str,
     },
     /// An argument that does not fit the brake.
     #[error("{argument} = {value}; allowed: {allowed}")]
     Argument {
-        /// The argument.
+        /// Name of the argument.
         argument: &'static str,
-        /// What was given.
+        /// Value given.
         value: String,
-        /// What is allowed.
+        /// Values allowed, in words.
         allowed: String,
     },
     /// A folder that belongs to another study.
@@ -73,9 +73,9 @@ pub enum Error {
     OtherStudy {
         /// The folder.
         path: PathBuf,
-        /// The identity of the study that it holds, or what it holds else.
+        /// Identity of the study that the folder holds, or its contents otherwise.
         found: String,
-        /// The identity of the study to be run.
+        /// Identity of the study to be run.
         wanted: String,
     },
     /// Estimates in a folder that are truncated or altered, or of another version of the program.
@@ -86,7 +86,7 @@ pub enum Error {
     EstimatesDamaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Damage of the file.
         damage: montecarlo::Damage,
     },
     /// A folder that another run writes to.
@@ -94,7 +94,7 @@ pub enum Error {
     InUse {
         /// The folder.
         path: PathBuf,
-        /// The other run, with its process and age where they are known.
+        /// Other run, with its process and age where they are known.
         by: String,
     },
     /// A folder that was removed or taken by another run while this one worked.
@@ -115,18 +115,18 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
 }
 
 impl Error {
-    /// Whether this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
+    /// True if this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Study(error) if error.is_cancelled())
     }
 
-    /// The error with where in a sweep it happened; the end of cancelled work as it is.
+    /// The error with the place in a sweep where it happened; the end of cancelled work as it is.
     pub(crate) fn in_sweep(self, at: impl FnOnce() -> String) -> Self {
         if self.is_cancelled() { self } else { Self::Sweep { at: at(), source: Box::new(self) } }
     }

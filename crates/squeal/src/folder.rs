@@ -9,18 +9,18 @@ use output::{OutputError, in_words, make_folder, write};
 
 use crate::Error;
 
-/// The file that says whose folder it is.
+/// Name of the file that says which study the folder belongs to.
 const MARKER: &str = "study.txt";
-/// The file that is locked while a run works in the folder. It stays there; the lock ends with the process.
+/// Name of the file that is locked while a run works in the folder. It stays there; the lock ends with the process.
 const LOCK: &str = "run.lock";
-/// The folder in which tables and figures are made before they are published.
+/// Name of the folder in which tables and figures are made before they are published.
 const STAGE: &str = "results.partial";
 
 /// A folder in which this process alone works on one study, until it is dropped.
 pub struct RunFolder {
     path: PathBuf,
     identity: String,
-    /// What this process wrote into the lock file.
+    /// Text that this process wrote into the lock file.
     owner: String,
     _lock: File,
 }
@@ -52,7 +52,7 @@ impl RunFolder {
         Ok(folder)
     }
 
-    /// Refuses to go on where the folder is no longer this run's: removed, or made anew by another.
+    /// Refuses to go on where the folder no longer belongs to this run: removed, or made anew by another.
     fn check_ours(&self) -> Result<(), Error> {
         let holds = |name: &str, text: &str| fs::read_to_string(self.path.join(name)).is_ok_and(|found| found == text);
         if holds(LOCK, &self.owner) && holds(MARKER, &format!("{}\n", self.identity)) {
@@ -62,14 +62,14 @@ impl RunFolder {
         }
     }
 
-    /// Writes a file, if the folder is still this run's.
+    /// Writes a file, if the folder still belongs to this run.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
         self.check_ours()?;
         Ok(write(&self.path.join(name), contents)?)
     }
 
     /// Publishes the files that `make` writes into the folder it is given: when it has succeeded, one after the other,
-    /// each only if this folder is still this run's.
+    /// each only if this folder still belongs to this run.
     ///
     /// # Errors
     /// Those of `make`, [`Error::FolderLost`], and files that cannot be written.
@@ -134,7 +134,7 @@ fn try_lock(path: &Path, lock: &File) -> Result<(), Error> {
     }
 }
 
-/// Who holds the lock of a folder, as far as the lock file tells.
+/// Owner of the lock of a folder in words, as far as the lock file tells.
 fn owner_in_words(path: &Path) -> String {
     let text = fs::read_to_string(path.join(LOCK)).unwrap_or_default();
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -145,7 +145,7 @@ fn owner_in_words(path: &Path) -> String {
     format!("another run (process {process}{age})")
 }
 
-/// Whether `dir` is the folder of this study already; `false` is a new or empty one.
+/// True if `dir` is the folder of this study already, false if it is new or empty.
 fn holds_study(dir: &Path, identity: &str) -> Result<bool, Error> {
     let other = |found: &str| {
         Err(Error::OtherStudy { path: dir.to_owned(), found: found.to_owned(), wanted: identity.to_owned() })

@@ -12,12 +12,12 @@ use crate::Error;
 use crate::folder::RunFolder;
 use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reasons, write_tables};
 
-/// Changes when checkpoints of an older program can no longer be continued.
+/// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 7;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
-/// What adds figures and estimates to the tables of a finished study: it writes files into the folder that it is given, from
+/// Function that adds figures and estimates to the tables of a finished study: it writes files into the folder that it is given, from
 /// which they are published in the folder of the run when all are whole.
 pub type DrawResults<'a, B, E = Error> = dyn FnMut(&Study<'_, B>, &Results, &Path) -> Result<(), E> + Send + 'a;
 
@@ -38,38 +38,38 @@ pub fn run_study<B: UncertainBrake>(
     run_study_with(brake, dir, RunOptions::default().with_threads(threads), draw)
 }
 
-/// Who is told how far each stage of a run has come.
+/// Receivers of the progress of each stage of a run.
 #[derive(Clone, Copy)]
 pub struct RunProgress<'a> {
-    /// Of the steps before the first sample.
+    /// Progress of the steps before the first sample.
     pub preparation: &'a dyn Progress,
-    /// Of the evaluations.
+    /// Progress of the evaluations.
     pub evaluation: &'a dyn Progress,
-    /// Of the scenes that are asked why their modes grow.
+    /// Progress of the scenes in which the reasons of growth are computed.
     pub reasons: &'a dyn Progress,
 }
 
 impl Default for RunProgress<'_> {
-    /// Nobody.
+    /// Progress that is told to nobody.
     fn default() -> Self {
         Self { preparation: &(), evaluation: &(), reasons: &() }
     }
 }
 
-/// How a study is run. None of it changes a count.
+/// Options of a run of a study. None of them changes an outcome.
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub struct RunOptions<'a> {
     /// Solver of spectra: [`cea::BatchSolver`] unless another is given.
     pub solver: &'a dyn EigenSolver,
-    /// Worker threads; one per core without.
+    /// Number of worker threads; `None` is one per core.
     pub threads: Option<usize>,
-    /// Not the samples of the plan, but as many as it takes until every occurrence is known to this half width, see
+    /// Half width to which every occurrence is sampled: instead of the samples of the plan, as many are taken as that needs, see
     /// [`montecarlo::interim_looks`]. The bytes are those of [`run_study`] with the number of samples at which it stops.
     pub until_half_width: Option<f64>,
-    /// Whether [`StudyTally::kept`] has the samples. A folder has them from its first sample on or never.
+    /// Samples are kept, in [`StudyTally::kept`]. A folder has them from its first sample on or never.
     pub keeps_samples: bool,
-    /// Who is told how far it has come.
+    /// Receivers of the progress.
     pub progress: RunProgress<'a>,
 }
 
@@ -99,7 +99,7 @@ impl<'a> RunOptions<'a> {
         Self { threads, ..self }
     }
 
-    /// The options with who is told, and can [cancel](Progress::is_cancelled).
+    /// The options with receivers of the progress, which can [cancel](Progress::is_cancelled) the run.
     #[must_use]
     pub fn with_progress(self, progress: RunProgress<'a>) -> Self {
         Self { progress, ..self }
@@ -118,7 +118,7 @@ impl<'a> RunOptions<'a> {
     }
 }
 
-/// As [`run_study`], with options, and errors of its caller's own from `draw`.
+/// Run as by [`run_study`], with options, and errors of the caller's own from `draw`.
 ///
 /// # Errors
 /// As [`run_study`].
@@ -196,7 +196,7 @@ fn sampled_until(
     Err(MonteCarloError::Zero { what: "looks" }.into())
 }
 
-/// The threads for so much of a study as is not sampling; one per core without a number.
+/// Threads for all of a study but the sampling; one per core without a number.
 ///
 /// # Errors
 /// A system that makes no threads.

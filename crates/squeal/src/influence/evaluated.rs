@@ -1,4 +1,4 @@
-//! What is kept of one evaluated sample: its inputs, and the growth rates that were found.
+//! Evaluated samples: their inputs, and the growth rates that were found.
 
 use montecarlo::{Experiment as _, Progress};
 use rayon::prelude::*;
@@ -6,24 +6,24 @@ use study::{DrawnInputs, KeptSample, KeptSamples, ModeLabel, Scene, Scratch, Stu
 
 use crate::Error;
 
-/// Samples evaluated together; chosen, so that batched solvers are filled again and again.
+/// Number of samples evaluated together; chosen, so that batched solvers are filled again and again.
 const SAMPLES_PER_BLOCK: u64 = 128;
 
 /// One evaluated sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Evaluated {
-    /// The values of the inputs.
+    /// Values of the inputs.
     pub inputs: Vec<f64>,
-    /// The largest growth rate of an unstable mode, 1/s; 0 where there is none.
+    /// Largest growth rate of an unstable mode, 1/s; 0 where there is none.
     pub growth: f64,
     /// Growth rates of unstable modes that have one sure name.
     pub modes: Vec<(ModeLabel, f64)>,
-    /// Whether another unstable mode has no sure name.
+    /// Another unstable mode has no sure name.
     pub is_open: bool,
 }
 
 impl Evaluated {
-    /// With what is kept of an unstable sample; `None` of a stable one.
+    /// The sample with these inputs, and the modes of `kept`, an unstable sample; `None` is a stable one.
     fn new(inputs: Vec<f64>, kept: Option<&KeptSample>) -> Self {
         let Some(KeptSample { growth, modes, .. }) = kept else {
             return Self { inputs, growth: 0.0, modes: Vec::new(), is_open: false };
@@ -53,7 +53,8 @@ pub(super) fn of_kept<S>(
     drawn.iter().zip(0..).map(evaluated).collect()
 }
 
-/// Evaluates the samples of the first indices in a scene, in the order of the indices whatever the threads; `None` for one that fails.
+/// Evaluates the samples of the first `count` indices in a scene, in the order of the indices whatever the threads; `None` for one that
+/// fails.
 pub(super) fn evaluate<B: UncertainBrake>(
     (study, of): (&Study<'_, B>, &dyn DrawnInputs<B::Sample>),
     scene: usize,

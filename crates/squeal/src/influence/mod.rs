@@ -1,8 +1,8 @@
-//! What makes squeal vary: Sobol' indices of growth and of instability, by the inputs of a scene.
+//! Global sensitivity: Sobol' indices of growth and of instability, by the inputs of a scene.
 //!
-//! First-order indices come from the draws of the study by ranks, without a design; total ones, on demand, from a design of
-//! their own. Outputs of a scene are the largest growth rate of an unstable mode, and whether any mode is unstable; and the same of each
-//! mode. A growth rate is 0 where nothing is unstable: of damped modes a study knows that they are, and not how much.
+//! First-order indices come from the draws of the study by ranks, without a design; total ones, on demand, from a design of their own.
+//! Outputs of a scene are the largest growth rate of an unstable mode, and whether any mode is unstable; outputs of each mode are its
+//! growth rate and whether it is unstable. A growth rate is 0 where nothing is unstable: a study does not keep how fast damped modes decay.
 
 mod evaluated;
 mod output;
@@ -24,45 +24,46 @@ pub use samples::write_kept_samples;
 /// The influence of all inputs on an output.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct OutputInfluence {
-    /// The output.
+    /// Output that is explained.
     pub output: Output,
-    /// Its mean over the draws.
+    /// Mean of the output over the draws.
     pub mean: f64,
-    /// Its standard deviation over the draws.
+    /// Standard deviation of the output over the draws.
     pub deviation: f64,
-    /// Draws in which it is not 0.
+    /// Number of draws in which the output is not 0.
     pub nonzero: u64,
-    /// Draws in which it is not what it is in most: of these an index knows.
+    /// Number of draws in which the output departs from its most frequent value, on which the indices rest: of growth, those in which it is
+    /// not 0; of instability, the unstable or the stable ones, whichever are fewer.
     pub unlike: u64,
-    /// The same of the rows of a design, where there is one.
+    /// Number of rows of a design, where there is one, in which the output departs from its most frequent value.
     pub unlike_in_design: Option<u64>,
-    /// In the order of [`Influence::inputs`]; empty where the output hardly varies.
+    /// Influence of each input, in the order of [`Influence::inputs`]; empty where the output hardly varies.
     pub inputs: Vec<InputInfluence>,
 }
 
 /// The influence of one input on an output.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct InputInfluence {
-    /// First order: what would go of the variance if this input alone were known.
+    /// First-order index: the part of the variance that would go if this input alone were known.
     pub first_order: SobolIndex,
-    /// Total: what would be left of the variance if all but this input were known.
+    /// Total index: the part of the variance that would be left if all but this input were known.
     pub total: Option<SobolIndex>,
 }
 
 /// The influence of the inputs of a scene.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Influence {
-    /// What is drawn and matters.
+    /// Inputs that are drawn and matter in the scene.
     pub inputs: Vec<Input>,
-    /// The outputs: of the scene first, then of its modes.
+    /// Influences on the outputs: of the scene first, then of its modes.
     pub outputs: Vec<OutputInfluence>,
-    /// Draws of the study that were evaluated, and those among them that failed.
+    /// Number of draws of the study, those that failed among them.
     pub draws: u64,
-    /// Draws that failed and are left out.
+    /// Number of draws that failed and are left out.
     pub failures: u64,
-    /// Draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
+    /// Number of draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
     pub open: u64,
-    /// Systems evaluated for it, those that a certificate covers among them.
+    /// Number of systems evaluated for the indices, those that a certificate covers among them.
     pub evaluations: u64,
 }
 
@@ -151,10 +152,11 @@ impl OutputInfluence {
         Self { output, mean, deviation, nonzero, unlike: of_draws, unlike_in_design, inputs }
     }
 
-    /// Fewest draws, or rows of a design, in which an output is not what it is in most: with fewer its indices rest on those few. Chosen.
+    /// Fewest draws, or rows of a design, in which an output departs from its most frequent value: with fewer its indices rest on those
+    /// few. Chosen.
     pub const FEWEST_UNLIKE: u64 = 30;
 
-    /// The inputs by their first-order indices, the largest first, with their places.
+    /// Inputs by their first-order indices, the largest first, with their indices in [`OutputInfluence::inputs`].
     #[must_use]
     pub fn ranked(&self) -> Vec<(usize, &InputInfluence)> {
         let mut ranked: Vec<(usize, &InputInfluence)> = self.inputs.iter().enumerate().collect();
@@ -164,7 +166,7 @@ impl OutputInfluence {
 }
 
 impl Influence {
-    /// From the samples of the study, `None` for one that failed, and the columns of a design.
+    /// The influence of `inputs` from the samples of the study, `None` for one that failed, and the columns of a design.
     fn new(inputs: Vec<Input>, of_draws: Vec<Option<Evaluated>>, design: Option<&[Vec<Evaluated>]>) -> Self {
         let draws = of_draws.len() as u64;
         let of_draws: Vec<Evaluated> = of_draws.into_iter().flatten().collect();
@@ -181,11 +183,11 @@ impl Influence {
         }
     }
 
-    /// The level of all intervals.
+    /// Level of the intervals.
     pub const CONFIDENCE: Confidence = Confidence::P95;
 }
 
-/// What the points of a design gave: at A, at B, and at A with each input from B.
+/// Evaluated points of a design: at A, at B, and at A with each input from B.
 fn design<B: UncertainBrake>(
     (study, drawn): (&Study<'_, B>, &dyn DrawnInputs<B::Sample>),
     scene: usize,

@@ -6,17 +6,17 @@ use study::ModeLabel;
 
 use super::evaluated::Evaluated;
 
-/// What is asked of a mode, or of a scene.
+/// Kind of number that is computed of a mode, or of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum OutputKind {
-    /// The growth rate, 1/s; 0 where it is not unstable.
+    /// Growth rate, 1/s; 0 where it is not unstable.
     Growth,
-    /// 1 where it is unstable, else 0.
+    /// Instability: 1 where it is unstable, else 0.
     Instability,
 }
 
 impl OutputKind {
-    /// In tables.
+    /// Name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -29,9 +29,9 @@ impl OutputKind {
 /// An output of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Output {
-    /// The mode that it is about; `None` for the one that grows most, whichever it is.
+    /// Mode of the output; `None` for the one that grows most, whichever it is.
     pub mode: Option<ModeLabel>,
-    /// What is asked.
+    /// Kind of the output.
     pub kind: OutputKind,
 }
 
@@ -43,7 +43,7 @@ impl Output {
         [None].into_iter().chain(modes.into_iter().map(Some)).flat_map(of).collect()
     }
 
-    /// Its values.
+    /// Values of the output in the samples.
     pub(super) fn of_all(&self, samples: &[Evaluated]) -> Vec<f64> {
         samples.iter().map(|sample| self.of(sample)).collect()
     }

@@ -6,9 +6,9 @@ use study::{Plan, Scene, SceneLabels};
 
 use super::{Influence, OutputInfluence, OutputKind};
 
-/// Inputs that explain less than this part for sure are counted together in words; chosen.
+/// Fraction of the variance below which inputs that surely explain less are counted together in words; chosen.
 const LEAST_IN_WORDS: f64 = 0.01;
-/// Most of these that are named; chosen: a line.
+/// Most of these inputs that are named; chosen: a line.
 const MOST_NAMED: usize = 8;
 
 impl Influence {

@@ -36,12 +36,12 @@ impl Results {
         Ok(answer)
     }
 
-    /// What the samples say of each set of constraints.
+    /// The findings of the samples on each set of constraints.
     fn findings(&self) -> Result<Vec<SetFindings<'_>>, Error> {
         (0..self.plan().labels.constraints.len()).map(|set| SetFindings::new(self, set)).collect()
     }
 
-    /// What becomes of each mode of the first set of constraints that is ever unstable, under each of the others.
+    /// Links of each mode of the first set of constraints that is ever unstable to the modes of each of the others.
     ///
     /// # Errors
     /// None for the results of a study.
@@ -51,7 +51,7 @@ impl Results {
     }
 }
 
-/// One sentence on a set of constraints.
+/// Sentence on the unstable modes of a set of constraints.
 fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     let list = |wanted: &dyn Fn(&ModeRange<'_>) -> bool, range_in_words: &dyn Fn(&ModeRange<'_>) -> String| {
         let of = found.unstable.iter().filter(|(_, range)| wanted(range));
@@ -86,7 +86,7 @@ fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     format!("**{}**: {words}.", set_in_words(results, set))
 }
 
-/// What each set of constraints changes, the one with the largest least drop first.
+/// Changes by each set of constraints, the one with the largest least drop first.
 fn helps(results: &Results) -> Vec<Block> {
     let sets = results.plan().labels.constraints.len();
     let mut changes: Vec<(usize, Change<'_>)> =
@@ -236,13 +236,13 @@ fn set_in_words(results: &Results, set: usize) -> String {
     }
 }
 
-/// The same text with a capital first letter, as a sentence begins.
+/// The text with a capital first letter, as a sentence begins.
 fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A part of the samples in percent.
+/// A fraction of the samples in percent.
 fn percent(part: f64) -> String {
     format!("{:.1}\u{a0}%", 100.0 * part)
 }

@@ -1,11 +1,11 @@
-//! What stands before everything else: why the results of a study on a reduced brake may be wrong.
+//! Doubts that stand before everything else: reasons why the results of a study on a reduced brake may be wrong.
 
 use study::{FullChecks, SceneTally, divergence_doubt, divergence_of_reduced};
 
 use super::Results;
 
 impl Results {
-    /// Why the results may not be those of the whole brake, in sentences; none where nothing speaks against it.
+    /// Reasons why the results may not be those of the full model, in sentences; none where nothing speaks against it.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();
         if let Some(checks) = &self.full_checks {
@@ -31,13 +31,13 @@ impl Results {
         doubts
     }
 
-    /// What is known of the divergence of a reduced brake, whose samples show none, in a sentence; `None` of another brake.
+    /// Divergence of a reduced brake, whose samples show none, as far as it is known, in a sentence; `None` of another brake.
     pub fn divergence_in_words(&self) -> Option<String> {
         self.has_band_modes.then(|| divergence_of_reduced(self.full_checks))
     }
 }
 
-/// What a reduced brake does not have of the whole one.
+/// Modes of the full model that a reduced brake does not have, in words.
 fn failed_checks(checks: &FullChecks) -> Option<String> {
     let FullChecks { samples, modes, missing, invented, other_verdicts, trained_on, .. } = *checks;
     checks.has_other_modes().then(|| {

@@ -1,4 +1,4 @@
-//! Every occurrence of a study to a half width: estimated scene by scene, kept in the folder, and written as a table.
+//! Occurrences of a study to a half width, every one: estimated scene by scene, kept in the folder, and written as a table.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -17,11 +17,11 @@ use study::{SceneKey, SceneLabels, Study, UncertainBrake};
 use super::Results;
 use crate::Error;
 
-/// The file in which estimates are kept, so that a run that was stopped goes on.
+/// Name of the file in which estimates are kept, so that a run that was stopped goes on.
 const STATE: &str = "estimates.json";
-/// Its format; the version changes when estimates of an older program can no longer be continued.
+/// Format of the file; the version changes when estimates of an older program can no longer be continued.
 const FORMAT: Sealed = Sealed { kind: "squeal-estimates", version: 1 };
-/// Scenes estimated together; chosen: some for each thread.
+/// Number of scenes estimated together; chosen: some for each thread.
 const SCENES_PER_BATCH: usize = 16;
 /// Time between two writes of the state.
 const SAVE_EVERY: Duration = Duration::from_secs(5);
@@ -29,11 +29,11 @@ const SAVE_EVERY: Duration = Duration::from_secs(5);
 /// The estimates of the scenes of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Estimates {
-    /// Study and seed.
+    /// Identity of the study and seed, one line.
     identity: String,
-    /// The half width that was asked for.
+    /// Half width asked for.
     pub half_width: f64,
-    /// One for each scene; `None` for one that is still to be estimated.
+    /// Occurrences of each scene; `None` for one that is still to be estimated.
     pub scenes: Vec<Option<SceneOccurrences>>,
 }
 
@@ -114,7 +114,7 @@ impl Estimates {
         Ok(write(&path, &[FORMAT.header(&body).as_bytes(), &body].concat())?)
     }
 
-    /// What a folder holds, if it is of the same study and half width; else nothing. What is damaged is an error.
+    /// Estimates that a folder holds, if they are of the same study and half width; else estimates without any. Damaged ones are an error.
     fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, kept_in: &Path) -> Result<Self, Error> {
         let count = study.plan().scenes.len();
         let identity = of_study(study.brake()).into_line();
@@ -159,7 +159,7 @@ impl Estimates {
         Table::new("estimates", header, rows)
     }
 
-    /// What the estimates took, in some lines: how many scenes by which estimator, the half width reached, and all
+    /// Cost of the estimates, in some lines: how many scenes by which estimator, the half width reached, and all
     /// evaluations against those of plain sampling.
     #[must_use]
     pub fn text(&self) -> String {
@@ -198,7 +198,7 @@ impl Estimates {
     }
 }
 
-/// Whether a scene can go with another one whose points these are.
+/// True if a scene can go with another one, whose points are `points`.
 fn shares<B: UncertainBrake>(
     study: &Study<'_, B>,
     points: Option<&FrictionPoints>,

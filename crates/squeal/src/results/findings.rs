@@ -9,28 +9,28 @@ use super::Results;
 use super::study_results::{ArrangementOccurrence, Estimate};
 use crate::Error;
 
-/// A mode that is unstable in more than this part of the samples is called likely; chosen.
+/// Fraction of the samples above which a mode that is unstable in more is called likely; chosen.
 const LIKELY: f64 = 0.5;
 
 /// The occurrences of a mode over all panels of a set of constraints.
 pub struct ModeRange<'a> {
-    /// The smallest median over the arrangements of a panel.
+    /// Smallest median over the arrangements of a panel, and the panel.
     pub least: (Estimate, &'a Panel),
-    /// The largest.
+    /// Largest median over the arrangements of a panel, and the panel.
     pub most: (Estimate, &'a Panel),
-    /// Whether it is unstable, or may be, in any sample.
+    /// The mode is unstable, or may be, in some sample.
     pub is_ever_unstable: bool,
-    /// In the arrangement where it is unstable most often.
+    /// Occurrence in the arrangement where it is largest.
     pub largest: Estimate,
 }
 
 impl ModeRange<'_> {
-    /// Whether it surely is likely in every panel.
+    /// True if the mode surely is likely in every panel.
     pub fn is_likely_everywhere(&self) -> bool {
         self.least.0.lower > LIKELY
     }
 
-    /// In how many samples it is unstable.
+    /// Number of samples in which the mode is unstable, in words.
     pub fn in_words(&self) -> &'static str {
         match (self.least.0.value >= 1.0, self.largest.value > 0.0) {
             (true, _) => "unstable in every sample",
@@ -39,7 +39,7 @@ impl ModeRange<'_> {
         }
     }
 
-    /// Whether it surely is likely in some panels and not, or not surely, in others.
+    /// True if the mode surely is likely in some panels and not, or not surely, in others.
     pub fn is_likely_somewhere(&self) -> bool {
         self.most.0.lower > LIKELY && !self.is_likely_everywhere()
     }
@@ -49,7 +49,7 @@ impl ModeRange<'_> {
 pub struct SetFindings<'a> {
     /// Modes that are ever unstable, by their least occurrence in a panel, then by the largest, descending.
     pub unstable: Vec<(ModeLabel, ModeRange<'a>)>,
-    /// Those that are unstable in no sample.
+    /// Modes that are unstable in no sample.
     pub stable: Vec<(ModeLabel, ModeRange<'a>)>,
     /// Upper limit of the occurrence, 0 to 1, of a stable mode in one arrangement (Wilson, 95 % for each mode alone): the largest of all.
     pub stable_upper: f64,
@@ -58,7 +58,7 @@ pub struct SetFindings<'a> {
 }
 
 impl<'a> SetFindings<'a> {
-    /// What the samples say of the modes of a set.
+    /// The findings of the samples on the modes of a set.
     pub fn new(results: &'a Results, constraints: usize) -> Result<Self, Error> {
         let ranges = mode_ranges(results, constraints)?;
         let (mut unstable, stable): (Vec<_>, Vec<_>) =
@@ -78,7 +78,7 @@ impl<'a> SetFindings<'a> {
         Ok(Self { unstable, stable, stable_upper, anything })
     }
 
-    /// Where not all that is unstable are modes with names: in how many samples anything is, for people.
+    /// Number of samples in which anything is unstable, in words; `None` where all that is unstable are modes with names.
     pub fn anything_in_words(&self, with_limits: impl Fn(&Estimate) -> String) -> Option<String> {
         let [least, most] = self.anything.each_ref().map(with_limits);
         let range = if least == most { least } else { format!("{least} in one panel to {most} in another") };
@@ -125,23 +125,23 @@ fn mode_ranges<'a>(results: &'a Results, constraints: usize) -> Result<BTreeMap<
     Ok(modes)
 }
 
-/// By how much a set of constraints changes the number of unstable modes per analysis, panel by panel, against the first set on
+/// Change by a set of constraints of the number of unstable modes per analysis, panel by panel, against the first set on
 /// the same samples.
 pub struct Change<'a> {
-    /// Panels compared.
+    /// Number of panels compared.
     pub panels: usize,
-    /// Panels with surely fewer unstable modes.
+    /// Number of panels with surely fewer unstable modes.
     pub fewer: usize,
-    /// Panels with surely more.
+    /// Number of panels with surely more.
     pub more: usize,
-    /// The smallest drop.
+    /// Smallest drop, and its panel.
     pub least: (&'a Panel, Estimate),
-    /// The largest drop.
+    /// Largest drop, and its panel.
     pub most: (&'a Panel, Estimate),
 }
 
 impl<'a> Change<'a> {
-    /// `None` where there is nothing to compare.
+    /// The change by a set of constraints; `None` where there is nothing to compare.
     pub fn new(results: &'a Results, constraints: usize) -> Option<Self> {
         let of_set = results
             .differences(ComparisonKind::Constraints, Confidence::P95)
@@ -167,22 +167,22 @@ pub fn drop_in_words(d: &Estimate) -> String {
 
 /// Counts over all analyses of a study, of a conjugate pair once.
 pub struct OpenCounts {
-    /// Unstable modes found.
+    /// Number of unstable modes found.
     pub unstable_modes: u64,
-    /// Those of them whose name is open.
+    /// Number of the unstable modes whose name is open.
     pub ambiguous_modes: u64,
-    /// Real eigenvalues that diverge.
+    /// Number of real eigenvalues that diverge.
     pub divergent: u64,
-    /// Undecided verdicts, which count as stable.
+    /// Number of undecided verdicts, which count as stable.
     pub undecided: u64,
-    /// Eigenvalues on the axis.
+    /// Number of eigenvalues on the axis.
     pub marginal: u64,
-    /// Draws or evaluations that failed.
+    /// Number of draws or evaluations that failed.
     pub failures: u64,
 }
 
 impl OpenCounts {
-    /// What the samples of a study leave open.
+    /// Open counts of the samples of a study.
     #[must_use]
     pub fn new(results: &Results) -> Self {
         let sum = |of: fn(&SceneTally) -> u64| results.summary.tally.scenes.iter().map(of).sum::<u64>();
@@ -197,7 +197,7 @@ impl OpenCounts {
     }
 }
 
-/// What every number of a study has to be read with: failures first, then verdicts that are open, a sentence each; nothing where
+/// Warnings that every number of a study has to be read with: failures first, then verdicts that are open, a sentence each; nothing where
 /// there are none.
 pub fn warnings(results: &Results) -> Vec<String> {
     let (summary, mut found) = (&results.summary, Vec::new());

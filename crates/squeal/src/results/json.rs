@@ -8,7 +8,7 @@ use super::{ArrangementOccurrence, Estimate, Results};
 use crate::Error;
 
 impl Results {
-    /// The answer of a study as JSON: what it has to be read with, then by panel how often anything and each mode is unstable, every
+    /// The answer of a study as JSON: its warnings, then by panel how often anything and each mode is unstable, every
     /// probability with its limits at 95 %; the median over the arrangements of the panel, and each of them.
     ///
     /// # Errors

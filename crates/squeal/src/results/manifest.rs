@@ -1,4 +1,4 @@
-//! Where results come from: enough to make them again.
+//! Manifest: the origin of results, enough to make them again.
 
 use serde::Serialize;
 use study::fingerprint;
@@ -6,31 +6,31 @@ use study::{FullChecks, Plan};
 
 use super::Results;
 
-/// Wall-clock times of the stages, seconds.
+/// Wall-clock times of the stages, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Times {
-    /// Reference modes of all scenes.
+    /// Time for the reference modes of all scenes, s.
     pub references: f64,
-    /// The Monte Carlo run; what was left of it, after a resume.
+    /// Time for the Monte Carlo run, s; what was left of it, after a resume.
     pub samples: f64,
-    /// Tables and figures.
+    /// Time for tables and figures, s.
     pub report: f64,
 }
 
-/// Where a run stopped that had to know every occurrence to a half width.
+/// Stop of a run that had to know every occurrence to a half width.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stopped {
-    /// The half width asked for.
+    /// Half width asked for.
     pub half_width: f64,
-    /// The one reached, at the level of the look, without what open names leave open.
+    /// Half width reached, at the level of the look, without what open names leave open.
     pub reached: f64,
-    /// At which look, from 1.
+    /// Number of the look at which the run stopped, from 1.
     pub look: usize,
-    /// Of how many.
+    /// Number of looks in all.
     pub looks: usize,
 }
 
-/// The program, the case file and the study.
+/// Source of results: the program, the case file and the study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Source {
     /// Version of this program.
@@ -39,9 +39,9 @@ pub struct Source {
     pub commit: Option<&'static str>,
     /// The case file as it was given; `null` for a brake that was not read from one.
     pub case: Option<String>,
-    /// SHA-256 of its text.
+    /// SHA-256 of the text of the case file.
     pub case_sha256: Option<String>,
-    /// The study's name.
+    /// Name of the study.
     pub study: String,
 }
 
@@ -55,7 +55,7 @@ pub fn commit() -> Option<&'static str> {
 }
 
 impl Source {
-    /// Of a plan, by this program.
+    /// The source of a plan, by this program.
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self {
@@ -71,55 +71,55 @@ impl Source {
 /// The manifest of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Manifest {
-    /// What made the results, and of what.
+    /// Source of the results: what made them, and of what.
     #[serde(flatten)]
     pub source: Source,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Samples drawn.
+    /// Number of samples drawn.
     pub samples: u64,
-    /// Worker threads; `null` is one per core.
+    /// Number of worker threads; `null` is one per core.
     pub threads: Option<usize>,
-    /// Complex eigenvalue analyses that the results stand for: every arrangement, law, speed range and constraint set.
+    /// Number of complex eigenvalue analyses that the results stand for: every arrangement, law, speed range and constraint set.
     pub analyses: u64,
-    /// Eigenvalue problems solved for them: one per symmetry class, and per law rather than per speed where no speed is
+    /// Number of eigenvalue problems solved for the analyses: one per symmetry class, and per law rather than per speed where no speed is
     /// in it.
     pub solved: u64,
-    /// Those among them that a certificate covers: stable up to rounding, without a spectrum.
+    /// Number of the problems solved that a certificate covers: stable up to rounding, without a spectrum.
     pub certified: u64,
-    /// From where on a mode counts as unstable, where that is not the bare sign.
+    /// Instability threshold of a mode, in words, where it is not the imaginary axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<String>,
-    /// Contact arrangements by number in contact.
+    /// Number in contact, and number of arrangements, of each panel.
     pub arrangements: Vec<(usize, usize)>,
-    /// Samples or evaluations that failed; each is listed in failures.csv.
+    /// Number of samples or evaluations that failed; each is listed in failures.csv.
     pub failures: u64,
-    /// Unstable modes whose name is open, near a coalescence.
+    /// Number of unstable modes whose name is open, near a coalescence.
     pub ambiguous_modes: u64,
-    /// Unstable modes in all.
+    /// Number of unstable modes in all.
     pub unstable_modes: u64,
-    /// Real eigenvalues that diverge.
+    /// Number of real eigenvalues that diverge.
     pub divergent: u64,
-    /// Verdicts that the error bound leaves open.
+    /// Number of verdicts that the error bound leaves open.
     pub undecided: u64,
-    /// Eigenvalues on the imaginary axis to within rounding of the matrices.
+    /// Number of eigenvalues on the imaginary axis to within rounding of the matrices.
     pub marginal: u64,
-    /// Of a reduced brake: how many unstable modes have a residual in the whole one.
+    /// Number of unstable modes of a reduced brake that have a residual in the full model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residuals: Option<u64>,
-    /// How many of them are above the one that the case asks for.
+    /// Number of unstable modes whose residual in the full model is above the one that the case asks for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residuals_above: Option<u64>,
-    /// The largest of them, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
+    /// Largest residual of an unstable mode in the full model, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_residual: Option<f64>,
-    /// Of a reduced brake: some draws against the whole one.
+    /// Counts of draws of a reduced brake checked against the full model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_checks: Option<FullChecks>,
-    /// What was noticed on the way: estimates that were rejected, and why.
+    /// Notes on the way: estimates that were rejected, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Where a run stopped that had to know every occurrence to a half width.
+    /// Stop of a run that had to know every occurrence to a half width.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
     /// Wall-clock times, s.

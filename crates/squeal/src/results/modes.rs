@@ -1,4 +1,4 @@
-//! The modes of each set of constraints where they have their names: frequencies, shapes, and which is which in another set.
+//! The modes of each set of constraints where they have their names: frequencies, shapes, and links to the modes of another set.
 
 use cea::Mode;
 use output::Table;
@@ -29,7 +29,7 @@ impl Results {
         modes.iter().find(|(other, _)| *other == name).map(|(_, mode)| cea::frequency_hz(mode.lambda))
     }
 
-    /// What a mode is called where modes of several sets of constraints can meet: with the letter of its set, `B16`. Its number
+    /// Label of a mode where modes of several sets of constraints can meet: with the letter of its set, `B16`; its number
     /// alone where there is one set.
     pub fn mode_label(&self, constraints: usize, name: ModeLabel) -> String {
         if self.plan().labels.constraints.len() == 1 || !name.is_mode() {
@@ -77,7 +77,7 @@ pub(super) fn modes(results: &Results) -> Vec<Table> {
     tables
 }
 
-/// The table `links`: which mode of a set of constraints is which of one that holds more.
+/// The table `links`: links of the modes of a set of constraints to those of one that holds more.
 pub(super) fn links_table(results: &Results, links: &[SetLinks]) -> Table {
     let (names, mut rows) = (&results.plan().labels.constraints, Vec::new());
     for link in links {

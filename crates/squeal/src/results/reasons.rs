@@ -1,4 +1,4 @@
-//! Why the modes of a study's scenes grow at its medians: `sensitivities.csv`, and the largest ones in words.
+//! Reasons why the modes of a study's scenes grow at its medians: `sensitivities.csv`, and the largest ones in words.
 
 use std::time::{Duration, Instant};
 
@@ -12,20 +12,20 @@ use super::summary::hertz;
 use crate::Error;
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
 
-/// Parameters that a sentence names; chosen.
+/// Number of parameters that a sentence names; chosen.
 const MOST_IN_A_SENTENCE: usize = 3;
 /// Largest distance of an eigenvalue from that of the reference mode that it is, relative to it: both are solved to rounding; chosen.
 const SAME_MODE: f64 = 1e-6;
 
 /// The unstable modes of a scene at its medians, with the candidates for the name of each.
 pub struct SceneReasons {
-    /// Place of the scene in the plan.
+    /// Index of the scene in the plan.
     pub scene: usize,
-    /// Ascending in frequency; or why there is no answer, in which case the study goes on without.
+    /// Modes, ascending in frequency; or the reason why there is no answer, in which case the study goes on without.
     pub modes: Result<Vec<(Vec<ModeLabel>, Why)>, String>,
 }
 
-/// Why modes grow in each scene whose net work is wanted, those with all contacts closed for instance.
+/// Reasons why modes grow in each scene whose net work is wanted, those with all contacts closed for instance.
 ///
 /// A mode that has no name in the study is left out, such as one of a reduced brake that grows faster than anything its basis is made for.
 pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress) -> Vec<SceneReasons> {
@@ -45,7 +45,7 @@ pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress)
     all
 }
 
-/// Places of the scenes whose net work is wanted.
+/// Indices of the scenes whose net work is wanted.
 fn scenes_with_work(plan: &Plan) -> Vec<usize> {
     (0..plan.scenes.len()).filter(|&at| plan.scenes[at].wants_work).collect()
 }
@@ -155,7 +155,7 @@ pub(super) fn sensitivities(plan: &Plan, reasons: &[SceneReasons]) -> Table {
     Table::new("sensitivities", [&SceneLabels::MODE_COLUMNS[..], &own].concat(), rows)
 }
 
-/// One line for each scene: its fastest growing mode, and which parameters change that growth by most.
+/// Lines on the scenes, one each: its fastest growing mode, and which parameters change that growth by most.
 pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String {
     let mut text = String::from(
         "\n## Why\n\nWhat changes the growth of the fastest growing mode of a scene at its medians by most, as a parameter grows by 1 %; \

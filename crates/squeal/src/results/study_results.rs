@@ -14,7 +14,7 @@ use crate::Error;
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Estimate {
-    /// The value.
+    /// Value.
     pub value: f64,
     /// Lower limit.
     pub lower: f64,
@@ -22,20 +22,20 @@ pub struct Estimate {
     pub upper: f64,
 }
 
-/// How often one mode is unstable in one arrangement.
+/// Occurrence of one mode in one arrangement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArrangementOccurrence {
-    /// Place of the arrangement in its panel's list.
+    /// Index of the arrangement in its panel's list.
     pub arrangement: usize,
-    /// All samples: those in which it surely is unstable, and those in which it may be, because an unstable mode is this one or
-    /// another, or because the sample could not be evaluated.
+    /// Proportion of all samples: those in which the mode surely is unstable, and those in which it may be, because an unstable mode is
+    /// this one or another, or because the sample could not be evaluated.
     pub proportion: Proportion,
-    /// Samples that could not be evaluated, among them.
+    /// Number of samples that could not be evaluated, among them.
     pub failed: u64,
 }
 
 impl ArrangementOccurrence {
-    /// Part of the samples in which it surely is unstable, with Wilson's 95 % interval; samples in which it is open
+    /// Fraction of the samples in which the mode surely is unstable, with Wilson's 95 % interval; samples in which it is open
     /// which mode is unstable, and those that failed, widen the interval upwards.
     pub fn estimate(&self) -> Estimate {
         let value = self.proportion.estimate().map_or(0.0, |part| part.lower);
@@ -49,17 +49,17 @@ pub struct Results {
     plan: Arc<Plan>,
     origins: Arc<[Reference]>,
     references: Arc<[Reference]>,
-    /// Its counts.
+    /// Counts of the study.
     pub summary: Summary<StudyTally>,
-    /// How modes are named in the report.
+    /// Naming of modes in the report.
     pub labels: ModeNaming,
-    /// Of a reduced brake: some draws against the whole one.
+    /// Counts of draws of a reduced brake checked against the full model.
     pub full_checks: Option<FullChecks>,
-    /// Whether the brake finds its modes itself, those of a band, and so shows no divergence.
+    /// The brake finds its modes itself, those of a band, and so shows no divergence.
     pub has_band_modes: bool,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
-    /// What was noticed beside the counts, for the manifest.
+    /// Notes beside the counts, for the manifest.
     notes: Mutex<Vec<String>>,
 }
 
@@ -69,7 +69,7 @@ impl Results {
         Self::with_references(study, study.shared_references(), summary)
     }
 
-    /// [`Results::new`], with the reference modes of the scenes named in another way: those of
+    /// Results as by [`Results::new`], with the reference modes of the scenes named in another way: those of
     /// [`Study::references_by_likeness`].
     pub fn with_references<B: UncertainBrake>(
         study: &Study<'_, B>,
@@ -86,7 +86,7 @@ impl Results {
         Self { labels, plan, origins, references, summary, full_checks, has_band_modes, panels, comparisons, notes }
     }
 
-    /// The same counts with modes named in another way.
+    /// The results with modes named in another way, by the same counts.
     pub fn labelled(&self, labels: ModeNaming) -> Self {
         Self {
             labels,
@@ -101,8 +101,8 @@ impl Results {
         }
     }
 
-    /// The same counts, of some laws alone: what a study of these laws would have counted. `laws` are places in the plan's list,
-    /// which stays as it is.
+    /// The results of some laws alone, by the same counts: what a study of these laws would have counted. `laws` are indices in the plan's
+    /// list, which stays as it is.
     pub fn of_laws(&self, laws: &[usize]) -> Self {
         let is_of = |at: usize| laws.contains(&self.panels[at].key.law);
         let kept: Vec<usize> = (0..self.panels.len()).filter(|&at| is_of(at)).collect();
@@ -125,7 +125,7 @@ impl Results {
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
     }
 
-    /// What was noted.
+    /// Notes so far.
     pub(super) fn notes(&self) -> Vec<String> {
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -145,7 +145,7 @@ impl Results {
         &self.references
     }
 
-    /// All panels, in the order of their keys.
+    /// Panels of the study, in the order of their keys.
     pub fn panels(&self) -> &[Panel] {
         &self.panels
     }
@@ -156,7 +156,7 @@ impl Results {
     }
 
     /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement. Where an unstable mode has
-    /// no name every mode of the scene may have been unstable, and is listed. What is no mode is in
+    /// no name every mode of the scene may have been unstable, and is listed. Divergence and modes without a name are in
     /// [`other_occurrences`](Self::other_occurrences).
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let seen = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
@@ -167,7 +167,7 @@ impl Results {
         names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
     }
 
-    /// Occurrences of what is unstable in a panel, or may be, and is none of the modes with names: unstable modes without one, and
+    /// Occurrences of all that is unstable in a panel, or may be, beside the modes with names: unstable modes without one, and
     /// divergence.
     pub fn other_occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let is_seen = |&name: &ModeLabel| {
@@ -178,7 +178,7 @@ impl Results {
         seen.map(|name| (name, self.occurrences_of(panel, name))).collect()
     }
 
-    /// As [`occurrences`](Self::occurrences), of every mode, whether it is ever unstable or not.
+    /// Occurrences as by [`occurrences`](Self::occurrences), of every mode, whether it is ever unstable or not.
     pub fn all_occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let mut all = self.occurrences(panel);
         for (name, _) in self.modes_of_set(panel.key.constraints) {
@@ -187,7 +187,7 @@ impl Results {
         all
     }
 
-    /// As [`all_occurrences`](Self::all_occurrences), and the [other ones](Self::other_occurrences).
+    /// Occurrences as by [`all_occurrences`](Self::all_occurrences), and the [other ones](Self::other_occurrences).
     pub fn every_occurrence(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let mut all = self.all_occurrences(panel);
         all.extend(self.other_occurrences(panel));
@@ -199,7 +199,7 @@ impl Results {
         self.by_arrangement(panel, |scene| self.of_solved(scene, name))
     }
 
-    /// How often anything at all is unstable in a panel, a mode with a name or without or divergence, one entry per arrangement.
+    /// Occurrence of any instability in a panel, a mode with a name or without or divergence, one entry per arrangement.
     pub fn any_occurrence(&self, panel: &Panel) -> Vec<ArrangementOccurrence> {
         self.by_arrangement(panel, |scene| self.summary.tally.scenes[scene].any())
     }
@@ -223,7 +223,7 @@ impl Results {
         failures.draws() + failures.by_scene().get(scene).copied().unwrap_or(0)
     }
 
-    /// In how many of the samples solved in a scene what a label stands for is unstable.
+    /// Proportion of the samples solved in a scene in which a mode with this label, or divergence, is unstable.
     fn of_solved(&self, scene: usize, name: ModeLabel) -> Proportion {
         let tally = &self.summary.tally.scenes[scene];
         match name {
@@ -303,7 +303,7 @@ impl Results {
         Some(Estimate { value, lower: per_analysis(lower.lower), upper: per_analysis(upper.upper) })
     }
 
-    /// As many modes as one CEA of a panel has: no more of them are unstable.
+    /// Number of modes that one CEA of a panel has: no more of them are unstable.
     fn most_unstable(&self, panel: &Panel) -> f64 {
         let modes = |&scene: &usize| self.plan.brake(&self.plan.scenes[scene]).dofs.free().len();
         panel.scenes.iter().map(modes).max().unwrap_or(0) as f64
@@ -340,7 +340,7 @@ impl Results {
         Some(Estimate { value, lower: lower.lower / by, upper: upper.upper / by })
     }
 
-    /// What a panel is called in claims and summaries; of a brake without contacts their number is left out.
+    /// Words for a panel in claims and summaries; of a brake without contacts their number is left out.
     pub fn describe(&self, panel: &Panel) -> String {
         let labels = &self.plan.labels;
         let speed = panel.key.speed.map_or("all speeds", |range| &labels.speeds[range].name);

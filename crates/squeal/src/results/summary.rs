@@ -19,7 +19,7 @@ impl Results {
         Self::sampled_with(study, &())
     }
 
-    /// As [`Results::sampled`], and tells how far it has come, in evaluations; a progress that is cancelled ends it.
+    /// Results as by [`Results::sampled`], with the progress reported in evaluations; a progress that is cancelled ends it.
     ///
     /// # Errors
     /// As [`Results::sampled`]; [`Error::is_cancelled`].
@@ -30,7 +30,7 @@ impl Results {
         Ok(Results::new(study, summary))
     }
 
-    /// For each panel what is ever unstable: modes with frequency at median parameters and occurrence, the median over the
+    /// Text of the unstable modes of each panel: with frequency at median parameters and occurrence, the median over the
     /// arrangements of the panel where there are several; unstable modes without a name; divergence. What failed and what is
     /// undecided comes first.
     ///
@@ -66,12 +66,13 @@ impl Results {
         Ok(text)
     }
 
-    /// What every number has to be read with, a line each: what failed, what is undecided.
+    /// Warnings that every number has to be read with, a line each: what failed, what is undecided.
     pub fn said_first(&self) -> String {
         warnings(self).into_iter().map(|warning| printable(&warning) + "\n").collect()
     }
 
-    /// A study of many panels in some lines: what is said first, and in how many evaluations there is what no figure of modes shows.
+    /// Text of a study of many panels in some lines: the warnings first, and in how many evaluations there is what no figure of modes
+    /// shows.
     pub fn in_short(&self) -> String {
         let sum = |of: fn(&SceneTally) -> u64| self.summary.tally.scenes.iter().map(of).sum::<u64>();
         let (solved, any) = (sum(|tally| tally.solved), sum(|tally| tally.any_unstable));
@@ -88,7 +89,7 @@ impl Results {
         text
     }
 
-    /// A mode with its frequency, or what is no mode, for people.
+    /// Words for a mode, with its frequency, or for what is no mode, for people.
     pub fn in_words(&self, constraints: usize, name: ModeLabel) -> String {
         match name {
             ModeLabel::DIVERGENCE => "divergence (real eigenvalues, no oscillation)".into(),
@@ -101,7 +102,7 @@ impl Results {
         }
     }
 
-    /// What there is to say of a panel in which nothing is known to be unstable.
+    /// Words for a panel in which nothing is known to be unstable.
     fn nothing_unstable(&self, panel: &Panel) -> String {
         let sum = |of: &dyn Fn(usize) -> u64| -> u64 { panel.scenes.iter().map(|&scene| of(scene)).sum() };
         let tally = |of: fn(&SceneTally) -> u64| sum(&|scene| of(&self.summary.tally.scenes[scene]));

@@ -133,7 +133,7 @@ fn panels(results: &Results) -> Table {
     Table::new("panels", header, rows)
 }
 
-/// Every comparison of two panels on the same draws: by how much the mean number of unstable modes differs.
+/// The table `differences`: by how much the mean number of unstable modes differs between two panels on the same draws.
 fn differences(results: &Results) -> Table {
     let panel_columns = |panel: &Panel| {
         let labels = &results.plan().labels;

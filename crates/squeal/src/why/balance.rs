@@ -1,4 +1,4 @@
-//! Who feeds a mode and who drains it, and where its energy is.
+//! Energy balance of a mode: the forces that feed and drain it, and where its energy is.
 
 use std::f64::consts::TAU;
 
@@ -12,16 +12,16 @@ use work::{ForceFamily, StructurePart, family_work, mode_energy};
 use super::influence::MOST_CONTACTS;
 use crate::Error;
 
-/// The part of a force in the growth of a mode.
+/// Contribution of a force to the growth of a mode.
 ///
-/// The growth is `Re lambda = sum W / (2 pi Im lambda)` over all forces that are not elastic, W their work per cycle: each has its part.
+/// The growth is `Re lambda = sum W / (2 pi Im lambda)` over all forces that are not elastic, W their work per cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contribution {
     /// Name of the family, contact or term.
     pub name: String,
-    /// W, work per cycle and modal mass, 1/s^2; positive feeds the mode.
+    /// Work W per cycle and modal mass, 1/s^2; positive feeds the mode.
     pub work: f64,
-    /// Its part of the growth, 1/s.
+    /// Contribution to the growth, 1/s.
     pub growth: f64,
 }
 
@@ -30,11 +30,11 @@ pub struct Contribution {
 pub struct TermShare {
     /// Name of the term.
     pub name: String,
-    /// Its part of the kinetic energy.
+    /// Fraction of the kinetic energy in the term.
     pub kinetic: f64,
-    /// Its part of the strain energy.
+    /// Fraction of the strain energy in the term.
     pub strain: f64,
-    /// The part in the growth of its damping, and of a stiffness that is not symmetric, 1/s.
+    /// Contribution to the growth of its damping, and of a stiffness that is not symmetric, 1/s.
     pub growth: f64,
 }
 
@@ -43,26 +43,26 @@ pub struct TermShare {
 pub struct BodyShare {
     /// Name of the body.
     pub name: String,
-    /// Its part of the kinetic energy.
+    /// Fraction of the kinetic energy in the body.
     pub kinetic: f64,
-    /// Its part of the strain energy; a spring between two bodies is shared by what each end does.
+    /// Fraction of the strain energy in the body; a spring between two bodies is shared by what each end does.
     pub strain: f64,
-    /// The part in the growth of each family of forces on the body, 1/s, in the order of [`Balance::families`].
+    /// Contribution to the growth of each family of forces on the body, 1/s, in the order of [`Balance::families`].
     pub growth: Vec<f64>,
 }
 
-/// The balance of a mode.
+/// The energy balance of a mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Balance {
-    /// Each family of forces.
+    /// Contributions of the families of forces.
     pub families: Vec<Contribution>,
-    /// The friction of each contact; empty where there are more than a hundred.
+    /// Contributions of the friction of each contact; empty where there are more than a hundred.
     pub contacts: Vec<Contribution>,
-    /// Each term of the structure.
+    /// Shares of the terms of the structure.
     pub terms: Vec<TermShare>,
-    /// Each body.
+    /// Shares of the bodies.
     pub bodies: Vec<BodyShare>,
-    /// By how much the sum of the families departs from the growth, relative to the sum of their magnitudes: rounding.
+    /// Departure of the sum of the families from the growth, relative to the sum of their magnitudes: rounding.
     pub identity_residual: f64,
 }
 

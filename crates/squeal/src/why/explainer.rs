@@ -1,4 +1,4 @@
-//! A scene made ready for the question why its modes grow.
+//! A scene prepared for the question why its modes grow.
 
 use cea::{
     EigenSolver, Eigentriple, Expansion, Mode, QrSolver, RealModes, Separation, Spectrum, Verdict, Workspace,
@@ -14,46 +14,46 @@ use super::balance::Balance;
 use super::influence::{Influence, InfluenceKind, between, of_friction, of_terms, rank};
 use crate::Error;
 
-/// Half of the difference from which derivatives of matrices by a parameter are taken, relative to its value: squared it is the error of
-/// the first, and machine epsilon over its square that of the second.
+/// Half of the difference from which derivatives of matrices by a parameter are taken, relative to its value: the square is the error of
+/// the first derivative, and machine epsilon over the square that of the second.
 const DIFFERENCE: f64 = 1e-4;
 
 /// A mode of the structure without damping and friction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StructureMode {
-    /// Its place among them, from 1, ascending in frequency.
+    /// Number of the structure mode, from 1, ascending in frequency.
     pub number: usize,
-    /// Its frequency, Hz; negative where the structure would fall away from its rest.
+    /// Frequency, Hz; negative where the structure would fall away from its rest.
     pub frequency_hz: f64,
-    /// Its part in the mode.
+    /// Participation in the mode.
     pub part: f64,
 }
 
-/// Why one mode has the growth that it has.
+/// Reasons of the growth of one mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Why {
-    /// lambda, rad/s.
+    /// Eigenvalue lambda, rad/s.
     #[serde(skip)]
     pub lambda: Complex<f64>,
     /// Relative condition number of the eigenvalue.
     pub condition: f64,
-    /// Distance of the next eigenvalue, rad/s.
+    /// Distance to the next eigenvalue, rad/s.
     pub nearest: f64,
-    /// The part of each derivative that may be rounding.
+    /// Fraction of each derivative that may be rounding.
     pub blur: f64,
-    /// Whether the mode has derivatives: its eigenvalue is simple as far as can be told.
+    /// The mode has derivatives: its eigenvalue is simple as far as can be told.
     pub is_simple: bool,
-    /// What changes it, the one that changes the growth by most per cent first; empty where it is not simple.
+    /// Influences on the mode, the one that changes the growth by most per cent first; empty where the eigenvalue is not simple.
     pub influences: Vec<Influence>,
-    /// Whether the brake names its parameters; of one that does not, contacts and terms alone are listed.
+    /// The brake names its parameters; of one that does not, contacts and terms alone are listed.
     pub names_parameters: bool,
     /// Parameters that cannot be varied at their medians.
     pub not_varied: Vec<String>,
-    /// Who feeds it and who drains it, and where its energy is.
+    /// Energy balance: the forces that feed and drain the mode, and where its energy is.
     pub balance: Balance,
-    /// The modes of the structure in it, the largest part first; empty where the structure has none.
+    /// Modes of the structure in the mode, the largest part first; empty where the structure has none.
     pub structure_modes: Vec<StructureMode>,
-    /// Why the structure has no such modes.
+    /// Reason why the structure has no such modes.
     pub no_structure_modes: Option<String>,
 }
 
@@ -94,12 +94,12 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         Ok(if unstable.is_empty() { least_damped.into_iter().collect() } else { unstable })
     }
 
-    /// Why some of its modes, by their eigenvalues, have the growth that they have.
+    /// Reasons of the growth of some modes of the scene, given by their eigenvalues.
     ///
     /// Three factorisations of Q for each mode and two systems for each parameter, but no further spectrum.
     ///
     /// # Errors
-    /// What is no eigenvalue; those of the brake.
+    /// A number that is no eigenvalue; those of the brake.
     pub fn why(&self, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Vec<Why>, Error> {
         let triples = lambdas.iter().map(|&lambda| Eigentriple::new(&self.system, lambda, work));
         let triples = triples.collect::<Result<Vec<_>, _>>()?;
@@ -139,7 +139,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         self.brake.plan().brake(self.scene)
     }
 
-    /// All of an answer but the influences.
+    /// Answer for one mode without the influences.
     fn without_influences(&self, triple: &Eigentriple) -> Result<Why, Error> {
         let separation = triple.separation(&self.spectrum.eigenvalues);
         let Separation { nearest, blur } = separation;

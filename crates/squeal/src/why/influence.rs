@@ -1,4 +1,4 @@
-//! What a change of a number does to a mode.
+//! Local sensitivity: the change of a mode with a number.
 
 use cea::{CeaError, Eigentriple, Expansion, Perturbation, Rates, frequency_hz};
 use linsys::{ChannelGain, OperatingPoint, SecondOrder};
@@ -11,7 +11,7 @@ use crate::Error;
 /// Most contacts whose friction is listed one by one; chosen: more are the pairs of nodes of a mesh, whose families are listed.
 pub(super) const MOST_CONTACTS: usize = 100;
 
-/// What is changed.
+/// Kind of number that is changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InfluenceKind {
@@ -36,29 +36,29 @@ impl std::fmt::Display for InfluenceKind {
     }
 }
 
-/// The derivatives of one mode by one number.
+/// Derivatives of one mode by one number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Influence {
-    /// What is changed.
+    /// Kind of the number.
     pub kind: InfluenceKind,
-    /// Its name.
+    /// Name of the number.
     pub name: String,
-    /// Its unit.
+    /// Unit of the number.
     pub unit: String,
-    /// Its value.
+    /// Value of the number.
     pub value: f64,
-    /// d growth / d value, 1/s per unit.
+    /// Derivative d growth / d value, 1/s per unit.
     pub growth: f64,
-    /// d frequency / d value, Hz per unit.
+    /// Derivative d frequency / d value, Hz per unit.
     pub frequency_hz: f64,
     /// Change of the growth, 1/s, as the value grows by one per cent.
     pub growth_per_percent: f64,
     /// Change of the frequency, Hz, as the value grows by one per cent.
     pub frequency_hz_per_percent: f64,
-    /// The change of the value up to which the derivative of the growth holds to a tenth, by the second derivative; infinite where
+    /// Change of the value up to which the derivative of the growth holds to a tenth, by the second derivative; infinite where
     /// that is 0.
     pub growth_holds_to: f64,
-    /// The same for the frequency.
+    /// Change of the value up to which the derivative of the frequency holds to a tenth; infinite where the second derivative is 0.
     pub frequency_holds_to: f64,
 }
 
@@ -79,7 +79,7 @@ impl Influence {
         }
     }
 
-    /// Whether the first order of the growth holds for a change by one per cent.
+    /// True if the first order of the growth holds for a change by one per cent.
     #[must_use]
     pub fn holds_for_a_percent(&self) -> bool {
         self.growth_holds_to >= 0.01 * self.value.abs()
@@ -156,9 +156,9 @@ struct GainPart {
     what: &'static str,
     unit: &'static str,
     value: f64,
-    /// g and g'.
+    /// Factors g and g'.
     gain: [Complex<f64>; 2],
-    /// Whether it acts through the normal force that the channel reads.
+    /// The number acts through the normal force that the channel reads.
     reads_force: bool,
 }
 

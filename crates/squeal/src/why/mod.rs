@@ -1,8 +1,8 @@
 //! Why a mode of a scene has the growth that it has.
 //!
-//! At the medians of a scene, for any brake: what a change of each named parameter, term and contact does to a mode, by
-//! [`cea::Eigentriple`]; who feeds it and who drains it, and where its energy is, by [`work`]; and of which modes of the structure
-//! without friction it is made, by [`cea::RealModes`].
+//! Answers hold at the medians of a scene, for any brake: the change of a mode with each named parameter, term and contact, by
+//! [`cea::Eigentriple`]; the forces that feed and drain it, and where its energy is, by [`work`]; and the modes of the structure
+//! without friction of which it is made, by [`cea::RealModes`].
 //!
 //! [`Explainer`] is a scene made ready; [`Explainer::why`] answers for any number of its modes.
 
