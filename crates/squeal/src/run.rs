@@ -74,7 +74,7 @@ pub struct RunOptions<'a> {
 }
 
 impl Default for RunOptions<'_> {
-    /// One worker a core, the batched solver, the samples of the plan, nobody told.
+    /// Options with one worker a core, the batched solver, the samples of the plan, nobody told.
     fn default() -> Self {
         Self {
             solver: &cea::BatchSolver,

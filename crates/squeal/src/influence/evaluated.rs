@@ -9,7 +9,7 @@ use crate::Error;
 /// Number of samples evaluated together; chosen, so that batched solvers are filled again and again.
 const SAMPLES_PER_BLOCK: u64 = 128;
 
-/// One evaluated sample.
+/// Evaluated sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Evaluated {
     /// Values of the inputs.

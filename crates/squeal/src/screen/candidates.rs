@@ -1,4 +1,4 @@
-//! What could be changed: single changes of a brake, and groups of them that its symmetries make.
+//! Candidates of a screening: single changes of a brake, and groups of them that its symmetries make.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use super::change::{Attached, Change};
 use super::modified::modifiable_of;
 use crate::Error;
 
-/// A kind of changes. Sets are of one kind: what a constraint costs against a dashpot is not for a program to say.
+/// Kind of changes. Sets are of one kind: whether a constraint or a dashpot costs more is not for a program to say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChangeKind {
@@ -27,10 +27,10 @@ pub enum ChangeKind {
 }
 
 impl ChangeKind {
-    /// All of them.
+    /// Kinds of changes, all of them.
     pub const ALL: [Self; 5] = [Self::Constraint, Self::Mass, Self::Spring, Self::Dashpot, Self::Contact];
 
-    /// In tables and options.
+    /// Name in tables and options.
     pub fn name(self) -> &'static str {
         match self {
             Self::Constraint => "constraint",
@@ -41,7 +41,7 @@ impl ChangeKind {
         }
     }
 
-    /// The unit of its size; empty where it has none.
+    /// Unit of the size of a change; empty where it has none.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Mass => "kg",
@@ -51,7 +51,7 @@ impl ChangeKind {
         }
     }
 
-    /// What is done, for people.
+    /// Words for what is done, for people.
     pub fn action(self) -> &'static str {
         match self {
             Self::Constraint => "hold",
@@ -63,24 +63,24 @@ impl ChangeKind {
     }
 }
 
-/// How large masses, springs and dashpots are.
+/// Sizes of masses, springs and dashpots.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sizes {
-    /// kg; `None` is [`Sizes::PART`] of the mass at the place.
+    /// Mass, kg; `None` is [`Sizes::PART`] of the mass at the place.
     pub mass: Option<f64>,
-    /// N/m; `None` is [`Sizes::PART`] of the stiffness of the direction.
+    /// Stiffness of a spring, N/m; `None` is [`Sizes::PART`] of the stiffness of the direction.
     pub spring: Option<f64>,
-    /// Ns/m; `None` gives the direction by itself [`Sizes::DAMPING_RATIO`] more.
+    /// Damping of a dashpot, Ns/m; `None` gives the direction left to itself [`Sizes::DAMPING_RATIO`] more.
     pub dashpot: Option<f64>,
 }
 
 impl Sizes {
-    /// Part of a place's own mass and stiffness that is added; chosen: small enough to be built, large enough to be seen.
+    /// Fraction of a place's own mass and stiffness that is added; chosen: small enough to be built, large enough to be seen.
     pub const PART: f64 = 0.05;
     /// Damping ratio that a dashpot of `2 zeta sqrt(k m)` adds to a direction left to itself; chosen.
     pub const DAMPING_RATIO: f64 = 0.01;
 
-    /// What the sizes are where none is given, for people.
+    /// Words for the sizes where none is given, for people.
     pub fn in_proportion() -> String {
         format!(
             "a mass or spring is {} % of its place's own, a dashpot adds {} % of critical damping to its direction left to itself",
@@ -106,14 +106,14 @@ impl Sizes {
 /// A change at one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingleChange {
-    /// What is changed there: a degree of freedom, a body, a contact.
+    /// Name of what is changed there: a degree of freedom, a body, a contact.
     pub name: String,
-    /// The change.
+    /// Change at the place.
     pub change: Change,
 }
 
 impl SingleChange {
-    /// How large it is, in the unit of its kind; `None` of one that has no size.
+    /// Size of the change, in the unit of its kind; `None` of one that has no size.
     pub fn size(&self) -> Option<f64> {
         match self.change {
             Change::Attach { size, .. } => Some(size),
@@ -122,21 +122,22 @@ impl SingleChange {
     }
 }
 
-/// Everything of one kind that could be changed.
+/// Candidates of one kind: everything that could be changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidates {
-    /// Of which kind.
+    /// Kind of the changes.
     pub kind: ChangeKind,
-    /// Changes at one place each.
+    /// Single changes, each at one place.
     pub singles: Vec<SingleChange>,
-    /// By symmetry of the brake, and place in `singles`: what it becomes. Without symmetries the identity alone.
+    /// Images of the single changes under each symmetry of the brake, as indices into `singles`. Without symmetries the identity alone.
     images: Vec<Vec<usize>>,
-    /// What can be done at once: each single change, and what one symmetry or all of them make of it.
+    /// Groups of single changes that can be made at once, as indices into `singles`: each by itself, and with what one symmetry or all of
+    /// them make of it.
     pub groups: Vec<Vec<usize>>,
 }
 
 impl Candidates {
-    /// What can be changed on a brake under a set of constraints, kind by kind.
+    /// Candidates for changes of a brake under a set of constraints, kind by kind.
     ///
     /// # Errors
     /// Those of [`Modifiable::places`].
@@ -191,7 +192,7 @@ impl Candidates {
         self.images.iter().map(image).min().unwrap_or_else(|| of.to_vec())
     }
 
-    /// Whether every symmetry leaves some single changes, in order, as they are; `false` where the brake has none.
+    /// True if every symmetry leaves some single changes, in order, as they are; false where the brake has none.
     pub fn is_symmetric(&self, of: &[usize]) -> bool {
         let is_same = |image: &Vec<usize>| of.iter().all(|&single| of.contains(&image[single]));
         self.images.len() > 1 && self.images.iter().all(is_same)
@@ -202,12 +203,12 @@ impl Candidates {
         of.iter().map(|&single| self.singles[single].change.clone()).collect()
     }
 
-    /// What some singles are called together.
+    /// Name of some single changes together.
     pub fn name(&self, of: &[usize]) -> String {
         of.iter().map(|&single| self.singles[single].name.as_str()).collect::<Vec<_>>().join(" ")
     }
 
-    /// The sizes of some singles: one where they are equal.
+    /// Sizes of some single changes: one where they are equal.
     pub fn sizes(&self, of: &[usize]) -> Vec<f64> {
         let mut sizes: Vec<f64> = of.iter().filter_map(|&single| self.singles[single].size()).collect();
         sizes.dedup();
@@ -215,7 +216,7 @@ impl Candidates {
     }
 }
 
-/// What can be attached to a place, or held there.
+/// Changes of a kind at a place: a mass in all its directions, a spring, dashpot or constraint in each of them.
 fn attached(kind: ChangeKind, place: &Place, sizes: &Sizes) -> Vec<SingleChange> {
     let single = |name: &str, what: Attached, size: f64, along: Vec<Vec<(usize, f64)>>| {
         // A direction without mass or stiffness of its own gets nothing in proportion to it.
@@ -257,7 +258,7 @@ fn contacts(plan: &Plan, modifiable: &dyn Modifiable, constraints: usize) -> Vec
     found.into_iter().map(single).collect()
 }
 
-/// The free degrees of freedom as places: each body that is a point mass is one, with its directions, each other degree of freedom
+/// Free degrees of freedom as places: each body that is a point mass is one, with its directions, each other degree of freedom
 /// one by itself.
 fn degrees_of_freedom(plan: &Plan, constraints: usize) -> Result<Vec<Place>, Error> {
     let Some(origin) = origin_of_set(plan, constraints) else { return Ok(Vec::new()) };
@@ -287,7 +288,7 @@ fn degrees_of_freedom(plan: &Plan, constraints: usize) -> Result<Vec<Place>, Err
     Ok(places.into_iter().map(|(_, place)| place).collect())
 }
 
-/// Whether a body has one mass in up to three directions, and none in common with other degrees of freedom.
+/// True if a body has one mass in up to three directions, and none in common with other degrees of freedom.
 fn is_point_mass(mass: &DMatrix<f64>, dofs: &[usize]) -> bool {
     let Some(&first) = dofs.first() else { return false };
     let own = mass[(first, first)];

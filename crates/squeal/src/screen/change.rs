@@ -1,4 +1,4 @@
-//! What can be changed on a brake, and the brake with it.
+//! Changes of a brake, and the brake with them.
 
 use linsys::{AffineSystem, DofMap, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;
@@ -8,10 +8,10 @@ use study::{Symmetry, WholeContact};
 
 use crate::Error;
 
-/// The term that holds what is attached to a brake, less what goes with contacts that are taken out.
+/// Name of the term that holds what is attached to a brake, less what goes with contacts that are taken out.
 const TERM: &str = "changes";
 
-/// What is attached to a brake.
+/// Kind of what is attached to a brake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Serialize)]
 pub enum Attached {
     /// A mass, kg.
@@ -22,33 +22,33 @@ pub enum Attached {
     Dashpot,
 }
 
-/// One change of a brake. Degrees of freedom have their numbers, from 0, with held ones counted.
+/// Change of a brake. Degrees of freedom have their numbers, from 0, with held ones counted.
 #[derive(Debug, Clone, PartialEq, PartialOrd, Serialize)]
 pub enum Change {
     /// A degree of freedom is held: its row and column leave the matrices.
     Hold {
-        /// Which.
+        /// Number of the degree of freedom.
         dof: usize,
     },
     /// `size sum p p^T` is added to M, K or C.
     Attach {
-        /// To which of the three.
+        /// Kind of the attachment: M, K or C.
         what: Attached,
-        /// kg, N/m or Ns/m.
+        /// Size of the attachment, kg, N/m or Ns/m.
         size: f64,
-        /// The vectors p.
+        /// Vectors p, as (degree of freedom, value) entries.
         along: Vec<Vec<(usize, f64)>>,
     },
     /// A contact is taken out where it is closed: its friction and, as far as they are known, its spring and dashpot. The loads of
     /// the others stay as they are.
     TakeOut {
-        /// Its number.
+        /// Number of the contact.
         contact: usize,
     },
 }
 
 impl Change {
-    /// What a symmetry makes of it.
+    /// Image of the change under a symmetry.
     pub fn image(&self, symmetry: &Symmetry) -> Self {
         match self {
             Self::Hold { dof } => Self::Hold { dof: symmetry.dofs[*dof] },
@@ -72,13 +72,13 @@ impl Change {
 #[derive(Debug, Clone)]
 pub(super) struct ChangedBrake {
     pub brake: Brake,
-    /// Places of the channels that it has among those of the brake without changes.
+    /// Indices of its channels among those of the brake without changes.
     channels: Vec<usize>,
     has_term: bool,
 }
 
 impl ChangedBrake {
-    /// A brake with these changes; `contacts` are its own.
+    /// A brake with these changes; `contacts` are those of the brake.
     ///
     /// # Errors
     /// No degree of freedom left free, or one that the brake does not have.
@@ -144,7 +144,7 @@ fn attach(matrix: &mut DMatrix<f64>, dofs: &DofMap, size: f64, vector: &[(usize,
     }
 }
 
-/// The sectors that the changes leave, where they keep the symmetry, else the whole.
+/// Sectors of the brake with changes, where these keep the symmetry, else one sector for the whole brake.
 fn sectors(brake: &Brake, kept: &DofMap, channels: &[usize], added: &SecondOrder) -> Sectors {
     let whole = || Sectors::whole(kept.free().len(), channels.len());
     if brake.sectors.iter().len() == 1

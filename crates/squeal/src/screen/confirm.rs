@@ -1,4 +1,4 @@
-//! Sets of changes confirmed: all scenes of a study, all sets on the same draws.
+//! Confirmation of sets of changes: all scenes of a study, all sets on the same draws.
 
 use std::ops::Range;
 
@@ -12,28 +12,29 @@ use crate::results::Estimate;
 /// Sums over all scenes of each set of changes, sample by sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ScreenTally {
-    /// By set: unstable modes and divergences in all analyses of a sample.
+    /// Sums, by set, of unstable modes and divergences in all analyses of a sample.
     unstable: Vec<BoundedMean>,
-    /// By set: analyses of a sample with an unstable mode or divergence.
+    /// Sums, by set, of the analyses of a sample with an unstable mode or divergence.
     squealing: Vec<BoundedMean>,
-    /// By set, and set with less: by how much the first has more unstable modes.
+    /// Sums, by set and other set, of how many more unstable modes the first has.
     drops: Vec<Vec<BoundedMean>>,
-    /// The same of analyses with an unstable mode.
+    /// Sums, by set and other set, of how many more analyses with an unstable mode or divergence the first has.
     squeal_drops: Vec<Vec<BoundedMean>>,
-    /// By set: verdicts that the error bound leaves open, and real eigenvalues above zero.
+    /// Number of verdicts that the error bound leaves open, by set.
     pub undecided: Vec<u64>,
+    /// Number of real eigenvalues beyond the threshold, by set.
     pub divergent: Vec<u64>,
     #[serde(skip)]
     layout: Layout,
 }
 
-/// The set of each scene, and how many analyses it stands for.
+/// Layout of a tally: the set of each scene, and how many analyses it stands for.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Layout {
     scenes: Vec<(usize, i32)>,
 }
 
-/// How many analyses a scene stands for: members times ranges of speed.
+/// Number of analyses that a scene stands for: members times ranges of speed.
 fn analyses(plan: &Plan, scene: &Scene) -> usize {
     scene.members.len() * plan.speeds_of(scene.key)
 }
@@ -108,27 +109,27 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
     }
 }
 
-/// What a study of all scenes says of a set of changes; each number is of one analysis on average, with its 95 % interval.
+/// Results of the study of all scenes on a set of changes; each estimate is of one analysis on average, with its 95 % interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confirmed {
-    /// Unstable modes, divergences among them.
+    /// Number of unstable modes, divergences among them.
     pub unstable: Estimate,
-    /// By how much that is less than without changes, on the same draws.
+    /// Drop of the number of unstable modes against the brake without changes, on the same draws.
     pub drop: Estimate,
-    /// Part of the analyses with an unstable mode or divergence.
+    /// Fraction of the analyses with an unstable mode or divergence.
     pub squealing: Estimate,
-    /// By how much that is less than without changes, on the same draws.
+    /// Drop of this fraction against the brake without changes, on the same draws.
     pub squealing_drop: Estimate,
-    /// Verdicts that the error bound leaves open; they count as stable.
+    /// Number of verdicts that the error bound leaves open; they count as stable.
     pub undecided: u64,
-    /// Real eigenvalues above zero.
+    /// Number of real eigenvalues beyond the threshold.
     pub divergent: u64,
-    /// Samples of which all scenes could be analysed.
+    /// Number of samples of which all scenes could be analysed.
     pub samples: u64,
 }
 
 impl ScreenTally {
-    /// What is known of a set after so many samples, in each of which those that failed may be anything; `None` where all failed.
+    /// Results on a set after `samples` samples, in each of which those that failed may be anything; `None` where all failed.
     pub fn confirmed(&self, plan: &Plan, set: usize, samples: u64) -> Option<Confirmed> {
         let (by, most) = size(plan, set);
         let squealing = &self.squealing[set];
@@ -159,7 +160,7 @@ impl ScreenTally {
         })
     }
 
-    /// By how much a set has more unstable modes than another, on the same draws.
+    /// Difference of a set to another one, `less`, in the number of unstable modes, on the same draws.
     pub fn difference(&self, plan: &Plan, set: usize, less: usize, samples: u64) -> Option<Estimate> {
         let ((by, most), (_, of_less)) = (size(plan, set), size(plan, less));
         let drops = &self.drops[set][less];
@@ -167,14 +168,14 @@ impl ScreenTally {
     }
 }
 
-/// How many analyses a sample of a set stands for, and how many modes one of them has at most.
+/// Number of analyses that a sample of a set stands for, and number of modes that one of them has at most.
 fn size(plan: &Plan, set: usize) -> (f64, f64) {
     let of_set = || plan.scenes.iter().filter(|scene| scene.key.constraints == set);
     let modes = of_set().map(|scene| plan.brake(scene).dofs.free().len()).max().unwrap_or(0);
     (of_set().map(|scene| analyses(plan, scene)).sum::<usize>() as f64, modes as f64)
 }
 
-/// The mean of one analysis, from sums over the analyses of samples that were solved, within the bounds that it has; so many that failed
+/// Mean of one analysis, from sums over the analyses of samples that were solved, within the bounds that it has; `failed` samples
 /// may be at either of them.
 fn estimate(sums: &BoundedMean, by: f64, [least, greatest]: [f64; 2], failed: u64) -> Option<Estimate> {
     let bounds = Bounds { least: least * by, greatest: greatest * by, step: by };

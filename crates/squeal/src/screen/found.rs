@@ -1,4 +1,4 @@
-//! What a screening found, for people and for machines.
+//! Results of a screening, for people and for machines.
 
 use output::Table;
 use serde_json::{Value, json};
@@ -10,67 +10,67 @@ use super::modified::ChangeSet;
 use super::predict::Prediction;
 use crate::results::Estimate;
 
-/// Changes of each kind that are printed and not confirmed; more are in the table. Chosen.
+/// Number of changes of each kind that are printed and not confirmed; more are in the table. Chosen.
 const MOST_PRINTED: usize = 5;
 
-/// Some changes of a brake together, with what is known of their effect.
+/// Changes of a brake together, with what is known of their effect.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ScreenedSet {
-    /// Of which kind; `None` of the brake as it is, and of its other sets of constraints.
+    /// Kind of the changes; `None` of the brake as it is, and of its other sets of constraints.
     pub kind: Option<ChangeKind>,
-    /// Where, or the name of a set of constraints.
+    /// Names of the places, or the name of a set of constraints.
     pub places: String,
-    /// At how many places; of sets of constraints, degrees of freedom held more than in the first.
+    /// Number of places; of sets of constraints, degrees of freedom held more than in the first.
     pub count: usize,
-    /// The sizes, in the unit of the kind; one where all are equal.
+    /// Sizes, in the unit of the kind; one where all are equal.
     pub sizes: Vec<f64>,
-    /// What a few analyses have with them.
+    /// Prediction by a few analyses.
     pub prediction: Option<Prediction>,
-    /// The changes.
+    /// Changes of the set.
     pub changes: ChangeSet,
-    /// Its place among those that are confirmed.
+    /// Index of the set among those that are confirmed.
     pub place: Option<usize>,
-    /// What the study of all scenes says.
+    /// Results of the study of all scenes.
     pub confirmed: Option<Confirmed>,
 }
 
-/// What a screening found.
+/// Results of a screening.
 #[derive(serde::Serialize)]
 pub struct Screen {
-    /// The brake as it is, its other sets of constraints, then kind by kind: the largest sets first, then single changes, the best
+    /// Sets: the brake as it is, its other sets of constraints, then kind by kind: the largest sets first, then single changes, the best
     /// first.
     pub sets: Vec<ScreenedSet>,
-    /// By how much one confirmed set has more unstable modes than another, by their places.
+    /// Differences of each confirmed set to each other, by their indices: how many more unstable modes the first has.
     pub differences: Vec<Vec<Option<Estimate>>>,
-    /// What the analyses of the prediction have without changes.
+    /// Prediction for the brake without changes.
     pub unchanged: Prediction,
-    /// Sets that could not be analysed, and why.
+    /// Sets that could not be analysed, with the reason.
     pub failed: Vec<(String, String)>,
-    /// Sets of changes that were predicted.
+    /// Number of sets of changes that were predicted.
     pub predicted_sets: u64,
-    /// Spectra for each of them.
+    /// Number of spectra for each of these sets.
     pub analyses_per_set: u64,
-    /// Draws of the prediction.
+    /// Number of draws of the prediction.
     pub prediction_draws: u64,
-    /// Draws of the confirmation.
+    /// Number of draws of the confirmation.
     pub samples: u64,
-    /// Scenes of the confirmation, all sets together.
+    /// Number of scenes of the confirmation, all sets together.
     pub scenes: u64,
-    /// Evaluations of the confirmation that failed.
+    /// Number of evaluations of the confirmation that failed.
     pub failures: u64,
     /// Modes that are unstable at the medians without changes.
     pub growing: Vec<GrowingMode>,
-    /// Reason why divergence may be missing in all this, as it is of a reduced brake.
+    /// Reason why divergence may be missing in the results, as it is of a reduced brake.
     pub divergence_doubt: Option<String>,
 }
 
 impl ScreenedSet {
-    /// By how many unstable modes in one analysis the prediction is less than without changes.
+    /// Drop of the number of unstable modes in one analysis that is predicted, against the brake without changes.
     pub fn predicted_drop(&self, unchanged: &Prediction) -> Option<f64> {
         Some(unchanged.unstable - self.prediction?.unstable)
     }
 
-    /// What is done, for people.
+    /// Words for the changes, for people.
     pub fn name(&self) -> String {
         let sizes = match (self.kind, self.sizes.as_slice()) {
             (Some(kind), [size]) => format!(", {size:.3e} {}", kind.unit()),
@@ -85,12 +85,12 @@ impl ScreenedSet {
 }
 
 impl Screen {
-    /// The brake without changes, confirmed.
+    /// Results on the brake without changes, where they are confirmed.
     pub fn as_it_is(&self) -> Option<&Confirmed> {
         self.sets.first()?.confirmed.as_ref()
     }
 
-    /// The tables of a screening: `screen`, all sets of changes, and `screen_differences`, by how much each confirmed one differs from
+    /// Tables of a screening: `screen`, all sets of changes, and `screen_differences`, by how much each confirmed one differs from
     /// each other.
     pub fn tables(&self) -> Vec<Table> {
         let header = [
@@ -138,7 +138,7 @@ impl Screen {
         vec![screen, Table::new("screen_differences", header, rows)]
     }
 
-    /// By how much one confirmed set has more unstable modes than another.
+    /// Difference of two confirmed sets: how many more unstable modes `more` has than `less`.
     pub fn difference(&self, more: &ScreenedSet, less: &ScreenedSet) -> Option<Estimate> {
         self.differences.get(more.place?)?.get(less.place?).copied().flatten()
     }
@@ -169,7 +169,7 @@ impl Screen {
         row
     }
 
-    /// Everything, for machines.
+    /// Results as JSON, for machines.
     pub fn json(&self) -> Value {
         let sets: Vec<Value> = self
             .sets
@@ -190,7 +190,7 @@ impl Screen {
         json!({ "warnings": self.divergence_doubt.iter().collect::<Vec<_>>(), "sets": sets, "failed": self.failed, "counts": self.counts() })
     }
 
-    /// What was computed.
+    /// Numbers of what was computed, as JSON.
     pub fn counts(&self) -> Value {
         json!({
             "predicted_sets": self.predicted_sets,
@@ -202,7 +202,7 @@ impl Screen {
         })
     }
 
-    /// What was found, for people.
+    /// Results in words, for people.
     pub fn text(&self) -> String {
         let mut text = self.said_first()
             + &self.as_it_is().map_or_else(String::new, |now| {
@@ -237,7 +237,7 @@ impl Screen {
         text + &self.remarks()
     }
 
-    /// What every number has to be read with: failures, open verdicts, divergence.
+    /// Warnings that every number has to be read with: failures, open verdicts, divergence.
     fn said_first(&self) -> String {
         let sum =
             |of: fn(&Confirmed) -> u64| self.sets.iter().filter_map(|set| set.confirmed.as_ref()).map(of).sum::<u64>();
@@ -261,7 +261,7 @@ impl Screen {
         text
     }
 
-    /// How the constraints found compare with a set of constraints of the case that holds as many.
+    /// Comparison of the constraints found with a set of constraints of the case that holds as many, in words.
     fn against(&self, set: &ScreenedSet) -> String {
         let is_alike = |other: &&ScreenedSet| other.kind == Some(ChangeKind::Constraint) && other.count == set.count;
         let line = |other: &ScreenedSet| {
@@ -279,7 +279,7 @@ impl Screen {
         self.sets.iter().filter(is_alike).filter_map(line).collect()
     }
 
-    /// What every number rests on.
+    /// Remarks on what the numbers rest on.
     fn remarks(&self) -> String {
         let mut text = String::new();
         for (set, error) in &self.failed {
@@ -288,7 +288,7 @@ impl Screen {
         text + &self.rests_on().join("\n") + "\n"
     }
 
-    /// What the numbers mean, and how many analyses they rest on.
+    /// Meaning of the numbers, and how many analyses they rest on.
     pub fn rests_on(&self) -> [String; 2] {
         let meaning = "drop: unstable modes fewer in one analysis, on average over all arrangements, laws and speed ranges; 95 % limits";
         let counts = format!(

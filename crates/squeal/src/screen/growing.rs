@@ -1,4 +1,4 @@
-//! The modes that are to be rid of, with their shapes.
+//! Modes that are unstable at the medians, which a screening is to get rid of, with their shapes.
 
 use std::collections::BTreeMap;
 
@@ -11,21 +11,21 @@ use study::{Scene, Study, UncertainBrake};
 /// A mode that is unstable at the medians, of the brake as it is.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct GrowingMode {
-    /// The scene, in words.
+    /// Scene, in words.
     pub scene: String,
-    /// Candidates for its name.
+    /// Candidates for the name of the mode.
     pub mode: String,
-    /// Its eigenvalue, rad/s.
+    /// Eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// The free degrees of freedom of the scene.
+    /// Free degrees of freedom of the scene.
     #[serde(skip)]
     pub dofs: DofMap,
-    /// Its right eigenvector over these.
+    /// Right eigenvector over the free degrees of freedom.
     #[serde(skip)]
     pub shape: DVector<Complex<f64>>,
 }
 
-/// The unstable modes of a set of constraints at the medians: for each law and speed in the scene with most in contact.
+/// The unstable modes of a set of constraints at the medians: for each law and speed those of the scene with most in contact.
 pub(super) fn growing_modes<B: UncertainBrake>(study: &Study<'_, B>, constraints: usize) -> Vec<GrowingMode> {
     let plan = study.plan();
     let in_contact = |scene: &Scene| plan.labels.panels[scene.key.panel].in_contact;

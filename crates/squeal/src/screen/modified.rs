@@ -1,4 +1,4 @@
-//! A brake whose sets of constraints are sets of changes of another.
+//! A brake whose sets of constraints are sets of changes of another brake.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -17,16 +17,16 @@ use crate::Error;
 /// Changes of a brake together, compared as one.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ChangeSet {
-    /// What it is called.
+    /// Name of the set.
     pub name: String,
-    /// The set of constraints of the brake that is changed.
+    /// Index of the set of constraints of the brake that is changed.
     pub of: usize,
-    /// The changes; none is the brake as it is.
+    /// Changes of the set; none is the brake as it is.
     pub changes: Vec<Change>,
 }
 
 impl ChangeSet {
-    /// Writes out what is changed.
+    /// Writes the changes out, for an identity.
     fn written(to: &mut Written, Self { name, of, changes }: &Self) {
         to.text(name);
         to.count(*of);
@@ -57,7 +57,7 @@ impl ChangeSet {
     }
 }
 
-/// A brake with several sets of changes in the place of its sets of constraints, so that a study compares them on the same draws.
+/// A brake with several sets of changes as its sets of constraints, so that a study compares them on the same draws.
 ///
 /// Modes are known by their frequency ranks in each sample: what is compared is how many are unstable. A scene that stands for
 /// several arrangements is divided where the changes are not symmetric: to change a member of it is to change what the scene
@@ -65,15 +65,15 @@ impl ChangeSet {
 pub struct Modified<'a, B> {
     inner: &'a B,
     plan: Plan,
-    /// By configuration: from where it is.
+    /// Origin of each configuration in the inner brake.
     from: Vec<FromInner>,
 }
 
-/// What can be modified in a brake: what it says, or what its plan shows.
+/// Modifiable parts of a brake, as the brake says them, or as its plan shows them.
 ///
 /// # Errors
-/// [`Error::NotGiven`] for a brake that says nothing, and has a scene that stands for several arrangements: which symmetry makes one of
-/// another is not in a plan.
+/// [`Error::NotGiven`] for a brake that does not say them, and has a scene that stands for several arrangements: which symmetry maps one
+/// onto another is not in a plan.
 pub(super) fn modifiable_of<'a, B: UncertainBrake>(
     brake: &'a B,
     by_plan: &'a ModifiablePlan<'a>,
@@ -88,16 +88,16 @@ pub(super) fn modifiable_of<'a, B: UncertainBrake>(
     }
 }
 
-/// A configuration of the inner brake with changes.
+/// Configuration of the inner brake with changes.
 struct FromInner {
-    /// The inner set of constraints.
+    /// Index of the set of constraints of the inner brake.
     constraints: usize,
-    /// The inner configuration.
+    /// Index of the configuration of the inner brake.
     configuration: usize,
     changed: ChangedBrake,
 }
 
-/// Places of the configurations that are laid out, by those of the inner brake and of the image of the changes.
+/// Indices of the configurations that are laid out, by the index of the inner configuration and that of the image of the changes.
 type LaidOut = HashMap<(usize, usize), usize>;
 
 impl<'a, B: UncertainBrake> Modified<'a, B> {
@@ -151,7 +151,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         Ok(())
     }
 
-    /// The place of the configuration of a scene with changes, which is added where it is not there yet.
+    /// Index of the configuration of a scene with changes, which is added where it does not exist yet.
     fn configuration(
         &mut self,
         scene: &Scene,
@@ -177,11 +177,11 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
     }
 }
 
-/// What the symmetries of a brake make of some changes.
+/// Images of some changes under the symmetries of a brake.
 struct Images {
-    /// Those that differ.
+    /// Images that differ.
     pub distinct: Vec<Vec<Change>>,
-    /// By symmetry: the place of what its inverse makes of the changes.
+    /// Index of the image under the inverse of each symmetry.
     by_inverse: Vec<usize>,
 }
 
@@ -203,7 +203,7 @@ impl Images {
         images
     }
 
-    /// The place of the changes to be made in the configuration of a scene so that they are those of a member, onto which this
+    /// Index of the changes to be made in the configuration of a scene so that they are those of a member, onto which this
     /// symmetry maps it.
     fn of_member(&self, symmetry: usize) -> usize {
         self.by_inverse.get(symmetry).copied().unwrap_or(0)
@@ -243,22 +243,22 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         Ok(changed.point(self.inner.operating_point(&inner, sample)?))
     }
 
-    /// Scenes here are not those of the inner brake, whose inputs belong to its own.
+    /// `None`: scenes here are not those of the inner brake, to which its inputs belong.
     fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<B::Sample>> {
         None
     }
 
-    /// Its systems with values of parameters are those without the changes.
+    /// `None`: the systems of the inner brake with values of parameters are those without the changes.
     fn parametrised(&self) -> Option<&dyn Parametrised> {
         None
     }
 
-    /// Changes are made once, in [`Modified::new`].
+    /// `None`: changes are made once, in [`Modified::new`].
     fn modifiable(&self) -> Option<&dyn Modifiable> {
         None
     }
 
-    /// Modes that the inner brake finds are those without the changes: spectra are taken instead.
+    /// `None`: modes that the inner brake finds are those without the changes; spectra are taken instead.
     fn mode_source(&self) -> Option<&dyn ModeSource> {
         None
     }

@@ -1,4 +1,4 @@
-//! What changes do on a few draws in a few scenes: the prediction by which they are ranked.
+//! Prediction of the effect of changes, by a few draws in a few scenes: changes are ranked by it.
 
 use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, real_count, verdicts_beyond};
 use linsys::{OperatingPoint, SecondOrder};
@@ -12,39 +12,39 @@ use super::change::{Change, ChangedBrake};
 use super::modified::{inverse, modifiable_of};
 use crate::Error;
 
-/// Arrangements of a panel that are looked at; chosen: the prediction only ranks.
+/// Number of arrangements of a panel that are analysed; chosen: the prediction only ranks.
 const ARRANGEMENTS_PER_PANEL: usize = 2;
 
-/// What the analyses at hand have on average.
+/// Prediction for a brake with some changes: means over the analyses of a few draws.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Unstable modes and divergences.
+    /// Number of unstable modes and divergences in one analysis.
     pub unstable: f64,
-    /// The sum of their growth rates, 1/s.
+    /// Sum of their growth rates, 1/s.
     pub growth: f64,
 }
 
-/// A few analyses of a brake, on which sets of changes are compared.
+/// Analyses of a brake, a few, on which sets of changes are compared.
 pub(super) struct Probes<'a> {
     plan: &'a Plan,
     probes: Vec<Probe<'a>>,
-    /// Draws of each.
+    /// Number of draws of each probe.
     pub draws: u64,
 }
 
-/// One arrangement of a scene with the operating points of all draws.
+/// Probe: one arrangement of a scene, with the operating points of all draws.
 struct Probe<'a> {
     configuration: &'a Configuration,
     contacts: Vec<WholeContact>,
-    /// What makes of changes of the arrangement those of the configuration that is computed.
+    /// Symmetry that maps changes of the arrangement to those of the configuration that is computed.
     symmetry: Option<Symmetry>,
     points: Vec<OperatingPoint>,
-    /// Its part of all analyses of the plan.
+    /// Fraction of all analyses of the plan that the probe stands for.
     weight: f64,
 }
 
 impl<'a> Probes<'a> {
-    /// Two arrangements of each panel of a set of constraints, with the same draws, which are not those of the study.
+    /// Probes: two arrangements of each panel of a set of constraints, with the same draws, which are not those of the study.
     ///
     /// # Errors
     /// A draw without an operating point.
@@ -85,7 +85,7 @@ impl<'a> Probes<'a> {
         Ok(Self { plan, probes, draws })
     }
 
-    /// Analyses that one set of changes takes.
+    /// Number of analyses that one set of changes takes.
     pub fn analyses(&self) -> u64 {
         self.draws * self.probes.len() as u64
     }

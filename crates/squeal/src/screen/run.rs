@@ -1,4 +1,4 @@
-//! A screening from the candidates to what is confirmed of the best.
+//! A screening from the candidates to the confirmation of the best.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -17,32 +17,32 @@ use super::predict::{Prediction, Probes};
 use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
 
-/// Changes when checkpoints of an older program can no longer be continued.
+/// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 2;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
-/// What is screened, and how far.
+/// Options of a screening.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ScreenOptions {
-    /// The set of constraints that is changed, by its place in the plan.
+    /// Index of the set of constraints that is changed, in the plan.
     pub constraints: usize,
     /// Kinds of changes, each once.
     pub kinds: Vec<ChangeKind>,
-    /// The size of masses, springs and dashpots.
+    /// Sizes of masses, springs and dashpots.
     pub sizes: Sizes,
-    /// Places that a set has at most, >= 1.
+    /// Number of places that a set has at most, >= 1.
     pub up_to: usize,
-    /// Draws of the prediction, >= 1.
+    /// Number of draws of the prediction, >= 1.
     pub draws: u64,
-    /// Single changes of each kind that are confirmed.
+    /// Number of single changes of each kind that are confirmed.
     pub confirmed: usize,
 }
 
 impl Default for ScreenOptions {
-    /// All kinds of changes of the first set of constraints, in sizes in proportion, singly and in pairs, by eight draws; the best of each
-    /// kind is confirmed.
+    /// Options with all kinds of changes of the first set of constraints, in sizes in proportion, singly and in pairs, by eight draws; the
+    /// best of each kind is confirmed.
     fn default() -> Self {
         let kinds = ChangeKind::ALL.to_vec();
         Self { constraints: 0, kinds, sizes: Sizes::default(), up_to: 2, draws: 8, confirmed: 1 }
@@ -50,7 +50,7 @@ impl Default for ScreenOptions {
 }
 
 impl ScreenOptions {
-    /// Writes out what tells a screening from others of the same brake.
+    /// Writes out the options that tell a screening from others of the same brake.
     pub fn written(&self, to: &mut Written) {
         let Self { constraints, kinds, sizes: Sizes { mass, spring, dashpot }, up_to, draws, confirmed } = self;
         to.count(*constraints);
@@ -62,15 +62,15 @@ impl ScreenOptions {
     }
 }
 
-/// All changes ranked by prediction.
+/// Ranking of all changes by prediction.
 pub struct Ranking {
-    /// What the probes have without changes.
+    /// Prediction for the brake without changes.
     pub unchanged: Prediction,
-    /// By kind.
+    /// Ranking of each kind of changes.
     pub kinds: Vec<KindRanking>,
-    /// Analyses for each set of changes.
+    /// Number of analyses for each set of changes.
     pub analyses_per_set: u64,
-    /// Draws of the prediction.
+    /// Number of draws of the prediction.
     pub draws: u64,
 }
 
@@ -91,20 +91,20 @@ pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dy
     Ok(Ranking { unchanged, kinds, analyses_per_set: probes.analyses(), draws: *draws })
 }
 
-/// How the best of a ranking are confirmed.
+/// Options of the confirmation of the best of a ranking.
 #[non_exhaustive]
 pub struct Confirmation<'a> {
     /// Solver of spectra: [`cea::BatchSolver`] unless another is given.
     pub solver: &'a dyn EigenSolver,
-    /// Draws, >= 2.
+    /// Number of draws, >= 2.
     pub samples: u64,
-    /// Worker threads, on which the result does not depend.
+    /// Number of worker threads, on which the result does not depend.
     pub threads: Option<usize>,
-    /// The file in which the state is kept, so that a run that was stopped goes on.
+    /// Path of the file in which the state is kept, so that a run that was stopped goes on.
     pub checkpoint: Option<PathBuf>,
-    /// Told of the steps before the first sample.
+    /// Progress of the steps before the first sample.
     pub preparation: &'a dyn Progress,
-    /// Told of the evaluations.
+    /// Progress of the evaluations.
     pub evaluation: &'a dyn Progress,
 }
 
@@ -133,7 +133,7 @@ impl<'a> Confirmation<'a> {
         Self { checkpoint, ..self }
     }
 
-    /// The confirmation with who is told of the steps before the first sample and of the evaluations, and can
+    /// The confirmation with receivers of the progress of the steps before the first sample and of the evaluations, which can
     /// [cancel](Progress::is_cancelled) it.
     #[must_use]
     pub fn with_progress(self, preparation: &'a dyn Progress, evaluation: &'a dyn Progress) -> Self {
@@ -200,7 +200,7 @@ pub fn confirm<B: UncertainBrake>(
     })
 }
 
-/// All that a screening has in its tables: what is confirmed has its place there.
+/// Sets that a screening has in its tables, all of them; those to be confirmed have their indices.
 fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOptions) -> Vec<ScreenedSet> {
     let (plan, mut sets) = (brake.plan(), Vec::new());
     let names = &plan.labels.constraints;
@@ -247,7 +247,7 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
     sets
 }
 
-/// Degrees of freedom that a set of constraints of a brake holds.
+/// Number of degrees of freedom that a set of constraints of a brake holds.
 fn held<B: UncertainBrake>(brake: &B, constraints: usize) -> usize {
     let plan = brake.plan();
     let dofs =

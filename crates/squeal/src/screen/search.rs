@@ -7,33 +7,33 @@ use montecarlo::Progress;
 use super::candidates::Candidates;
 use super::predict::{Prediction, Probes};
 
-/// Some changes of one kind with their prediction.
+/// Changes of one kind with their prediction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
-    /// Places in [`Candidates::singles`], ascending.
+    /// Indices of the changes in [`Candidates::singles`], ascending.
     pub singles: Vec<usize>,
-    /// What the probes have with them.
+    /// Prediction for the brake with these changes.
     pub prediction: Prediction,
 }
 
-/// What was found of one kind of changes.
+/// Ranking of one kind of changes.
 #[derive(Debug, Clone)]
 pub struct KindRanking {
-    /// All that could be changed.
+    /// Candidates of the kind.
     pub candidates: Candidates,
-    /// Changes at one place, the best first; of those that a symmetry makes of each other one.
+    /// Changes at one place, the best first; one of those that a symmetry maps onto each other.
     pub singles: Vec<Ranked>,
-    /// The best set found of each size, from 1; it ends where no set of a size could be analysed.
+    /// Best set found of each size, from 1; the list ends where no set of a size could be analysed.
     pub best: Vec<Ranked>,
-    /// The best found of each size among those that every symmetry of the brake leaves as they are.
+    /// Best set found of each size among those that every symmetry of the brake leaves as they are.
     pub symmetric: Vec<Option<Ranked>>,
-    /// Sets that could not be analysed, and why.
+    /// Sets that could not be analysed, with the reason.
     pub failed: Vec<(String, String)>,
-    /// Sets of changes analysed.
+    /// Number of sets of changes analysed.
     pub sets: u64,
 }
 
-/// How many sets a search has at most, for its progress.
+/// Number of sets that a search has at most, for its progress.
 pub(super) fn most_sets(candidates: &Candidates, up_to: usize) -> u64 {
     let groups = candidates.groups.iter().filter(|group| group.len() <= up_to);
     groups.map(|group| 1 + 2 * (up_to - group.len()) as u64).sum()
@@ -97,7 +97,7 @@ fn by_prediction(a: &Ranked, b: &Ranked) -> std::cmp::Ordering {
 }
 
 impl KindRanking {
-    /// The sets of a size that are looked at: each group with the best set of what is missing.
+    /// Sets of a size that are analysed: each group with the best set of what is missing.
     fn sets_of(&self, size: usize) -> Vec<Vec<usize>> {
         let mut sets: Vec<Vec<usize>> = Vec::new();
         for group in self.candidates.groups.iter().filter(|group| group.len() <= size) {

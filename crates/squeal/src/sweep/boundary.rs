@@ -1,7 +1,7 @@
 //! The boundary of stability over two parameters: curves on which Re lambda of one mode is zero, or the stiffness is singular
 //! (divergence), followed from point to point.
 //!
-//! Coordinates are parts x, y of the two ranges, 0 to 1. From a point a step goes along the tangent, across the gradient of
+//! Coordinates are fractions x, y of the two ranges, 0 to 1. From a point a step goes along the tangent, across the gradient of
 //! the growth; Newton's method takes it back onto the curve along the gradient. The step is halved where the tangent has turned far,
 //! Newton's method went far, the eigenvalue departs from its tangents or the shape has changed: it would be another mode's.
 //! Curves run so that the unstable side is on their right.
@@ -15,19 +15,21 @@ use super::curve_point::{CurvePoint, PointOf};
 use super::family::Part;
 use crate::Error;
 
-/// First and longest step; chosen: a curve is drawn by straight lines.
+/// First step, as a fraction of the ranges; chosen: a curve is drawn by straight lines.
 const FIRST_STEP: f64 = 0.01;
+/// Longest step, as a fraction of the ranges; chosen: a curve is drawn by straight lines.
 const LONGEST_STEP: f64 = 0.03;
 /// Step below which a curve is given up; chosen.
 const SHORTEST_STEP: f64 = 1e-7;
-/// Cosines of the largest turn of the tangent in a step, and of that below which the next step is longer; chosen: 15 and 6 degrees.
+/// Cosine of the largest turn of the tangent in a step; chosen: 15 degrees.
 const LARGEST_TURN: f64 = 0.966;
+/// Cosine of the turn of the tangent below which the next step is longer; chosen: 6 degrees.
 const SMALL_TURN: f64 = 0.9945;
-/// Largest correction, as a part of the step; chosen.
+/// Largest correction, as a fraction of the step; chosen.
 const LARGEST_CORRECTION: f64 = 0.2;
-/// Largest departure of lambda from its tangents, as a part of its change over a step of that length up the steepest way; chosen.
+/// Largest departure of lambda from its tangents, as a fraction of its change over a step of that length up the steepest way; chosen.
 const LARGEST_DEPARTURE: f64 = 0.05;
-/// Least likeness of shapes at the ends of a step; chosen.
+/// Least `|x^H z|` of the unit shapes at the ends of a step; chosen.
 const LEAST_LIKENESS: f64 = 0.8;
 /// Distance from the curve at which a point is on it: rounding of coordinates near 1; chosen.
 const ON_CURVE: f64 = 1e-13;
@@ -37,19 +39,19 @@ const ROUNDING: f64 = 1e-9;
 const MOST_CORRECTIONS: usize = 8;
 /// Most points of a curve; chosen.
 const MOST_POINTS: usize = 20_000;
-/// How near a known point has to be to a step of a curve in order to be on it, as a part of the step and of the change of the
+/// Largest distance of a known point from a step of a curve on which it counts as lying, as a fraction of the step and of the change of the
 /// frequency; chosen: the cubic between two points is far nearer.
 const SAME_POINT: f64 = 5e-3;
 
-/// How a curve ends.
+/// Kind of end of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CurveEnd {
-    /// It is closed.
+    /// The curve is closed.
     Closed,
-    /// At an end of a range.
+    /// An end of a range.
     Edge,
-    /// Where it could not be followed: near a coalescence on the boundary, or where two curves meet.
+    /// A point where it could not be followed: near a coalescence on the boundary, or where two curves meet.
     Lost,
 }
 
@@ -58,22 +60,22 @@ pub enum CurveEnd {
 pub struct BoundaryPoint {
     /// Values of the two parameters.
     pub at: [f64; 2],
-    /// Im lambda, rad/s; 0 of divergence.
+    /// Frequency Im lambda, rad/s; 0 of divergence, and where a growing pair becomes real.
     pub omega: f64,
-    /// Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
+    /// Growth rate Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
     pub growth: f64,
 }
 
-/// A curve on which one mode neither grows nor decays, or on which the stiffness is singular (divergence), or a growing pair becomes two
+/// Boundary curve, on which one mode is at the threshold, or the stiffness is singular (divergence), or a growing pair becomes two
 /// real eigenvalues. On its right, seen along it, there is one more unstable mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BoundaryCurve {
     /// Candidates for the name of the mode where the curve was found, on the straight line from the medians; "divergence" or
     /// "flutter to divergence".
     pub mode: String,
-    /// How it begins and ends.
+    /// Kinds of its two ends.
     pub ends: [CurveEnd; 2],
-    /// Its points; the first again at the end of a closed one.
+    /// Points of the curve; the first again at the end of a closed one.
     pub points: Vec<BoundaryPoint>,
 }
 
@@ -81,14 +83,14 @@ pub struct BoundaryCurve {
 #[derive(Debug, Clone, Copy)]
 enum Along {
     Gradient,
-    /// One coordinate alone, the other stays.
+    /// Coordinate of this index alone; the other stays.
     Axis(usize),
 }
 
 /// Follows the curves of one part of a family, and counts what it computes.
 pub(super) struct Tracer<'a, B: UncertainBrake> {
     pub part: &'a Part<'a, B>,
-    /// Eigenpairs found from neighbouring ones.
+    /// Number of eigenpairs found from neighbouring ones.
     pub continued: u64,
 }
 
@@ -189,7 +191,7 @@ impl<B: UncertainBrake> Tracer<'_, B> {
     }
 }
 
-/// How far it is along a direction to the edge of the ranges, and which coordinate ends there.
+/// Distance along a direction to the edge of the ranges, and index of the coordinate that ends there.
 fn to_edge(at: Vector2<f64>, along: Vector2<f64>) -> (f64, usize) {
     let distance = |axis: usize| match along[axis] {
         0.0 => f64::INFINITY,
@@ -200,7 +202,7 @@ fn to_edge(at: Vector2<f64>, along: Vector2<f64>) -> (f64, usize) {
     if x <= y { (x, 0) } else { (y, 1) }
 }
 
-/// Whether a point continues a curve.
+/// True if a point continues a curve.
 fn is_next(here: &CurvePoint, next: &CurvePoint, predicted: Vector2<f64>, sign: f64) -> bool {
     let by = next.at - here.at;
     let departure = link_error([here.value(), next.value()], [here.change(by), next.change(by)]);
@@ -214,15 +216,15 @@ fn is_next(here: &CurvePoint, next: &CurvePoint, predicted: Vector2<f64>, sign: 
 /// A point of the boundary found on a line of the grid.
 pub(super) struct KnownPoint {
     pub at: Vector2<f64>,
-    /// Its frequency, zero of divergence.
+    /// Frequency, rad/s, zero of divergence.
     pub omega: f64,
-    /// What crosses there.
+    /// Kind of what crosses the threshold there.
     pub of: PointOf,
-    /// How far it may be from the boundary: a mode along the axis crosses it no more exactly than its growth is known.
+    /// Largest distance from the boundary: a mode along the axis crosses it no more exactly than its growth is known.
     pub error: f64,
 }
 
-/// Whether the curve goes through a known point between two of its own.
+/// True if the curve goes through a known point between two of its own.
 pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, known: &KnownPoint) -> bool {
     let &KnownPoint { at, omega, error, of } = known;
     if here.of() != of {

@@ -1,12 +1,12 @@
-//! Where the number of unstable modes changes over one parameter, by counting.
+//! Changes of the number of unstable modes over one parameter, found by counting.
 //!
-//! Spectra at equal steps count unstable modes. What happens in an interval as long as a step or longer holds one of these places,
-//! and so changes a count: **two changes that are farther apart than a step are both found**, whatever the brake does between, and
-//! whichever modes they are of. A step whose ends differ is halved until what is left in it is one change, or several at one place.
-//! Steps whose ends agree are halved too where the distance of an eigenvalue from the threshold goes through a least one there that a
-//! parabola brings near zero; that finds nearly all that is narrower, but for what no place shows a sign of.
+//! Spectra at equal steps count unstable modes. An interval between two changes that is as long as a step or longer holds the end of a
+//! step, and so shows in the counts: **two changes that are farther apart than a step are both found**, whatever the brake does between,
+//! and whichever modes they are of. A step whose ends differ is halved until one change is left in it, or several at one place. Steps whose
+//! ends agree are halved too where the distance of an eigenvalue from the threshold goes through a least one there that a parabola brings
+//! near zero; that finds nearly all that is narrower, but for changes that no place shows a sign of.
 //!
-//! What lies on the axis counts as neither ([`CountedSpectrum`]), so that nothing starts or stops where all is undamped.
+//! Eigenvalues on the axis count as neither ([`CountedSpectrum`]), so that nothing starts or stops where all is undamped.
 
 use cea::{CountedSpectrum, EigenSolver, Threshold, Workspace};
 use linsys::SecondOrder;
@@ -17,28 +17,29 @@ use super::crossing::crossing;
 use super::parameter::SweptParameter;
 use crate::Error;
 
-/// Length of a step, as a part of the range, that is not halved any more; chosen: the last bits.
+/// Length of a step, as a fraction of the range, that is not halved any more; chosen: the last bits.
 const SHORTEST: f64 = 1e-13;
-/// Error of a change that no smooth function gives, as a part of the range; chosen: as what is on the axis moves it.
+/// Error of a change that no smooth function gives, as a fraction of the range; chosen: an eigenvalue that is taken to be on the axis moves
+/// it so far.
 const LEAST_ERROR: f64 = 1e-10;
-/// How far beside a change it is looked how fast a real eigenvalue moves; chosen.
+/// Distance from a change at which the rate of a real eigenvalue is taken, as a fraction of the range; chosen.
 const NEXT_TO: f64 = 1e-5;
-/// Length from which on a least distance from the threshold is not looked at any more; chosen.
+/// Length of a step, as a fraction of the range, below which a least distance from the threshold is not looked for any more; chosen.
 const SHORTEST_DIP: f64 = 1e-9;
-/// How much deeper than the parabola through three places a distance may go between them; chosen.
+/// Ratio of the depth that a distance may have between three places to that of the parabola through them; chosen.
 const DIP_MARGIN: f64 = 2.0;
-/// Most spectra of one line beside the equal steps, for dips; chosen.
+/// Largest number of spectra of one line beside the equal steps, for dips; chosen.
 const MOST_DIPS: usize = 4096;
-/// Halvings between two tries to find a change as a zero; chosen.
+/// Number of halvings between two tries to find a change as a zero; chosen.
 const HALVINGS_BETWEEN: usize = 4;
-/// Distance, as a part of the range, up to which two changes that undo each other are rounding; chosen.
+/// Distance, as a fraction of the range, up to which two changes that undo each other are rounding; chosen.
 const UNDONE: f64 = 1e-10;
 
-/// Largest |lambda|, as a part of the largest frequency on the line, of a rigid motion; chosen: where terms of a brake cancel, rounding of
-/// the larger ones makes a double zero a pair so far from it.
+/// Largest |lambda|, as a fraction of the largest frequency on the line, of a rigid motion; chosen: where terms of a brake cancel, rounding
+/// of the larger ones makes a double zero a pair so far from it.
 const RIGID: f64 = 2e-7;
 
-/// Makes the system at a place of a line.
+/// Function that makes the system at a place of a line, 0 to 1.
 pub(super) type SystemAtPlace<'a> = &'a (dyn Fn(f64) -> Result<SecondOrder, Error> + Sync);
 
 /// A line through the parameters, from place 0 to 1.
@@ -51,13 +52,13 @@ pub(super) struct Along<'a> {
     rigid: f64,
 }
 
-/// What becomes unstable or stable.
+/// Kind of change: what becomes unstable or stable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChangeOf {
     /// A mode that oscillates: a pair of eigenvalues crosses the threshold, or leaves the axis where it met another.
     Flutter,
-    /// A real eigenvalue crosses zero, or the growth rate from where on growth counts.
+    /// A real eigenvalue crosses zero, or the growth rate above which growth counts.
     Divergence,
     /// A growing pair becomes two real eigenvalues, or these a pair.
     Exchange,
@@ -67,14 +68,15 @@ pub enum ChangeOf {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Change {
     pub at: f64,
-    /// Bound or estimate of its error, as a part of the line.
+    /// Bound or estimate of the error of `at`, as a fraction of the line.
     pub error: f64,
-    /// The eigenvalue there: of an exchange the double one.
+    /// Eigenvalue at the change, rad/s: of an exchange the double one.
     pub lambda: Complex<f64>,
     pub of: ChangeOf,
-    /// Whether there is one more unstable mode beyond it: of an exchange, whether it is from flutter to divergence.
+    /// Start of an unstable mode: if true one more mode is unstable beyond the change, if false one less; of an exchange, it is from
+    /// flutter to divergence if true.
     pub starts: bool,
-    /// Whether it is where two eigenvalues meet: an exchange, or flutter of two modes that meet on the axis.
+    /// Two eigenvalues meet at the change: an exchange, or flutter of two modes that meet on the axis.
     pub is_double: bool,
 }
 
@@ -83,39 +85,39 @@ pub(super) struct Change {
 pub(super) struct Place {
     pub at: f64,
     pub counted: CountedSpectrum,
-    /// Whether a step from here was looked at for dips.
+    /// A step from here was looked at for dips.
     is_settled: bool,
 }
 
 /// A range in which modes are on the axis.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Marginal {
-    /// The first and the last place that was looked at.
+    /// First place at which modes were on the axis.
     pub from: f64,
-    /// The last.
+    /// Last place at which modes were on the axis.
     pub to: f64,
-    /// The most modes that are on the axis at one place of it, rigid motions too.
+    /// Largest number of modes on the axis at one place of the range, rigid motions too.
     pub modes: usize,
 }
 
 impl Marginal {
-    /// A range in parts of that of a parameter, in its values.
+    /// The range, given in fractions of the range of a parameter, in values of the parameter.
     pub(super) fn in_values(self, parameter: &SweptParameter) -> Self {
         Self { from: parameter.at(self.from), to: parameter.at(self.to), ..self }
     }
 }
 
-/// All changes on a line.
+/// Changes on a line.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
-    /// Ascending.
+    /// Changes found, ascending.
     pub found: Vec<Change>,
     /// Steps in which an eigenvalue comes so near the threshold that it is not known whether it crosses, or whose side has no bound.
     pub unresolved: Vec<(f64, f64)>,
     pub marginal: Vec<Marginal>,
-    /// The eigenvalues at place 0.
+    /// Eigenvalues at place 0.
     pub start: CountedSpectrum,
-    /// Spectra that were solved.
+    /// Number of spectra solved.
     pub spectra: u64,
 }
 
@@ -137,7 +139,7 @@ impl<'a> Along<'a> {
         Ok(place)
     }
 
-    /// Every change, by spectra at so many equal steps and between.
+    /// The changes on the line, by spectra at `steps` equal steps and between.
     ///
     /// # Errors
     /// Those of the brake and of the solver.
@@ -151,7 +153,7 @@ impl<'a> Along<'a> {
         along.between(places)
     }
 
-    /// Every change, by spectra at some places and between.
+    /// The changes on the line, by spectra at some places and between.
     fn between(&self, mut places: Vec<Place>) -> Result<Changes, Error> {
         let mut changes = Changes::default();
         self.look_into_dips(&mut places, &mut changes)?;
@@ -168,7 +170,7 @@ impl<'a> Along<'a> {
         Ok(changes)
     }
 
-    /// How far from a change a real eigenvalue is so small that it is taken for a rigid motion, as a part of the range.
+    /// Distance from a change, as a fraction of the range, up to which a real eigenvalue is so small that it is taken for a rigid motion.
     fn hidden(&self, change: &Change) -> Result<f64, Error> {
         if change.of != ChangeOf::Divergence {
             return Ok(0.0);
@@ -257,7 +259,7 @@ impl<'a> Along<'a> {
     }
 }
 
-/// How many more modes flutter and real eigenvalues diverge at the second place.
+/// Differences between the second place and the first: in the number of modes that flutter, and of real eigenvalues that diverge.
 fn difference([a, b]: [&Place; 2]) -> [i64; 2] {
     let counts = |place: &Place| [place.counted.flutter.len() as i64, place.counted.divergence.len() as i64];
     let ([f, d], [g, e]) = (counts(a), counts(b));
@@ -310,7 +312,8 @@ fn undo(changes: &mut Vec<Change>) {
 }
 
 impl Changes {
-    /// Enters where modes are on the axis at two neighbouring places or more, and where the side of one has no bound.
+    /// Enters the ranges in which modes are on the axis at two neighbouring places or more, and those in which the side of one has no
+    /// bound.
     fn enter_ranges(&mut self, places: &[Place]) {
         let neighbours = |has: fn(&CountedSpectrum) -> usize| {
             let mut ranges: Vec<Marginal> = Vec::new();
@@ -343,7 +346,7 @@ impl Place {
         marginal.extend(divergence.extract_if(.., |growth| *growth <= rigid).map(Complex::from));
     }
 
-    /// All eigenvalues, and of each whether it is beyond the threshold; `None` on it.
+    /// Eigenvalues at the place, each with true if it is beyond the threshold, false if below; `None` on it.
     fn sides(&self) -> Vec<(Complex<f64>, Option<bool>)> {
         let CountedSpectrum { flutter, divergence, marginal, below, .. } = &self.counted;
         let beyond = flutter.iter().copied().chain(divergence.iter().map(|&re| Complex::from(re)));
@@ -359,7 +362,7 @@ fn nearest(list: &[(Complex<f64>, Option<bool>)], to: Complex<f64>) -> Option<(C
     list.iter().copied().min_by(|x, y| distance(x).total_cmp(&distance(y)))
 }
 
-/// Whether an eigenvalue has the least distance from the threshold at the middle one of three places, and may cross it and come back
+/// True if an eigenvalue has the least distance from the threshold at the middle one of three places, and may cross it and come back
 /// next to there.
 fn dips(threshold: &Threshold, places: &[Place]) -> bool {
     let [left, here, right] = [&places[0], &places[1], &places[2]].map(Place::sides);
@@ -373,7 +376,7 @@ fn dips(threshold: &Threshold, places: &[Place]) -> bool {
     })
 }
 
-/// Whether one mode seems to become stable and another one unstable between two places that count alike.
+/// True if one mode seems to become stable and another one unstable between two places that count alike.
 fn swaps([a, b]: [&Place; 2]) -> bool {
     if difference([a, b]) != [0, 0] {
         return false;
@@ -386,7 +389,7 @@ fn swaps([a, b]: [&Place; 2]) -> bool {
     })
 }
 
-/// Whether a positive function, at three places, has its least value at the middle one and by a parabola comes near zero.
+/// True if a positive function, at three places, has its least value at the middle one and by a parabola comes near zero.
 fn dips_to_zero([a, b, c]: [f64; 3], [left, here, right]: [f64; 3]) -> bool {
     if !(here <= left && here <= right && here < left.max(right)) {
         return false;

@@ -1,9 +1,9 @@
-//! Coalescences: where two eigenvalues would be one.
+//! Coalescences: points where two eigenvalues would be one.
 //!
 //! Of two eigenvalues m +- sqrt(s) the squared half distance s is a smooth function of the parameter, also where they meet. Its
-//! zeros are the branch points: at a real one the two eigenvalues coalesce; one next to the real axis is what is left of a
+//! zeros are the branch points: at a real one the two eigenvalues coalesce; one next to the real axis is the rest of a
 //! coalescence where damping keeps them apart. s and its derivative at three real parameters determine a polynomial of degree
-//! five, whose zero is the branch point; the middle one of them moves until the zero stands. Here the parameter is the part of its
+//! five, whose zero is the branch point; the middle one of them moves until the zero stands. Here the parameter is the fraction of its
 //! range, 0 to 1.
 
 use num_complex::Complex;
@@ -13,39 +13,39 @@ use tracking::{BranchPoint, Branches, RefinedPoint};
 use super::parameter::SweptParameter;
 use crate::Error;
 
-/// Largest distance of a branch point from the real axis, as a part of the range, at which it is listed; chosen: farther away
+/// Largest distance of a branch point from the real axis, as a fraction of the range, at which it is listed; chosen: farther away
 /// the eigenvalues pass each other without a bend that is seen.
 pub(super) const FARTHEST: f64 = 0.02;
-/// Least distance of the three parameters, as a part of the range; chosen: nearer to a branch point eigenvalues lose digits.
+/// Least distance of the three parameters, as a fraction of the range; chosen: nearer to a branch point eigenvalues lose digits.
 const LEAST_SPACING: f64 = 1e-4;
-/// Change of a branch point, as a part of the range, at which it stands; chosen.
+/// Change of a branch point, as a fraction of the range, at which it stands; chosen.
 const SETTLED: f64 = 1e-9;
 /// Most moves; chosen.
 const MOST_MOVES: usize = 8;
-/// Distance of two zeros of s, as a part of the range, at which they count as one: that is a crossing of eigenvalues that do not
+/// Distance of two zeros of s, as a fraction of the range, at which they count as one: that is a crossing of eigenvalues that do not
 /// know of each other, and no branch point; chosen.
 const DOUBLE: f64 = 1e-5;
 
 /// A coalescence of two modes, or what damping leaves of one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Coalescence {
-    /// The parameter: the real part of the branch point.
+    /// Value of the parameter: the real part of the branch point.
     pub at: f64,
-    /// How far the branch point lies from the real axis, in units of the parameter; 0 within `error` is a coalescence in fact.
+    /// Distance of the branch point from the real axis, in units of the parameter; 0 within `error` is a coalescence in fact.
     pub distance: f64,
-    /// An estimate of the error of the branch point: its change in the last step of the search, or by which a polynomial of degree
+    /// Estimate of the error of the branch point: its change in the last step of the search, or by which a polynomial of degree
     /// three departs from that of degree five, whichever is larger.
     pub error: f64,
-    /// Im lambda of both modes there, rad/s.
+    /// Frequency Im lambda of both modes there, rad/s.
     pub omega: f64,
-    /// Re lambda of both, 1/s.
+    /// Growth rate Re lambda of both modes there, 1/s.
     pub growth: f64,
-    /// The two modes, each by the candidates for its name.
+    /// Candidates for the names of the two modes, one text each.
     pub modes: [String; 2],
 }
 
 impl Coalescence {
-    /// A coalescence in parts of the range of a parameter, in its values.
+    /// The coalescence, given in fractions of the range of a parameter, in values of the parameter.
     pub(super) fn in_values(self, parameter: &SweptParameter) -> Self {
         let slope = parameter.slope(self.at);
         Self { at: parameter.at(self.at), distance: self.distance * slope, error: self.error * slope, ..self }
@@ -81,7 +81,7 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// Whether both are of the same branches and lead to the same place as far as they can tell, and this one is nearer to it.
+    /// True if both are of the same branches and lead to the same place as far as they can tell, and this one is nearer to it.
     fn replaces(&self, other: &Self) -> bool {
         let reach = |candidate: &Self| (candidate.pair.zero() - candidate.pair.at).norm();
         let distance = (self.pair.zero() - other.pair.zero()).norm();
@@ -200,7 +200,7 @@ impl Hermite {
         Self { nodes, coefficients }
     }
 
-    /// Value, first and second derivative.
+    /// Value, first and second derivative of the polynomial.
     fn values(&self, at: Complex<f64>) -> [Complex<f64>; 3] {
         let mut values = [Complex::default(); 3];
         for (coefficient, node) in self.coefficients.iter().zip(&self.nodes).rev() {

@@ -2,7 +2,7 @@
 //!
 //! | of | the function |
 //! | --- | --- |
-//! | flutter of a damped mode | how far its eigenvalue is beyond the threshold |
+//! | flutter of a damped mode | the margin of its eigenvalue beyond the threshold |
 //! | flutter of two modes that meet on the axis | the squared half distance of both, as below |
 //! | divergence | det K, by its sign alone |
 //! | flutter that becomes divergence | the squared half distance of the two eigenvalues, which is real: below zero of a pair, above of two real ones |
@@ -21,20 +21,20 @@ use crate::Error;
 
 /// Most values of a function; chosen: bisection alone takes about 50.
 const MOST_VALUES: usize = 80;
-/// Values after which a bracket that has not become half as long is halved; chosen.
+/// Number of values after which a bracket that has not become half as long is halved; chosen.
 const PATIENCE: usize = 3;
 /// Rounding of a squared half distance, in units of epsilon and the squared scale of the problem; chosen.
 const ROUNDINGS: f64 = 256.0;
-/// Largest |Im| of a mean that is real, as a part of the scale; chosen.
+/// Largest |Im| of a mean that is real, as a fraction of the scale; chosen.
 const REAL: f64 = 1e-9;
-/// Largest squared half distance, as a part of the squared scale, of two eigenvalues that have met; chosen: of two that do not, and
+/// Largest squared half distance, as a fraction of the squared scale, of two eigenvalues that have met; chosen: of two that do not, and
 /// were taken for one another, it is the distance of modes.
 const SMALL_SQUARE: f64 = 1e-12;
-/// Largest distance of the mean of two eigenvalues from where it was expected, as a part of half their distance and of how far it moves;
-/// chosen.
+/// Largest distance of the mean of two eigenvalues from its expected value, as a multiple of half their distance and of the length of its
+/// move; chosen.
 const LARGEST_DRIFT: f64 = 2.0;
 
-/// The change between two places that differ by it, and how many spectra that took.
+/// The change between two places that differ by it, and the number of spectra solved.
 ///
 /// # Errors
 /// Those of the brake and of the solver.
@@ -122,7 +122,7 @@ impl Pair {
     }
 }
 
-/// Where the function vanishes.
+/// Zero of the function.
 struct Zero {
     at: f64,
     error: f64,
@@ -243,10 +243,10 @@ impl Search<'_> {
 #[derive(Debug, Clone, Copy)]
 struct Bracket {
     at: [f64; 2],
-    /// Values, one of them halved where the other end has moved twice.
+    /// Values at the ends, one of them halved where the other end has moved twice.
     values: [f64; 2],
     last: Option<usize>,
-    /// Its length some values ago, and how many.
+    /// Length of the bracket some values ago; `since` is the number of values since then.
     was: f64,
     since: usize,
 }
@@ -256,7 +256,7 @@ impl Bracket {
         Self { at, values, last: None, was: at[1] - at[0], since: 0 }
     }
 
-    /// Where the function is asked for next; `None` where both ends have one sign.
+    /// Place of the next value of the function; `None` where both ends have one sign.
     fn next(&mut self) -> Option<f64> {
         let [[a, b], [x, y]] = [self.at, self.values];
         if x * y > 0.0 || !(x.is_finite() && y.is_finite()) {
@@ -275,7 +275,7 @@ impl Bracket {
         Some(if at.is_finite() { at.clamp(a, b) } else { 0.5 * (a + b) })
     }
 
-    /// Enters a value; which end it has become.
+    /// Enters a value, and gives the index of the end that it has become.
     fn enter(&mut self, at: f64, value: f64) -> usize {
         let end = usize::from((value > 0.0) == (self.values[1] > 0.0));
         (self.at[end], self.values[end]) = (at, value);
@@ -294,7 +294,7 @@ impl Bracket {
         self.at[1] - self.at[0]
     }
 
-    /// Which part of the bracket a place is at.
+    /// Fraction of the bracket at which a place is.
     fn part(&self, at: f64) -> f64 {
         let [from, to] = self.at;
         if to > from { (at - from) / (to - from) } else { 0.5 }

@@ -1,4 +1,4 @@
-//! A point of the boundary of stability over two parameters: what crosses the threshold there, and how it moves.
+//! A point of the boundary of stability over two parameters: the eigenvalue that crosses the threshold there, and its rates.
 
 use cea::{CeaError, CertifiedError, Eigentriple, Threshold, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
@@ -11,33 +11,33 @@ use super::double::Double;
 use super::family::{DIFFERENCE, Part};
 use crate::Error;
 
-/// Largest part of `left^T C right`, of the norms, that is no damping; chosen.
+/// Largest fraction of the norms that `left^T C right` may be and count as no damping; chosen.
 const UNDAMPED: f64 = 1e-10;
 
 /// A point of a boundary curve.
 #[derive(Debug, Clone)]
 pub(super) struct CurvePoint {
-    /// Parts of the ranges.
+    /// Coordinates x, y of the point, as fractions of the ranges.
     pub at: Vector2<f64>,
     crossing: Crossing,
-    /// d value / d x and d value / d y.
+    /// Rates d value / d x and d value / d y.
     pub rates: Vector2<Complex<f64>>,
-    /// How far what crosses is beyond the threshold, rad/s, and how fast that changes with x and y.
+    /// Margin beyond the threshold, rad/s, and its gradient by x and y.
     beyond: (f64, Vector2<f64>),
 }
 
-/// What crosses the threshold.
+/// Kind of crossing of the threshold, with its vectors.
 #[derive(Debug, Clone)]
 pub(super) enum Crossing {
     /// An eigenvalue with its vectors.
     Flutter(Eigentriple),
-    /// A real eigenvalue at zero, where the stiffness is singular, or where Q is at the growth rate from where on growth counts.
+    /// A real eigenvalue at zero, where the stiffness is singular, or at the growth rate above which growth counts, where Q is singular.
     Divergence(NullPair),
     /// Two eigenvalues that meet.
     Double(Double),
 }
 
-/// What a point of a curve is of.
+/// Kind of crossing at a point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PointOf {
     Flutter,
@@ -59,20 +59,20 @@ pub(super) enum PointOf {
 /// sign of `left^T C right` changes along the curve two real eigenvalues are zero at once, and another curve begins.
 #[derive(Debug, Clone)]
 pub(super) struct NullPair {
-    /// `g` or `-g`: positive where one more real eigenvalue is beyond the threshold.
+    /// Growth, `g` or `-g`: positive where one more real eigenvalue is beyond the threshold.
     growth: f64,
     right: DVector<f64>,
     left: DVector<f64>,
-    /// The factor between g and the growth, 1 or -1; it does not change along a curve.
+    /// Factor between g and the growth, 1 or -1; it does not change along a curve.
     sign: f64,
-    /// The growth rate at which Q stands in the place of K, 1/s.
+    /// Growth rate at which Q stands in the place of K, 1/s.
     at: f64,
     /// Size of the border: that of K, but where K vanishes as a whole.
     size: f64,
 }
 
 impl NullPair {
-    /// At a singular stiffness.
+    /// The null vectors of a singular stiffness, or of Q at the growth rate `at`, 1/s.
     fn of(system: &SecondOrder, at: f64) -> Result<Option<Self>, Error> {
         let (lambda, mut work) = (Complex::from(at), Workspace::default());
         let vectors = [right_vector(system, lambda, &mut work)?, left_vector(system, lambda, &mut work)?];
@@ -81,7 +81,7 @@ impl NullPair {
         Ok(Self { growth: 0.0, right, left, sign: 1.0, at, size }.of_neighbour(system))
     }
 
-    /// Those of a neighbour; `None` where it has another null vector.
+    /// The null vectors of a neighbour; `None` where it has another null vector.
     fn of_neighbour(&self, system: &SecondOrder) -> Option<Self> {
         let bordered = self.bordered(&stiffness(system, self.at));
         let n = self.right.len();
@@ -105,7 +105,7 @@ impl NullPair {
         bordered
     }
 
-    /// d growth from a change of K.
+    /// Change of the growth from a change of K.
     fn rate(&self, change: &DMatrix<f64>) -> f64 {
         -self.sign * self.left.dot(&(change * &self.right))
     }
@@ -118,7 +118,7 @@ fn real(vector: DVector<Complex<f64>>) -> DVector<f64> {
 }
 
 impl Crossing {
-    /// Of an eigenvalue of a system. `None` where K has more than one null vector.
+    /// The crossing of an eigenvalue of a system. `None` where K has more than one null vector.
     fn of(system: &SecondOrder, lambda: Complex<f64>, of: PointOf) -> Result<Option<Self>, Error> {
         Ok(match of {
             PointOf::Divergence => NullPair::of(system, lambda.re)?.map(Self::Divergence),
@@ -127,7 +127,7 @@ impl Crossing {
         })
     }
 
-    /// That of another system next to this one, with a value that is guessed; of two eigenvalues it is their mean.
+    /// The crossing of another system next to this one, corrected from `guess`, its value; of two eigenvalues the guess is their mean.
     ///
     /// # Errors
     /// Those of the solver.
@@ -139,7 +139,7 @@ impl Crossing {
         })
     }
 
-    /// The eigenvalue, rad/s; of divergence the growth that [`NullPair`] has in its place, without a unit, and of two eigenvalues
+    /// Value: the eigenvalue, rad/s; of divergence the growth that [`NullPair`] has in its place, without a unit, and of two eigenvalues
     /// their squared half distance.
     fn value(&self) -> Complex<f64> {
         match self {
@@ -149,7 +149,7 @@ impl Crossing {
         }
     }
 
-    /// d value over a distance from two systems; the second number is that of the mean of two eigenvalues.
+    /// Rate of the value over a distance between two systems; the second number is the rate of the mean of two eigenvalues.
     fn rate(&self, systems: [&SecondOrder; 2], distance: f64) -> Result<[Complex<f64>; 2], Error> {
         Ok(match self {
             Self::Flutter(triple) => {
@@ -210,7 +210,7 @@ impl CurvePoint {
         Ok(Self { at, crossing, rates, beyond })
     }
 
-    /// What crosses the axis here at another place, with a value that is guessed; `None` where it is not found.
+    /// The crossing at another place, corrected from `guess`, its value; `None` where it is not found.
     ///
     /// # Errors
     /// Those of the brake.
@@ -232,12 +232,12 @@ impl CurvePoint {
         found.map(|crossing| Self::new(part, at, crossing)).transpose()
     }
 
-    /// The eigenvalue, rad/s; of divergence a growth without a unit.
+    /// Value: the eigenvalue, rad/s; of divergence a growth without a unit.
     pub fn value(&self) -> Complex<f64> {
         self.crossing.value()
     }
 
-    /// Im lambda, rad/s; 0 of divergence.
+    /// Frequency Im lambda, rad/s; 0 of divergence.
     pub fn omega(&self) -> f64 {
         match &self.crossing {
             Crossing::Double(double) if double.mean.im.abs() <= double.mean.re.abs() => 0.0,
@@ -246,7 +246,7 @@ impl CurvePoint {
         }
     }
 
-    /// Re lambda, 1/s, of two eigenvalues that meet that of their mean; on the threshold of anything else.
+    /// Growth rate Re lambda, 1/s: of two eigenvalues that meet that of their mean, else that of the threshold.
     pub fn real_part(&self, threshold: &Threshold) -> f64 {
         match &self.crossing {
             Crossing::Double(double) => double.mean.re,
@@ -254,7 +254,7 @@ impl CurvePoint {
         }
     }
 
-    /// What it is a point of.
+    /// Kind of the crossing.
     pub fn of(&self) -> PointOf {
         match &self.crossing {
             Crossing::Flutter(_) => PointOf::Flutter,
@@ -263,29 +263,29 @@ impl CurvePoint {
         }
     }
 
-    /// Whether it bounds anything: two real eigenvalues that meet below the threshold are overdamped modes, which are stable.
+    /// True if the point bounds anything: two real eigenvalues that meet below the threshold are overdamped modes, which are stable.
     pub fn is_boundary(&self, threshold: &Threshold) -> bool {
         let Crossing::Double(double) = &self.crossing else { return true };
         self.omega() > 0.0 || threshold.margin(Complex::from(double.mean.re)) > 0.0
     }
 
-    /// How far it is beyond the threshold, rad/s; of divergence without a unit.
+    /// Margin beyond the threshold, rad/s; of divergence without a unit.
     pub fn growth(&self) -> f64 {
         self.beyond.0
     }
 
-    /// The gradient of the growth.
+    /// Gradient of the margin by x and y.
     pub fn gradient(&self) -> Vector2<f64> {
         self.beyond.1
     }
 
-    /// The direction of the curve, of unit length, unstable on the right.
+    /// Direction of the curve, of unit length, unstable on the right.
     pub fn tangent(&self) -> Vector2<f64> {
         let gradient = self.gradient();
         vector![-gradient.y, gradient.x].normalize()
     }
 
-    /// d omega along the curve.
+    /// Rate d omega along the curve.
     pub fn omega_rate(&self) -> f64 {
         let rates = match &self.crossing {
             Crossing::Double(double) if self.omega() > 0.0 => double.mean_rates,
@@ -294,12 +294,12 @@ impl CurvePoint {
         rates.map(|rate| rate.im).dot(&self.tangent())
     }
 
-    /// The change of the value to first order.
+    /// Change of the value to first order.
     pub fn change(&self, by: Vector2<f64>) -> Complex<f64> {
         self.rates.x * by.x + self.rates.y * by.y
     }
 
-    /// How alike the shapes at two points are: 1 for parallel ones.
+    /// Cosine `|x^H z|` of the unit shapes at two points: 1 for parallel ones.
     pub fn likeness(&self, other: &Self) -> f64 {
         match (&self.crossing, &other.crossing) {
             (Crossing::Flutter(here), Crossing::Flutter(there)) => here.likeness(there),
@@ -312,7 +312,7 @@ impl CurvePoint {
         }
     }
 
-    /// How far the curve of the brake that this one is a reduction of is away; `None` of a brake that is not reduced, and of divergence.
+    /// Distance of the curve of the full model, as a fraction of the ranges; `None` of a brake that is not reduced, and of divergence.
     ///
     /// # Errors
     /// Those of the brake.

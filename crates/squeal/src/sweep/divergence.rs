@@ -1,7 +1,7 @@
 //! Divergence: a real eigenvalue crosses zero where the stiffness is singular.
 //!
 //! At zero `Q = K`, and with M positive definite `det K < 0` where an odd number of real eigenvalues is above zero. So a sign of det K
-//! that changes between two places brackets an onset, which bisection finds to the last bits. Where growth counts from a rate g on, the
+//! that changes between two places brackets an onset, which bisection finds to the last bits. Where growth counts above a rate g, the
 //! same holds of `Q(g) = g^2 M + g C + K` and the real eigenvalues above g.
 
 use cea::{Workspace, left_vector, right_vector};
@@ -12,20 +12,20 @@ use num_complex::Complex;
 use super::family::DIFFERENCE;
 use crate::Error;
 
-/// The name in place of that of a mode where a real eigenvalue crosses zero.
+/// Name of a crossing of zero by a real eigenvalue, in place of the name of a mode.
 pub const DIVERGENCE: &str = "divergence";
-/// The name in place of that of a mode where a growing pair becomes two real eigenvalues, of curves of a map.
+/// Name of the change of a growing pair into two real eigenvalues, of curves of a map, in place of the name of a mode.
 pub const EXCHANGE: &str = "flutter to divergence";
 
-/// A mode as a sentence names it: "mode 16", or what stands in its place.
+/// Words for a mode in a sentence: "mode 16", or the name that stands in its place.
 pub fn named(mode: &str) -> String {
     if mode == DIVERGENCE || mode == EXCHANGE { mode.to_owned() } else { format!("mode {mode}") }
 }
-/// Smallest pivot, as a part of the largest, of a stiffness that has a sign; chosen: a free body's has none.
+/// Smallest pivot, as a fraction of the largest, of a stiffness that has a sign; chosen: a free body's has none.
 const SINGULAR: f64 = 1e-12;
-/// How far beside a place without a sign it is looked for, as a part of the line; chosen.
+/// Distance from a place without a sign at which the sign is looked for, as a fraction of the line; chosen.
 pub(super) const BESIDE: f64 = 1e-7;
-/// Halvings of a step: down to the last bit.
+/// Number of halvings of a step: down to the last bit.
 const HALVINGS: usize = 60;
 /// Rounding of a product with K, in units of epsilon and its norm; chosen.
 const ROUNDINGS: f64 = 8.0;
@@ -33,13 +33,13 @@ const ROUNDINGS: f64 = 8.0;
 /// A change of the sign of det K along a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SignChange {
-    /// Where on the line.
+    /// Place on the line, 0 to 1.
     pub at: f64,
-    /// Bound of its error by rounding.
+    /// Bound of the error of the place by rounding.
     pub error: f64,
 }
 
-/// Where the sign of det Q(growth) changes between two places of a line; `None` where it is the same at both, or Q is singular there as
+/// The change of the sign of det Q(growth) between two places of a line; `None` where it is the same at both, or Q is singular there as
 /// that of a body that is free to move is everywhere.
 ///
 /// # Errors
@@ -76,20 +76,20 @@ pub(super) fn sign_change(
     Ok(Some(SignChange { at, error }))
 }
 
-/// Whether det Q(growth) is positive; `None` where Q is singular there, or nearly.
+/// True if det Q(growth) is positive; `None` where Q is singular there, or nearly.
 fn sign(system: &SecondOrder, growth: f64) -> Option<bool> {
     Determinant::of(&stiffness(system, growth)).filter(|it| it.smallest > SINGULAR).map(|it| it.is_positive)
 }
 
-/// What a factorisation says of a determinant.
+/// Sign of a determinant, from a factorisation.
 struct Determinant {
     is_positive: bool,
-    /// The smallest pivot, as a part of the largest.
+    /// Smallest pivot, as a fraction of the largest.
     smallest: f64,
 }
 
 impl Determinant {
-    /// `None` where it vanishes.
+    /// The sign of the determinant of k; `None` where it vanishes.
     fn of(k: &DMatrix<f64>) -> Option<Self> {
         let scale: Vec<f64> = k.row_iter().map(|row| row.amax().sqrt()).collect();
         if scale.contains(&0.0) {

@@ -12,11 +12,11 @@ use crate::Error;
 /// grows and one that decays. Either way there is one more unstable mode where s is positive.
 #[derive(Debug, Clone)]
 pub(super) struct Double {
-    /// m, rad/s.
+    /// Mean m, rad/s.
     pub mean: Complex<f64>,
-    /// s, (rad/s)^2: real, by the symmetry of the spectrum about the axis in question.
+    /// Squared half distance s, (rad/s)^2: real, by the symmetry of the spectrum about the axis in question.
     pub square: f64,
-    /// d m / d x and d m / d y.
+    /// Rates d m / d x and d m / d y.
     pub mean_rates: Vector2<Complex<f64>>,
 }
 

@@ -15,34 +15,34 @@ use super::changes::{Change, ChangeOf};
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
 
-/// Half of the difference from which derivatives by a parameter are taken, as a part of its range: squared it is near machine
+/// Half of the difference from which derivatives by a parameter are taken, as a fraction of its range: its square is near machine
 /// epsilon over itself.
 pub(super) const DIFFERENCE: f64 = 1e-5;
-/// Shortest step, as a part of the range; chosen: derivatives by differences tell branches apart down to there.
+/// Shortest step, as a fraction of the range; chosen: derivatives by differences tell branches apart down to there.
 pub(super) const SHORTEST_STEP: f64 = 1e-9;
-/// Shortest step of the root locus; chosen: what branches do between is found by other means.
+/// Shortest step of the root locus, as a fraction of the range; chosen: narrower events are found by other means.
 pub(super) const SHORTEST_LOCUS_STEP: f64 = 1e-6;
-/// Places between the ends, as parts of the ranges, at which it is looked whether sectors hold; chosen, as nothing repeats there.
+/// Places between the ends, as fractions of the ranges, at which it is checked whether sectors hold; chosen, as nothing repeats there.
 const PROBES: [f64; 2] = [0.3137, 0.7291];
-/// Part of the squared norm of a matrix that may be outside of all sectors: rounding.
+/// Fraction of the squared norm of a matrix that may be outside of all sectors: rounding.
 const COUPLING: f64 = 1e-12;
 
-/// What a sweep computed.
+/// Numbers of what a sweep computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Evaluations {
-    /// Whole spectra.
+    /// Number of spectra of a whole system.
     pub spectra: u64,
-    /// Left and right eigenvectors.
+    /// Number of left and right eigenvectors.
     pub eigenvectors: u64,
-    /// Single eigenvalues found from a neighbouring one, without a spectrum.
+    /// Number of single eigenvalues found from a neighbouring one, without a spectrum.
     pub continued: u64,
-    /// Single eigenvalues of the whole brake, where that is reduced.
+    /// Number of single eigenvalues of the full model, of a brake that is reduced.
     #[serde(skip_serializing_if = "is_zero")]
     pub whole: u64,
 }
 
 impl Evaluations {
-    /// What counters say of spectra and vectors.
+    /// Numbers of spectra and vectors from counters.
     pub(super) fn of(counters: Counters) -> Self {
         Self { spectra: counters.eigenvalue_solves, eigenvectors: counters.eigenvectors, ..Self::default() }
     }
@@ -62,41 +62,41 @@ fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 
-/// A scene of a brake with some of its parameters swept.
+/// Parametrised system: a scene of a brake with some of its parameters swept.
 pub(super) struct Family<'a, B: UncertainBrake> {
     pub study: &'a Study<'a, B>,
     of: &'a dyn Parametrised,
-    /// Place of the scene.
+    /// Index of the scene in the plan.
     pub scene: usize,
     pub solver: WholeSpectra<'a>,
     pub progress: &'a dyn Progress,
     pub parameters: Vec<SweptParameter>,
 }
 
-/// The part of a family whose modes do not couple with others: a sector, or all of it.
+/// Part of a family whose modes do not couple with others: a sector, or all of it.
 pub(super) struct Part<'a, B: UncertainBrake> {
     pub family: &'a Family<'a, B>,
     sector: Option<&'a Sector>,
-    /// Its modes at the medians.
+    /// Reference modes of the part at the medians.
     pub reference: &'a Reference,
 }
 
-/// A straight line: at `t` the swept parameters are at the parts `start + t direction` of their ranges.
+/// A straight line: at `t` the swept parameters are at the fractions `start + t direction` of their ranges.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub start: Vec<f64>,
     pub direction: Vec<f64>,
-    /// Between which `t` the brake may be asked for its systems.
+    /// Least and largest `t` at which the brake may be asked for its systems.
     pub bounds: [f64; 2],
     /// Half of the difference in `t` from which derivatives are taken.
     pub difference: f64,
 }
 
-/// Makes the system at a place of a line.
+/// Function that makes the system at a place of a line.
 pub(super) type MakeSystem<'a> = Box<dyn FnMut(f64) -> Result<SystemAt, Error> + 'a>;
 
 impl<'a, B: UncertainBrake> Family<'a, B> {
-    /// The scene of a study with parameters that are asked for. What the brake refuses at the corners of their ranges is refused
+    /// The scene of a study with the parameters `over` swept. Values at the corners of their ranges that the brake refuses are an error
     /// before anything else is computed.
     pub fn new(
         study: &'a Study<'a, B>,
@@ -113,7 +113,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         Ok(family)
     }
 
-    /// All combinations of the ends of the ranges.
+    /// Corners of the ranges: all combinations of their ends.
     fn corners(&self) -> Vec<Vec<f64>> {
         let ends = self.parameters.iter().map(|parameter| [parameter.from, parameter.to]);
         ends.fold(vec![Vec::new()], |corners, ends| {
@@ -131,7 +131,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         })
     }
 
-    /// Whether divergence counts: of a reduced brake nothing is known that does not oscillate.
+    /// True if divergence counts: of a reduced brake nothing is known that does not oscillate.
     pub fn counts_divergence(&self) -> bool {
         self.study.brake().mode_source().is_none()
     }
@@ -140,17 +140,17 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         &self.study.plan().scenes[self.scene]
     }
 
-    /// Values of the swept parameters with the places of these among the parameters of the scene.
+    /// Values of the swept parameters with the indices of these among the parameters of the scene.
     fn placed(&self, values: &[f64]) -> Vec<(usize, f64)> {
         self.parameters.iter().map(|parameter| parameter.place).zip(values.iter().copied()).collect()
     }
 
-    /// Their values at parts of their ranges.
+    /// Values of the swept parameters at fractions of their ranges.
     fn values(&self, parts: &[f64]) -> Vec<f64> {
         self.parameters.iter().zip(parts).map(|(parameter, &part)| parameter.at(part)).collect()
     }
 
-    /// Its parts: the sectors of the brake, if they hold wherever that is looked at, or the whole.
+    /// Parts of the family: the sectors of the brake, if they hold at all places that are checked, or the whole.
     pub fn parts(&'a self) -> Result<Vec<Part<'a, B>>, Error> {
         let brake = self.study.plan().brake(self.scene());
         let middle = |part: f64| self.parameters.iter().map(|parameter| parameter.at(part)).collect();
@@ -168,7 +168,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     }
 }
 
-/// Whether sectors hold all of a system: their bases are orthonormal, so that norms are kept where nothing couples them.
+/// True if sectors hold all of a system: their bases are orthonormal, so that norms are kept where nothing couples them.
 fn divides(sectors: &Sectors, system: &SecondOrder) -> Result<bool, Error> {
     let squares = |system: &SecondOrder| [&system.m, &system.c, &system.k].map(|matrix| matrix.norm_squared());
     let (whole, mut parts) = (squares(system), [0.0; 3]);
@@ -181,7 +181,7 @@ fn divides(sectors: &Sectors, system: &SecondOrder) -> Result<bool, Error> {
 }
 
 impl<'a, B: UncertainBrake> Part<'a, B> {
-    /// The system at parts of the ranges of the swept parameters.
+    /// The system at fractions of the ranges of the swept parameters.
     pub fn system(&self, parts: &[f64]) -> Result<SecondOrder, Error> {
         let whole = self.family.system(&self.family.values(parts))?;
         Ok(match self.sector {
@@ -190,34 +190,34 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         })
     }
 
-    /// The eigenvalue next to `near` of the brake that this one is a reduction of, at parts of the ranges; `None` of one that is none.
+    /// The eigenvalue of the full model next to `near`, rad/s, at fractions of the ranges; `None` of a brake that is not reduced.
     pub fn whole_eigenvalue(&self, parts: &[f64], near: Complex<f64>) -> Result<Option<WholeEigenvalue>, Error> {
         let (family, values) = (self.family, self.family.values(parts));
         let found = |source: &dyn ModeSource| source.whole_eigenvalue(family.scene(), &family.placed(&values), near);
         Ok(family.study.brake().mode_source().map(found).transpose()?)
     }
 
-    /// Within which part of its size an eigenvalue is taken to be that of the brake that this one is a reduction of.
+    /// Relative error of an eigenvalue against that of the full model; 0 of a brake that is not reduced.
     pub fn relative_error(&self) -> f64 {
         self.family.study.brake().mode_source().map_or(0.0, |source| source.relative_error(self.family.scene()))
     }
 
-    /// From where on a mode counts as unstable.
+    /// Instability threshold of a mode.
     pub fn threshold(&self) -> Threshold {
         self.family.study.plan().threshold
     }
 
-    /// Whether modes of this frequency, rad/s, are studied.
+    /// True if modes of this frequency, rad/s, are studied.
     pub fn is_studied(&self, omega: f64) -> bool {
         self.family.study.plan().is_studied(Complex::new(0.0, omega))
     }
 
-    /// [`Family::counts_divergence`].
+    /// True if divergence counts, as [`Family::counts_divergence`].
     pub fn counts_divergence(&self) -> bool {
         self.family.counts_divergence()
     }
 
-    /// Whether a change is of something that is studied.
+    /// True if a change is of something that is studied.
     pub fn counts(&self, change: &Change) -> bool {
         match change.of {
             ChangeOf::Flutter => self.is_studied(change.lambda.im),
@@ -225,13 +225,13 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         }
     }
 
-    /// The unstable modes of a spectrum that are studied: pairs that flutter, and real eigenvalues that diverge.
+    /// Numbers of the unstable modes of a spectrum that are studied: pairs that flutter, and real eigenvalues that diverge.
     pub fn counted(&self, spectrum: &CountedSpectrum) -> [usize; 2] {
         let flutter = spectrum.flutter.iter().filter(|lambda| self.is_studied(lambda.im)).count();
         [flutter, if self.counts_divergence() { spectrum.divergence.len() } else { 0 }]
     }
 
-    /// The branches with modes that are studied.
+    /// The root locus with the branches of modes that are studied.
     pub fn studied(&self, locus: RootLocus) -> RootLocus {
         let plan = self.family.study.plan();
         let mut places = vec![None; locus.branches.len()];
@@ -252,7 +252,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         RootLocus { branches, ambiguities }
     }
 
-    /// The medians, as parts of the ranges.
+    /// Medians of the swept parameters, as fractions of the ranges.
     pub fn medians(&self) -> Vec<f64> {
         self.family.parameters.iter().map(|parameter| parameter.part(parameter.median)).collect()
     }

@@ -1,4 +1,4 @@
-//! What a sweep found, for people and for machines.
+//! Results of a sweep, for people and for machines.
 
 use cea::{Threshold, frequency_hz};
 use num_complex::Complex;
@@ -13,9 +13,9 @@ use super::{
 /// A sweep over one parameter or two.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found {
-    /// Over one.
+    /// Sweep over one parameter.
     Branches(Box<Sweep>),
-    /// Over two.
+    /// Stability map over two parameters.
     Map(Box<StabilityMap>),
 }
 
@@ -24,7 +24,7 @@ fn hertz(omega: f64) -> f64 {
     frequency_hz(Complex::new(0.0, omega))
 }
 
-/// What a mode does at an onset, in words.
+/// Words for what a mode does at an onset.
 pub fn event(starts: bool, threshold: &Threshold) -> &'static str {
     match (starts, threshold.is_axis()) {
         (true, true) => "starts to grow",
@@ -35,7 +35,7 @@ pub fn event(starts: bool, threshold: &Threshold) -> &'static str {
 }
 
 impl SweepOnset {
-    /// What happens where the parameter grows, as tables have it.
+    /// Words for what happens where the parameter grows, as tables have them.
     pub fn direction(&self) -> &'static str {
         match (self.of, self.starts) {
             (ChangeOf::Exchange, true) => "flutter-to-divergence",
@@ -45,7 +45,7 @@ impl SweepOnset {
         }
     }
 
-    /// What happens there, in words.
+    /// Words for what happens at the onset.
     pub fn event(&self, threshold: &Threshold) -> &'static str {
         match (self.of, self.starts, threshold.is_axis()) {
             (ChangeOf::Exchange, true, _) => "flutter becomes divergence",
@@ -58,7 +58,7 @@ impl SweepOnset {
 }
 
 impl Sweep {
-    /// How far apart two changes have to be for both to be surely found, in words.
+    /// Least distance of two changes that are surely both found, in words.
     fn certain(&self) -> String {
         let SweptParameter { name, from, to, is_logarithmic, .. } = &self.parameter;
         let steps = self.steps as f64;
@@ -74,7 +74,7 @@ impl Sweep {
 }
 
 impl Found {
-    /// What was computed.
+    /// Numbers of what was computed.
     pub fn evaluations(&self) -> Evaluations {
         match self {
             Self::Branches(sweep) => sweep.evaluations,
@@ -82,7 +82,7 @@ impl Found {
         }
     }
 
-    /// Spectra of a grid of equal steps that is as fine: as the shortest step of a branch, or as the cells of the map.
+    /// Number of spectra of a grid of equal steps that is as fine: as the shortest step of a branch, or as the cells of the map.
     pub fn fine_grid(&self) -> u64 {
         match self {
             Self::Branches(sweep) => sweep.fine_grid,
@@ -98,9 +98,7 @@ impl Found {
         }
     }
 
-    /// Writes the tables into a folder: `branches.csv`, `onsets.csv` and `coalescences.csv`, or `boundary.csv` and `regions.csv`.
-    ///
-    /// The tables of what was found: `branches`, `onsets` and `coalescences` of one parameter, `boundary` and `regions` of two.
+    /// Tables of the results: `branches`, `onsets` and `coalescences` of one parameter, `boundary` and `regions` of two.
     pub fn tables(&self) -> Vec<Table> {
         match self {
             Self::Branches(sweep) => branch_tables(sweep),
@@ -108,7 +106,7 @@ impl Found {
         }
     }
 
-    /// All but the points of branches, for machines.
+    /// Results as JSON, for machines: all but the points of branches.
     pub fn json(&self) -> Value {
         let counts = json!({ "evaluations": self.evaluations(), "fine_grid": self.fine_grid() });
         let mut all = match self {
@@ -151,7 +149,7 @@ impl Found {
         all
     }
 
-    /// What was found, for people.
+    /// Results in words, for people.
     pub fn text(&self) -> String {
         match self {
             Self::Branches(sweep) => branch_text(sweep),
@@ -212,12 +210,12 @@ fn map_tables(map: &StabilityMap) -> Vec<Table> {
     vec![boundary, Table::new("regions", ["unstable", "share", x, y], regions)]
 }
 
-/// How many of something, in words.
+/// Words for a number of things.
 fn count(number: usize, one: &str, more: &str) -> String {
     if number == 1 { format!("1 {one}") } else { format!("{number} {more}") }
 }
 
-/// How far the onsets of the brake are from those of its reduction; `None` where it is not reduced, or has none.
+/// Largest distance of the onsets of the full model from those of its reduction; `None` where the brake is not reduced, or has none.
 fn largest_move(sweep: &Sweep) -> Option<f64> {
     sweep.onsets.iter().filter_map(|onset| onset.moved.map(f64::abs)).reduce(f64::max)
 }
@@ -284,7 +282,7 @@ fn branch_text(sweep: &Sweep) -> String {
     )
 }
 
-/// What stands first where divergence was not looked for.
+/// Words that stand first where divergence was not looked for.
 pub fn not_looked_for(counts_divergence: bool) -> &'static str {
     match counts_divergence {
         true => "",
@@ -294,7 +292,7 @@ pub fn not_looked_for(counts_divergence: bool) -> &'static str {
     }
 }
 
-/// The width of a column of names.
+/// Width of a column of names, in characters.
 fn widest<'a>(names: impl Iterator<Item = &'a String>) -> usize {
     names.map(|name| name.chars().count()).fold(8, usize::max)
 }

@@ -14,44 +14,45 @@ use super::part_map::{PartMap, of_part};
 use super::regions::{CELLS, Region, Run, places_apart, regions, runs};
 use crate::Error;
 
-/// Intervals of the grid of lines on which boundary curves are looked for, one after the other until no spectrum contradicts what is found;
-/// chosen: a curve that meets no line is not found.
+/// Numbers of intervals of the grid of lines on which boundary curves are looked for, one after the other until no spectrum contradicts
+/// what is found; chosen: a curve that meets no line is not found.
 const GRIDS: [usize; 4] = [8, 16, 32, 64];
-/// Eigenvalues up to which all grids and checks are tried; of a larger brake the first two grids, and a check in each region alone; chosen.
+/// Number of eigenvalues up to which all grids and checks are tried; of a larger brake the first two grids, and a check in each region
+/// alone; chosen.
 const SMALL: usize = 160;
-/// Cells of the figure between two checks; chosen.
+/// Number of cells of the figure between two checks; chosen.
 const BETWEEN_CHECKS: usize = 10;
 
 /// A stability map.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct StabilityMap {
-    /// The two parameters.
+    /// Parameters of the map, x and y.
     pub parameters: [SweptParameter; 2],
-    /// The boundary.
+    /// Curves of the boundary.
     pub curves: Vec<BoundaryCurve>,
     /// Regions, the largest first.
     pub regions: Vec<Region>,
-    /// The number of unstable modes along rows of cells, from below.
+    /// Numbers of unstable modes along rows of cells, from below.
     pub rows: Vec<Run>,
-    /// Intervals of the grid of lines: a closed curve between two neighbouring lines of both directions is not found.
+    /// Number of intervals of the grid of lines: a closed curve between two neighbouring lines of both directions is not found.
     pub grid: usize,
-    /// Steps on lines of the grid in which a mode comes so near the axis that it is not known whether it crosses.
+    /// Number of steps on lines of the grid in which a mode comes so near the threshold that it is not known whether it crosses.
     pub unresolved: usize,
-    /// Whether divergence was looked for: of a reduced brake it is not.
+    /// Divergence was looked for; of a reduced brake it is not.
     pub counts_divergence: bool,
-    /// Places at which a spectrum has the number of unstable modes that the curves say.
+    /// Number of places at which a spectrum has the number of unstable modes that the curves say.
     pub checks: usize,
-    /// The largest distance of the boundary from that of the brake that this one is a reduction of, as a part of the ranges, at the ends
+    /// Largest distance of the boundary from that of the full model, as a fraction of the ranges, at the ends
     /// and in the middle of each curve; `None` of a brake that is not reduced.
     pub from_whole: Option<f64>,
-    /// What was computed.
+    /// Numbers of what was computed.
     pub evaluations: Evaluations,
-    /// Spectra on a grid with one in each cell of the figure, of all sectors.
+    /// Number of spectra on a grid with one in each cell of the figure, of all sectors.
     pub fine_grid: u64,
 }
 
 impl StabilityMap {
-    /// By number of unstable modes: the part of the map that has so many, and in how many regions.
+    /// Fraction of the map that has each number of unstable modes, and number of its regions.
     #[must_use]
     pub fn shares(&self) -> BTreeMap<usize, (f64, usize)> {
         let mut shares = BTreeMap::new();

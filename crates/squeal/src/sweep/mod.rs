@@ -1,4 +1,4 @@
-//! Sweeps: how the modes of a brake move with one or two of its parameters, the others at their medians.
+//! Sweeps: the modes of a brake as functions of one or two of its parameters, the others at their medians.
 //!
 //! | over | gives |
 //! | --- | --- |

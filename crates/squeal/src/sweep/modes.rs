@@ -14,15 +14,15 @@ use crate::Error;
 /// A mode where it crosses the threshold: of the axis, where it neither grows nor decays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundaryMode {
-    /// Candidates for its name; "divergence".
+    /// Candidates for the name of the mode; "divergence".
     pub mode: String,
     /// Values of the swept parameters.
     pub at: Vec<f64>,
-    /// What it does there, in words, of one parameter.
+    /// Words for what the mode does there, of one parameter.
     pub does: Option<&'static str>,
-    /// Its eigenvalue, rad/s, of the brake as it is swept: of a reduced one next to the threshold.
+    /// Eigenvalue, rad/s, of the brake as it is swept: of a reduced one next to the threshold.
     pub lambda: Complex<f64>,
-    /// Its right eigenvector over the free degrees of freedom of the scene, of unit norm.
+    /// Right eigenvector over the free degrees of freedom of the scene, of unit norm.
     pub shape: DVector<Complex<f64>>,
 }
 

@@ -40,7 +40,7 @@ fn sort(names: &mut Names) {
     names.dedup();
 }
 
-/// For each mode the place of its eigenvalue in a list, each place once.
+/// Index of the eigenvalue of each mode in a list, each index once.
 fn nearest(lambdas: &[Complex<f64>], modes: &[Mode]) -> Vec<usize> {
     let mut free: Vec<usize> = (0..lambdas.len()).collect();
     let mut places = Vec::with_capacity(modes.len());

@@ -16,30 +16,31 @@ use super::onset::{SweepOnset, WholeOnset, error_of_reduced};
 use super::parameter::{Over, SweptParameter};
 use crate::Error;
 
-/// Largest distance of two branch points that are one, found twice: of the parameter as a part of the range, of omega as a part of omega; chosen.
+/// Largest distance of two branch points that are one, found twice: of the parameter as a fraction of the range, of omega as a fraction of
+/// omega; chosen.
 const SAME_BRANCH_POINT: f64 = 1e-6;
 
 /// Pairs of a number of eigenvalues, 2 n + s, and the number of equal steps of the range at which the unstable modes of systems up to that size are
 /// counted; chosen: what a sweep may take on a desk. Larger ones have [`FEWEST_STEPS`].
 const STEPS: [(usize, usize); 2] = [(160, 1024), (480, 256)];
-/// Steps of the largest brakes; chosen.
+/// Number of equal steps for the largest brakes; chosen.
 const FEWEST_STEPS: usize = 64;
 
 /// A branch of the root locus.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NamedBranch {
-    /// Candidates for the name of its mode: "16", or "16|20" where a coalescence leaves it open, or "?".
+    /// Candidates for the name of the mode: "16", or "16|20" where a coalescence leaves it open, or "?".
     pub mode: String,
-    /// The parameter, ascending, and the eigenvalue there with its derivative.
+    /// Values of the parameter, ascending, each with the eigenvalue there and its derivative.
     pub points: Vec<(f64, BranchPoint)>,
 }
 
-/// What a sweep over one parameter found.
+/// Results of a sweep over one parameter.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Sweep {
-    /// The parameter.
+    /// Parameter that is swept.
     pub parameter: SweptParameter,
-    /// From where on a mode counts as unstable: what onsets cross.
+    /// Instability threshold of a mode, which onsets cross.
     pub threshold: Threshold,
     /// Branches, as [`RootLocus`] has them.
     pub branches: Vec<NamedBranch>,
@@ -51,19 +52,20 @@ pub struct Sweep {
     pub unresolved: Vec<(f64, f64)>,
     /// Coalescences, ascending.
     pub coalescences: Vec<Coalescence>,
-    /// Unstable modes at the lower end: pairs that flutter, and real eigenvalues that diverge.
+    /// Number of unstable modes at the lower end: pairs that flutter, and real eigenvalues that diverge.
     pub unstable_at_start: usize,
-    /// Those of them that diverge.
+    /// Number of real eigenvalues that diverge at the lower end, among the unstable modes.
     pub diverging_at_start: usize,
-    /// Whether divergence was looked for: of a reduced brake it is not.
+    /// Divergence was looked for; of a reduced brake it is not.
     pub counts_divergence: bool,
-    /// Where modes are on the axis, and so neither grow nor decay: without damping, conservative gyroscopic, rigid motions.
+    /// Ranges in which modes are on the axis, and so neither grow nor decay: without damping, conservative gyroscopic, rigid motions.
     pub marginal: Vec<Marginal>,
-    /// Equal steps of the range at which unstable modes were counted: changes that are farther apart than one of them are all found.
+    /// Number of equal steps of the range at which unstable modes were counted: changes that are farther apart than one of them are all
+    /// found.
     pub steps: usize,
-    /// What was computed.
+    /// Numbers of what was computed.
     pub evaluations: Evaluations,
-    /// The shortest step of a branch, as a part of the range.
+    /// Shortest step of a branch, as a fraction of the range.
     pub shortest_step: f64,
     /// Number of spectra that a grid of equal steps as short as the shortest would take, all sectors together, to compare with what was computed.
     pub fine_grid: u64,
@@ -129,7 +131,7 @@ impl Sweep {
         }
     }
 
-    /// This sweep of some sectors with that of another one.
+    /// The sweep of some sectors with that of another one.
     fn joined(mut self, other: Self) -> Self {
         let first = self.branches.len();
         let shifted = |branches: Vec<usize>| branches.into_iter().map(|branch| first + branch).collect();
@@ -237,7 +239,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
 }
 
 impl NamedBranch {
-    /// A branch over parts of the range of a parameter, in its values.
+    /// The branch over fractions of the range of a parameter, in values of the parameter.
     fn new(parameter: &SweptParameter, branch: tracking::Branch, names: &Names) -> Self {
         let point = |(part, point): (f64, BranchPoint)| {
             (parameter.at(part), BranchPoint { rate: point.rate / parameter.slope(part), ..point })
@@ -245,7 +247,7 @@ impl NamedBranch {
         Self { mode: in_words(names), points: branch.points.into_iter().map(point).collect() }
     }
 
-    /// The branch between two of its points, which are `step` and the next: the cubic with their derivatives, at a part of
+    /// The branch between two of its points, `step` and the next: the cubic with their derivatives, at the fraction `part` of
     /// the step.
     pub fn between(&self, step: usize, part: f64) -> (f64, Complex<f64>) {
         let [(from, a), (to, b)] = [self.points[step], self.points[step + 1]];
@@ -256,7 +258,7 @@ impl NamedBranch {
     }
 }
 
-/// The places at which branches have points, ascending.
+/// Places at which branches have points, ascending, as fractions of the range.
 fn places(locus: &RootLocus) -> Vec<f64> {
     let mut all: Vec<f64> = locus.branches.iter().flat_map(|branch| &branch.points).map(|point| point.0).collect();
     all.sort_by(f64::total_cmp);
@@ -285,15 +287,16 @@ fn branch_names<B: Branches<Error = Error>>(
     Ok(names)
 }
 
-/// Steps at which the unstable modes of a part are counted.
+/// Number of steps at which the unstable modes of a part are counted.
 fn steps<B: UncertainBrake>(part: &Part<'_, B>) -> Result<usize, Error> {
     let system = part.system(&[0.0])?;
     let eigenvalues = 2 * system.order() + system.states();
     Ok(STEPS.iter().find(|(most, _)| eigenvalues <= *most).map_or(FEWEST_STEPS, |(_, steps)| *steps))
 }
 
-/// Candidates for the mode of a change. Where a mode becomes real, or real eigenvalues a mode: those of all branches that end, or begin, in its step.
-/// Else those of all branches that end in an open step around it; without such a step, of the branch whose tangent passes nearest to lambda.
+/// Candidates for the mode of a change. Where a mode becomes real, or real eigenvalues a mode: those of all branches that end, or begin, in
+/// its step. Else those of all branches that end in an open step around it; without such a step, of the branch whose tangent passes nearest
+/// to lambda.
 fn names_of_change(locus: &RootLocus, names: &[Names], &Change { at, lambda, of, starts, .. }: &Change) -> Names {
     if of == ChangeOf::Exchange {
         let near = locus.ambiguities.iter().filter(|step| (step.from..=step.to).contains(&at));
@@ -320,7 +323,7 @@ fn names_of_change(locus: &RootLocus, names: &[Names], &Change { at, lambda, of,
     all
 }
 
-/// Every coalescence, ascending, in parts of the range.
+/// The coalescences on the root locus, ascending, in fractions of the range.
 fn coalescences<B: Branches<Error = Error>>(
     branches: &mut B,
     locus: &RootLocus,

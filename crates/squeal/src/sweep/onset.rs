@@ -1,4 +1,4 @@
-//! Where a mode begins or ceases to grow.
+//! Onsets: places where a mode begins or ceases to grow.
 
 use serde::Serialize;
 use study::UncertainBrake;
@@ -8,54 +8,54 @@ use super::changes::ChangeOf;
 use super::family::Part;
 use crate::Error;
 
-/// Most corrections of an onset of a reduced brake; chosen: each wins as many digits as the reduced brake has.
+/// Largest number of corrections of an onset of a reduced brake; chosen: each wins as many digits as the reduced brake has.
 const MOST_CORRECTIONS: usize = 8;
 
 /// A change of the number of unstable modes: a mode that crosses the axis, a real eigenvalue that crosses zero (divergence), or a growing
 /// pair that becomes two real eigenvalues, or these a pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepOnset {
-    /// The parameter.
+    /// Value of the parameter.
     pub at: f64,
-    /// Bound of the error of `at` by rounding; of an onset that is the reduced brake's alone, what that is taken to be good to.
+    /// Bound of the error of `at` by rounding; of an onset that the reduced brake alone has, its assumed error.
     pub error: f64,
-    /// Im lambda, rad/s; 0 of a divergence.
+    /// Frequency Im lambda, rad/s; 0 of divergence, and where a growing pair becomes real.
     pub omega: f64,
-    /// Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
+    /// Growth rate Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
     pub growth: f64,
-    /// Whether there is one more unstable mode where the parameter is larger, or one less: of a pair that becomes two real eigenvalues
-    /// one more.
+    /// Start of an unstable mode: if true one more mode is unstable where the parameter is larger, if false one less; of a pair that
+    /// becomes two real eigenvalues one more.
     pub starts: bool,
-    /// What it is that changes.
+    /// Kind of the change.
     pub of: ChangeOf,
     /// Candidates for the name of the mode, or `divergence`.
     pub mode: String,
-    /// Unstable modes just beyond it, of all sectors.
+    /// Number of unstable modes just beyond the onset, of all sectors.
     pub unstable: usize,
-    /// How far the onset of the brake is from that of its reduction, where the brake is reduced.
+    /// Shift of the onset of the full model from that of its reduction, in units of the parameter, of a reduced brake.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved: Option<f64>,
-    /// Whether it is that of a reduced brake because that of the whole one was not found.
+    /// The onset is that of the reduced brake, because that of the full model was not found.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_reduced: bool,
 }
 
-/// The onset of the brake that a brake is a reduction of.
+/// Onset of the full model, of which a brake is a reduction.
 pub(super) enum WholeOnset {
     /// The brake is not reduced.
     NotReduced,
-    /// With how many eigenvalues of the whole brake.
+    /// The onset, with the number of eigenvalues of the full model that it took.
     Found(Onset, u64),
-    /// The whole brake's was not found.
+    /// The onset of the full model was not found.
     NotFound,
 }
 
 impl WholeOnset {
-    /// The onset next to one of the reduced brake, in parts of the range, by secants that begin with the slope that the branches of the
-    /// reduced brake have there.
+    /// The onset of the full model next to one of the reduced brake, in fractions of the range, by secants that begin with the slope that
+    /// the branches of the reduced brake have there.
     ///
     /// # Errors
-    /// Those of the brake, but for eigenvalues of the whole one that are not found.
+    /// Those of the brake, but for eigenvalues of the full model that are not found.
     pub fn near<B: UncertainBrake>(
         part: &Part<'_, B>,
         onset: &Onset,
@@ -89,7 +89,7 @@ impl WholeOnset {
     }
 }
 
-/// What an onset of a reduced brake is taken to be good to, in parts of the range: of the eigenvalue, by the speed at which it crosses.
+/// Assumed error of an onset of a reduced brake, in fractions of the range: that of the eigenvalue, by the speed at which it crosses.
 ///
 /// # Errors
 /// Those of the branches.

@@ -1,20 +1,20 @@
-//! Which parameters are swept, and from where to where.
+//! The parameters that are swept, with their ranges.
 
 use study::NamedParameter;
 
 use crate::Error;
 
-/// Ratio of the ends of a range of positive values from which on steps are equal ratios; chosen.
+/// Least ratio of the ends of a range of positive values at which steps are equal ratios; chosen.
 const LOGARITHMIC: f64 = 30.0;
 
-/// A sweep that is asked for.
+/// Parameter and range of a sweep that is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Over {
     /// Name of the parameter.
     pub name: String,
-    /// Lower end.
+    /// Lower end of the range.
     pub from: f64,
-    /// Upper end.
+    /// Upper end of the range.
     pub to: f64,
 }
 
@@ -24,28 +24,28 @@ impl std::fmt::Display for Over {
     }
 }
 
-/// A parameter that is swept.
+/// Parameter that is swept.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SweptParameter {
-    /// Its place among the parameters of the scene.
+    /// Index of the parameter among those of the scene.
     #[serde(skip)]
     pub place: usize,
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
-    /// Its unit.
+    /// Unit of the parameter.
     pub unit: String,
-    /// Lower end.
+    /// Lower end of the range.
     pub from: f64,
-    /// Upper end.
+    /// Upper end of the range.
     pub to: f64,
-    /// Its median, where modes have their names.
+    /// Median of the parameter, where modes have their names.
     pub median: f64,
-    /// Whether equal parts of the range are equal ratios of values: from 0.1 to 10, for instance.
+    /// Equal fractions of the range are equal ratios of values: from 0.1 to 10, for instance.
     pub is_logarithmic: bool,
 }
 
 impl SweptParameter {
-    /// Its name with its unit, for axes.
+    /// Name of the parameter with its unit, for axes.
     pub fn label(&self) -> String {
         match self.unit.as_str() {
             "" | "1" => self.name.clone(),
@@ -53,7 +53,7 @@ impl SweptParameter {
         }
     }
 
-    /// Its value at a part of the range, 0 to 1; the ends exactly.
+    /// Value at a fraction of the range, 0 to 1; the ends exactly.
     pub fn at(&self, part: f64) -> f64 {
         match (self.is_logarithmic, part == 1.0) {
             (_, true) => self.to,
@@ -62,7 +62,7 @@ impl SweptParameter {
         }
     }
 
-    /// The part of the range at which it has a value; below 0 or above 1 outside.
+    /// Fraction of the range at which the parameter has a value; below 0 or above 1 outside.
     pub fn part(&self, value: f64) -> f64 {
         match self.is_logarithmic {
             false => (value - self.from) / (self.to - self.from),
@@ -70,7 +70,7 @@ impl SweptParameter {
         }
     }
 
-    /// d value / d part.
+    /// Slope d value / d part.
     pub(super) fn slope(&self, part: f64) -> f64 {
         match self.is_logarithmic {
             false => self.to - self.from,
@@ -79,7 +79,7 @@ impl SweptParameter {
     }
 }
 
-/// Those of the parameters of a scene, given in words, that are asked for.
+/// The parameters that `over` asks for, of those of a scene, which is given in words.
 ///
 /// # Errors
 /// A parameter that the scene does not have or that is named twice, and a range that does not go from a number to a larger one.

@@ -17,10 +17,10 @@ use super::family::{DIFFERENCE, Evaluations, Line, Part, SHORTEST_STEP};
 use super::names::{Names, in_words};
 use crate::Error;
 
-/// Equal steps of a line at which unstable modes are counted; chosen.
+/// Number of equal steps of a line at which unstable modes are counted; chosen.
 const STEPS: usize = 64;
 
-/// A line of the grid: the coordinate that is constant on it, and its value.
+/// Line of the grid: the coordinate that is constant on it, and its value.
 #[derive(Debug, Clone, Copy)]
 struct GridLine {
     axis: usize,
@@ -28,7 +28,7 @@ struct GridLine {
 }
 
 impl GridLine {
-    /// The place at a part of the line.
+    /// Point at a fraction of the line.
     fn place(self, along: f64) -> Vector2<f64> {
         let mut place = vector![along, along];
         place[self.axis] = self.at;
@@ -36,7 +36,7 @@ impl GridLine {
     }
 }
 
-/// What is found on a line.
+/// Findings on a line of the grid.
 struct OnLine {
     line: GridLine,
     met: Vec<Change>,
@@ -48,16 +48,16 @@ struct OnLine {
 /// The map of one part.
 #[derive(Default)]
 pub(super) struct PartMap {
-    /// The boundary, in values and in parts of the ranges.
+    /// Curves of the boundary, each in values and in fractions of the ranges.
     pub curves: Vec<(BoundaryCurve, Vec<[f64; 2]>)>,
-    /// Unstable modes at the lower left corner, and the onsets on the left edge.
+    /// Number of unstable modes at the lower left corner, and the onsets on the left edge.
     pub on_left: (i64, Vec<(f64, i64)>),
     pub unresolved: usize,
     pub from_whole: Option<f64>,
     pub evaluations: Evaluations,
 }
 
-/// The map of one part from so many intervals of lines, a step of progress for each line and one for the curves.
+/// The map of one part from `grid` intervals of lines, a step of progress for each line and one for the curves.
 ///
 /// # Errors
 /// Those of the brake and of the solver.
@@ -136,7 +136,7 @@ pub(super) fn of_part<B: UncertainBrake>(
     Ok(map)
 }
 
-/// The onsets on a line of the grid, in parts of the range.
+/// The onsets on a line of the grid, in fractions of the range.
 fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLine, Error> {
     let system = |along: f64| part.system(line.place(along).as_slice());
     let along = Along::new(&system, &part.family.solver, part.threshold());

@@ -1,4 +1,4 @@
-//! How many modes are unstable between the boundary curves.
+//! Numbers of unstable modes between the boundary curves.
 //!
 //! Along the lower left edge the number is known: from a spectrum and the onsets on that edge. From there it changes by one at
 //! each curve, up where a rising curve is crossed from left to right: its unstable side is on the right.
@@ -7,39 +7,39 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
-/// Rows and columns of cells; chosen: a cell is two thirds of a millimetre in print.
+/// Number of rows and of columns of cells; chosen: a cell is two thirds of a millimetre in print.
 pub const CELLS: usize = 240;
-/// Regions that are no wider than so many cells are not listed; chosen: their boundaries nearly touch.
+/// Least depth of a region that is listed, in cells from its edge; chosen: the boundaries of narrower ones nearly touch.
 const LEAST_DEPTH: usize = 2;
 
 /// An area with the same number of unstable modes all over.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Region {
-    /// Unstable modes.
+    /// Number of unstable modes.
     pub unstable: usize,
-    /// Its part of the whole area.
+    /// Fraction of the whole area.
     pub share: f64,
-    /// A point well inside, as parts of the two ranges.
+    /// Point well inside, as fractions of the two ranges.
     pub at: [f64; 2],
 }
 
-/// A part of a row of cells with one number of unstable modes.
+/// Run of cells of a row with one number of unstable modes.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Run {
-    /// Ends, as parts of the range.
+    /// Ends, as fractions of the range.
     pub x: [f64; 2],
-    /// The row, from below.
+    /// Index of the row, from below.
     pub row: usize,
-    /// Unstable modes.
+    /// Number of unstable modes.
     pub unstable: usize,
 }
 
-/// The middle of a cell.
+/// Middle of a cell, as a fraction of the range.
 fn middle(cell: usize) -> f64 {
     (cell as f64 + 0.5) / CELLS as f64
 }
 
-/// Where the number of unstable modes changes along a row, and by how much.
+/// Places where the number of unstable modes changes along a row, each with the change.
 fn crossings(curves: &[Vec<[f64; 2]>], y: f64) -> Vec<(f64, i64)> {
     let mut found = Vec::new();
     for step in curves.iter().flat_map(|points| points.windows(2)) {
@@ -53,7 +53,7 @@ fn crossings(curves: &[Vec<[f64; 2]>], y: f64) -> Vec<(f64, i64)> {
     found
 }
 
-/// The number of unstable modes everywhere; `on_left` gives it at each y of the left edge.
+/// Runs of all rows; `on_left` gives the number of unstable modes at each y of the left edge.
 pub(super) fn runs(curves: &[Vec<[f64; 2]>], on_left: &dyn Fn(f64) -> i64) -> Vec<Run> {
     let mut runs = Vec::new();
     for row in 0..CELLS {
@@ -79,7 +79,7 @@ fn cells(runs: &[Run]) -> Vec<usize> {
     cells
 }
 
-/// Equally spaced places, one in each so many cells of a row and of a column, that are not next to another number of unstable modes.
+/// Equally spaced places, one in each `spacing` cells of a row and of a column, that are not next to another number of unstable modes.
 pub(super) fn places_apart(runs: &[Run], spacing: usize) -> Vec<Region> {
     let cells = cells(runs);
     let depth = depths(&cells);
@@ -125,7 +125,7 @@ pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
     found
 }
 
-/// How many cells each cell is away from one with another number or from outside.
+/// Distance of each cell from one with another number or from outside, in cells.
 fn depths(cells: &[usize]) -> Vec<usize> {
     let at_edge = |cell: usize| {
         let (row, column) = (cell / CELLS, cell % CELLS);

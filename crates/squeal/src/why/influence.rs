@@ -151,7 +151,7 @@ pub(super) fn of_friction(
     Ok(found)
 }
 
-/// One number of a channel: `value g(lambda) b r^T`, or `b b^T` in place of `b r^T`.
+/// Number of a channel: `value g(lambda) b r^T`, or `b b^T` in place of `b r^T`.
 struct GainPart {
     what: &'static str,
     unit: &'static str,
@@ -177,7 +177,7 @@ fn parts(gain: &ChannelGain, lambda: Complex<f64>) -> Vec<GainPart> {
     parts
 }
 
-/// Both derivatives of a mode by a number that is p - h, p and p + h in three systems.
+/// Derivatives, first and second, of a mode by a number that is p - h, p and p + h in three systems.
 pub(super) fn between(
     triple: &Eigentriple,
     expansion: &Expansion<'_>,
