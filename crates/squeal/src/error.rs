@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Errors between a study and its results.
+/// Error between a study and its results.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

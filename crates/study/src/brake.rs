@@ -1,4 +1,4 @@
-//! The seam: what a study needs of a brake whose numbers are uncertain.
+//! The seam between a study and a brake whose numbers are uncertain.
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
@@ -7,9 +7,9 @@ use crate::{DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scen
 
 /// A brake with all its uncertain numbers.
 ///
-/// The equations are data, in the [`Plan`]; this trait is what a brake computes: draws, and the numbers that a draw puts
-/// into the equations. Spectra, certificates, names of modes, net work, plain sampling, tables and figures follow from these
-/// alone. What a brake can do beside it is a capability, a trait of its own; whoever needs one that is `None` says so by its name.
+/// The equations are data, in the [`Plan`]; this trait is what a brake computes: draws, and the numbers that a draw puts into the
+/// equations. Spectra, certificates, names of modes, net work, plain sampling, tables and figures follow from these alone. Each further
+/// ability of a brake is a capability, a trait of its own; a computation that needs one that is `None` says so by its name.
 ///
 /// A brake whose draws are independent numbers is an [`IndependentBrake`](crate::IndependentBrake), which has all of this but
 /// [`Modifiable`] and [`ModeSource`] from its distributions and one function.

@@ -71,7 +71,7 @@ pub enum Contradiction {
     Order {
         /// Configuration or origin.
         of: String,
-        /// Kind of what is counted: free degrees of freedom, or degrees of freedom in its sectors.
+        /// Kind of count: free degrees of freedom, or degrees of freedom in its sectors.
         what: &'static str,
         /// Number found.
         found: usize,
@@ -91,7 +91,7 @@ pub enum Contradiction {
     Distribution {
         /// Name of the parameter that is drawn.
         parameter: String,
-        /// Number of the distribution that is not allowed, and what is allowed.
+        /// Number of the distribution that is not allowed, and the allowed values.
         fault: DistributionFault,
     },
     /// Two things of one name.

@@ -18,13 +18,13 @@ pub struct Cost {
 }
 
 /// Memory of a scene, bytes for each entry of a matrix of the order of the brake: its system and modes at the medians, whole and by
-/// sectors, and what is counted of it. This constant and the three below are fitted to the peak memory of `squeal run` (GNU time) on two
+/// sectors, and its counts. This constant and the three below are fitted to the peak memory of `squeal run` (GNU time) on two
 /// threads for lattices of 2 x 2 to 12 x 12 with and without symmetry, two scenes each, 8 to 1,000 samples, 21 to 592 MB, and for
 /// `cases/paper.toml` with its 675 scenes.
 const BYTES_BY_SCENE: f64 = 220.0;
 /// Memory of a configuration, bytes for each entry of a matrix: its terms. Fitted with [`BYTES_BY_SCENE`].
 const BYTES_BY_CONFIGURATION: f64 = 130.0;
-/// Memory of a thread, bytes for each entry of a matrix: what the report computes. Fitted with [`BYTES_BY_SCENE`].
+/// Memory of a thread, bytes for each entry of a matrix: the computations of the report. Fitted with [`BYTES_BY_SCENE`].
 const BYTES_BY_THREAD: f64 = 900.0;
 /// Memory of each of the samples that a thread solves together, bytes for each entry of a matrix: systems, spectra and continuations.
 /// Fitted with [`BYTES_BY_SCENE`].

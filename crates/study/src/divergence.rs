@@ -2,14 +2,14 @@
 
 use super::FullChecks;
 
-/// Reason why samples of a brake may miss divergence, in a sentence; `None` of one that is not reduced, and where draws of the whole brake were looked
-/// at and none diverges.
+/// Reason why samples of a brake may miss divergence, in a sentence; `None` of one that is not reduced, and where draws were solved with
+/// the full model and none diverges.
 pub fn divergence_doubt(is_reduced: bool, checks: Option<FullChecks>) -> Option<String> {
     let is_without = |checks: FullChecks| checks.samples > 0 && checks.diverging + checks.divergence_open == 0;
     (is_reduced && !checks.is_some_and(is_without)).then(|| divergence_of_reduced(checks))
 }
 
-/// Divergence of a reduced brake, which its samples do not show, in a sentence on what draws of the whole brake say of it.
+/// Divergence of a reduced brake, which its samples do not show, in a sentence: the result of draws that were solved with the full model.
 pub fn divergence_of_reduced(checks: Option<FullChecks>) -> String {
     match checks.filter(|checks| checks.samples > 0) {
         None => "DIVERGENCE was not looked for: a reduced brake has the modes of its band alone, and no draw was solved with the whole \

@@ -1,6 +1,6 @@
 //! Errors of a study, each one line for its user.
 
-/// Errors between a brake and what its samples say.
+/// Error of a study, from its brake to its samples.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

@@ -28,7 +28,7 @@ pub struct FullChecks {
     pub divergence: f64,
     /// Draws in which the search for real eigenvalues that grow did not come to an end.
     pub divergence_open: u64,
-    /// Largest distance of an eigenvalue of the full model from that of the reduced brake, relative to its size.
+    /// Largest distance of an eigenvalue of the full model from that of the reduced brake, relative to its absolute value.
     pub largest_distance: f64,
     /// Number of times that the reduction was trained on because such draws did not agree.
     pub trained_on: u64,

@@ -39,7 +39,7 @@ pub fn of_machine() -> u64 {
     available(&read("/proc/meminfo")).into_iter().chain(limits).min().unwrap_or(FALLBACK)
 }
 
-/// `MemAvailable` of `/proc/meminfo`, bytes.
+/// Memory available by `MemAvailable` of `/proc/meminfo`, bytes.
 fn available(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
@@ -63,7 +63,7 @@ fn limit_files(line: &str) -> Vec<String> {
         .collect()
 }
 
-/// Refuses a computation that takes more than `budget` bytes of memory; `fits` says, in words, what would not take more.
+/// Refuses a computation that takes more than `budget` bytes of memory; `fits` gives, in words, a smaller one that would not.
 ///
 /// # Errors
 /// [`Error::TooLarge`].

@@ -46,7 +46,7 @@ pub struct Direction {
     pub dof: Option<usize>,
     /// Vectors p over all degrees of freedom, as (index, value) entries: attaching a matrix entry of size s adds `s sum p p^T`.
     pub parts: Vec<Vec<(usize, f64)>>,
-    /// Own mass and stiffness of the direction, to which the size of what is attached is in proportion.
+    /// Own mass and stiffness of the direction, to which the size of an attachment is in proportion.
     pub own: OwnSize,
 }
 

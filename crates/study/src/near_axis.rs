@@ -14,9 +14,9 @@ use crate::Error;
 pub(crate) struct NearAxis {
     /// Eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// d lambda / d mu at a constant slope.
+    /// Derivative d lambda / d mu at a constant slope, rad/s.
     pub by_mu: Complex<f64>,
-    /// d lambda / d (N0 h) at constant mu.
+    /// Derivative d lambda / d (N0 h) at constant mu, rad/s per Ns/m.
     pub by_slope: Complex<f64>,
     /// The names that an unstable mode, beyond the threshold of the plan, may have; empty for another one.
     pub names: Vec<ModeLabel>,

@@ -1,10 +1,9 @@
 //! Reference modes: the modes by which the modes of each scene are named.
 //!
-//! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator in
-//! contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point,
-//! linked to those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each
-//! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
-//! then matched to the modes of their scene.
+//! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator
+//! in contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point, linked to
+//! those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each scene has its own modes at
+//! median parameters of its law and speed, linked to those of its configuration. Samples are then matched to the modes of their scene.
 //!
 //! Under [`ModeIdentity::Mac`] nothing is followed: a mode has the name of the mode of the origin that it resembles by MAC.
 //!
@@ -119,7 +118,7 @@ impl Reference {
         names
     }
 
-    /// Every name that some mode has or may have, ascending.
+    /// Names that some mode has or may have, ascending, each once.
     #[must_use]
     pub fn all_names(&self) -> Vec<ModeLabel> {
         self.names_of(0..self.modes.len())
@@ -209,9 +208,9 @@ impl Reference {
 /// Way of modes from one system to another.
 #[derive(Debug, Clone, Copy)]
 enum Way<'a> {
-    /// Every mode is continued.
+    /// Continuation of every mode.
     Far,
-    /// Modes are compared by MAC first; those in doubt are followed on a path that the brake evaluates, where it has one.
+    /// MAC of the modes first; those in doubt are followed on a path that the brake evaluates, where it has one.
     Near(Option<&'a dyn OwnedPath>),
 }
 

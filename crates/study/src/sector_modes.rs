@@ -68,7 +68,7 @@ pub(super) struct SectorSolver<'a> {
     pub likeness_too: bool,
 }
 
-/// The secular equation of one sector of a scene, and what it is used with.
+/// Secular equation of one sector of a scene, with its anchors and the gain of the reference modes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SectorEquation<'a> {
     /// The equation.

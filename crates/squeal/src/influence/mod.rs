@@ -67,12 +67,12 @@ pub struct Influence {
     pub evaluations: u64,
 }
 
-/// The influence of the inputs of a scene on its outputs, from the first `draws` of the study, and total indices from so many `rows` of a design
-/// of independent points, each of which takes as many evaluations as there are inputs, and two.
+/// The influence of the inputs of a scene on its outputs, from the first `draws` of the study, and total indices from `rows` rows of a
+/// design of independent points, each of which takes as many evaluations as there are inputs, and two.
 ///
 /// # Errors
-/// A scene without inputs; total indices of inputs that are correlated, and of a brake that has no samples by quantiles; a sample of the
-/// design that cannot be evaluated.
+/// A scene without inputs; total indices of inputs that are correlated, and of a brake that has no samples by quantiles; a
+/// design of which no row can be evaluated.
 pub fn influence<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,

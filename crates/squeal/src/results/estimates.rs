@@ -39,7 +39,7 @@ pub struct Estimates {
 
 impl Estimates {
     /// Estimates every occurrence of a study to a half width at 95 %, and writes `estimates.csv` in `dir`. The state is kept
-    /// in the folder `kept_in`: what it holds of the same estimates already is not computed again, unless the samples of the results
+    /// in the folder `kept_in`: estimates that it holds already are not computed again, unless the samples of the results
     /// contradict it. An estimate that they contradict is rejected, which the results note, and the next estimator takes over.
     ///
     /// # Errors

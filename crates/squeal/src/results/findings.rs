@@ -1,4 +1,4 @@
-//! What a study has found about each mode and each set of constraints: the numbers behind `summary.md` and `report.html`.
+//! Findings of a study on each mode and each set of constraints: the numbers behind `summary.md` and `report.html`.
 
 use std::collections::BTreeMap;
 

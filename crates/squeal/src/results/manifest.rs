@@ -11,7 +11,7 @@ use super::Results;
 pub struct Times {
     /// Time for the reference modes of all scenes, s.
     pub references: f64,
-    /// Time for the Monte Carlo run, s; what was left of it, after a resume.
+    /// Time for the Monte Carlo run, s; after a resume, for the rest of it.
     pub samples: f64,
     /// Time for tables and figures, s.
     pub report: f64,
@@ -71,7 +71,7 @@ impl Source {
 /// The manifest of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Manifest {
-    /// Source of the results: what made them, and of what.
+    /// Source of the results: program, case file and study.
     #[serde(flatten)]
     pub source: Source,
     /// Seed of the random streams.

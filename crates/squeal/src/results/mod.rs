@@ -1,4 +1,4 @@
-//! What a study found: counts turned into occurrences and intervals, tables, a summary, a manifest.
+//! Results of a study: counts turned into occurrences and intervals, tables, a summary, a manifest.
 
 mod answer;
 mod doubts;

@@ -287,7 +287,7 @@ impl Results {
         Ok(Estimate { value: median(|e| e.value)?, lower: median(|e| e.lower)?, upper: median(|e| e.upper)? })
     }
 
-    /// Mean number of what is unstable in one CEA of a panel, modes and divergences. In a sample of which an arrangement failed
+    /// Mean number of unstable modes and divergences in one CEA of a panel. In a sample of which an arrangement failed
     /// everything may be unstable and nothing surely is.
     pub fn mean_unstable(&self, panel: &Panel) -> Option<Estimate> {
         let at = self.panels.iter().position(|p| p.key == panel.key)?;
@@ -322,7 +322,7 @@ impl Results {
         })
     }
 
-    /// The difference of two panels per analysis, from that of the samples solved in both; in a sample that failed it may be any.
+    /// Difference of two panels per analysis, from that of the samples solved in both; in a sample that failed it may be any.
     fn difference(
         &self,
         more: &Panel,

@@ -31,8 +31,8 @@ impl Results {
     }
 
     /// Text of the unstable modes of each panel: with frequency at median parameters and occurrence, the median over the
-    /// arrangements of the panel where there are several; unstable modes without a name; divergence. What failed and what is
-    /// undecided comes first.
+    /// arrangements of the panel where there are several; unstable modes without a name; divergence. Failures and open verdicts come
+    /// first.
     ///
     /// # Errors
     /// None for the results of a study.
@@ -66,12 +66,12 @@ impl Results {
         Ok(text)
     }
 
-    /// Warnings that every number has to be read with, a line each: what failed, what is undecided.
+    /// Warnings that every number has to be read with, a line each: failures, and open verdicts.
     pub fn said_first(&self) -> String {
         warnings(self).into_iter().map(|warning| printable(&warning) + "\n").collect()
     }
 
-    /// Text of a study of many panels in some lines: the warnings first, and in how many evaluations there is what no figure of modes
+    /// Text of a study of many panels in some lines: the warnings first, then the numbers of evaluations with what no figure of modes
     /// shows.
     pub fn in_short(&self) -> String {
         let sum = |of: fn(&SceneTally) -> u64| self.summary.tally.scenes.iter().map(of).sum::<u64>();
@@ -89,7 +89,7 @@ impl Results {
         text
     }
 
-    /// Words for a mode, with its frequency, or for what is no mode, for people.
+    /// Words for a mode, with its frequency, or for another label, for people.
     pub fn in_words(&self, constraints: usize, name: ModeLabel) -> String {
         match name {
             ModeLabel::DIVERGENCE => "divergence (real eigenvalues, no oscillation)".into(),

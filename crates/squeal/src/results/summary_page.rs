@@ -1,4 +1,4 @@
-//! `summary.md`: the answer of a study in words, what becomes of its modes, and why they grow.
+//! `summary.md`: the answer of a study in words, the links of its modes between sets of constraints, and the reasons of their growth.
 
 use std::path::Path;
 

@@ -51,7 +51,7 @@ impl ChangeKind {
         }
     }
 
-    /// Words for what is done, for people.
+    /// Words for the action, for people.
     pub fn action(self) -> &'static str {
         match self {
             Self::Constraint => "hold",
@@ -106,7 +106,7 @@ impl Sizes {
 /// A change at one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingleChange {
-    /// Name of what is changed there: a degree of freedom, a body, a contact.
+    /// Name of the place: a degree of freedom, a body, a contact.
     pub name: String,
     /// Change at the place.
     pub change: Change,
@@ -131,8 +131,8 @@ pub struct Candidates {
     pub singles: Vec<SingleChange>,
     /// Images of the single changes under each symmetry of the brake, as indices into `singles`. Without symmetries the identity alone.
     images: Vec<Vec<usize>>,
-    /// Groups of single changes that can be made at once, as indices into `singles`: each by itself, and with what one symmetry or all of
-    /// them make of it.
+    /// Groups of single changes that can be made at once, as indices into `singles`: each by itself, and with its images under one symmetry
+    /// or all of them.
     pub groups: Vec<Vec<usize>>,
 }
 

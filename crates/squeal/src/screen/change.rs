@@ -8,10 +8,10 @@ use study::{Symmetry, WholeContact};
 
 use crate::Error;
 
-/// Name of the term that holds what is attached to a brake, less what goes with contacts that are taken out.
+/// Name of the term that holds the attachments to a brake, less the springs and dashpots of contacts that are taken out.
 const TERM: &str = "changes";
 
-/// Kind of what is attached to a brake.
+/// Kind of an attachment to a brake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Serialize)]
 pub enum Attached {
     /// A mass, kg.
@@ -30,7 +30,7 @@ pub enum Change {
         /// Number of the degree of freedom.
         dof: usize,
     },
-    /// `size sum p p^T` is added to M, K or C.
+    /// An attachment: `size sum p p^T` is added to M, K or C.
     Attach {
         /// Kind of the attachment: M, K or C.
         what: Attached,

@@ -13,7 +13,7 @@ use crate::results::Estimate;
 /// Number of changes of each kind that are printed and not confirmed; more are in the table. Chosen.
 const MOST_PRINTED: usize = 5;
 
-/// Changes of a brake together, with what is known of their effect.
+/// Changes of a brake together, with their predicted and their confirmed effect.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ScreenedSet {
     /// Kind of the changes; `None` of the brake as it is, and of its other sets of constraints.
@@ -190,7 +190,7 @@ impl Screen {
         json!({ "warnings": self.divergence_doubt.iter().collect::<Vec<_>>(), "sets": sets, "failed": self.failed, "counts": self.counts() })
     }
 
-    /// Numbers of what was computed, as JSON.
+    /// Numbers of sets, analyses, draws and scenes, as JSON.
     pub fn counts(&self) -> Value {
         json!({
             "predicted_sets": self.predicted_sets,
@@ -279,7 +279,7 @@ impl Screen {
         self.sets.iter().filter(is_alike).filter_map(line).collect()
     }
 
-    /// Remarks on what the numbers rest on.
+    /// Remarks on the basis of the numbers: sets that failed, and how many analyses were made.
     fn remarks(&self) -> String {
         let mut text = String::new();
         for (set, error) in &self.failed {

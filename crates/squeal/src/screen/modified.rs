@@ -59,9 +59,9 @@ impl ChangeSet {
 
 /// A brake with several sets of changes as its sets of constraints, so that a study compares them on the same draws.
 ///
-/// Modes are known by their frequency ranks in each sample: what is compared is how many are unstable. A scene that stands for
-/// several arrangements is divided where the changes are not symmetric: to change a member of it is to change what the scene
-/// computes by the image of the changes, which the inverse of the member's symmetry makes.
+/// Modes are known by their frequency ranks in each sample: the numbers of unstable modes are compared. A scene that stands for
+/// several arrangements is divided where the changes are not symmetric: to change a member of it is to make, in the configuration
+/// of the scene, the image of the changes under the inverse of the member's symmetry.
 pub struct Modified<'a, B> {
     inner: &'a B,
     plan: Plan,

@@ -97,7 +97,7 @@ fn by_prediction(a: &Ranked, b: &Ranked) -> std::cmp::Ordering {
 }
 
 impl KindRanking {
-    /// Sets of a size that are analysed: each group with the best set of what is missing.
+    /// Sets of a size that are analysed: each group with the best set of the size that is missing.
     fn sets_of(&self, size: usize) -> Vec<Vec<usize>> {
         let mut sets: Vec<Vec<usize>> = Vec::new();
         for group in self.candidates.groups.iter().filter(|group| group.len() <= size) {

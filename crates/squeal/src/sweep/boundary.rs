@@ -87,7 +87,7 @@ enum Along {
     Axis(usize),
 }
 
-/// Follows the curves of one part of a family, and counts what it computes.
+/// Follower of the curves of one part of a family, which counts its computations.
 pub(super) struct Tracer<'a, B: UncertainBrake> {
     pub part: &'a Part<'a, B>,
     /// Number of eigenpairs found from neighbouring ones.
@@ -218,7 +218,7 @@ pub(super) struct KnownPoint {
     pub at: Vector2<f64>,
     /// Frequency, rad/s, zero of divergence.
     pub omega: f64,
-    /// Kind of what crosses the threshold there.
+    /// Kind of crossing at the point.
     pub of: PointOf,
     /// Largest distance from the boundary: a mode along the axis crosses it no more exactly than its growth is known.
     pub error: f64,

@@ -80,7 +80,7 @@ pub(super) struct Change {
     pub is_double: bool,
 }
 
-/// The eigenvalues at a place of the line.
+/// Eigenvalues at a place of the line.
 #[derive(Debug, Clone)]
 pub(super) struct Place {
     pub at: f64,
@@ -266,7 +266,7 @@ fn difference([a, b]: [&Place; 2]) -> [i64; 2] {
     [g - f, e - d]
 }
 
-/// Several changes that no step parts.
+/// Changes at one place: several that no step parts.
 fn at_one_place([a, b]: [&Place; 2], threshold: &Threshold) -> Vec<Change> {
     let [mut flutter, mut divergence] = difference([a, b]);
     let (at, error) = (0.5 * (a.at + b.at), (b.at - a.at).max(LEAST_ERROR));

@@ -26,7 +26,7 @@ const MOST_MOVES: usize = 8;
 /// know of each other, and no branch point; chosen.
 const DOUBLE: f64 = 1e-5;
 
-/// A coalescence of two modes, or what damping leaves of one.
+/// Coalescence of two modes, or the rest that damping leaves of one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Coalescence {
     /// Value of the parameter: the real part of the branch point.

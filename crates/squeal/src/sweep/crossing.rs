@@ -104,7 +104,7 @@ pub(super) fn crossing(
     Ok((change.filter(is_inside), search.spectra))
 }
 
-/// Two eigenvalues by their mean and their squared half distance, which are smooth where they meet.
+/// Pair of eigenvalues by their mean and their squared half distance, which are smooth where they meet.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     mean: Complex<f64>,

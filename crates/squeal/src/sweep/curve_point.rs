@@ -33,7 +33,7 @@ pub(super) enum Crossing {
     Flutter(Eigentriple),
     /// A real eigenvalue at zero, where the stiffness is singular, or at the growth rate above which growth counts, where Q is singular.
     Divergence(NullPair),
-    /// Two eigenvalues that meet.
+    /// Pair of eigenvalues that meet.
     Double(Double),
 }
 

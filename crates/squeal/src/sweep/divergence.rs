@@ -103,7 +103,7 @@ impl Determinant {
     }
 }
 
-/// Q at a real growth rate, 1/s: at zero K, with what internal states leave of it at rest.
+/// Matrix Q at a real growth rate, 1/s: at zero the stiffness K, as internal states at rest leave it.
 pub(super) fn stiffness(system: &SecondOrder, growth: f64) -> DMatrix<f64> {
     system.dynamic_stiffness(Complex::from(growth)).map(|entry| entry.re)
 }

@@ -7,7 +7,7 @@ use num_complex::Complex;
 
 use crate::Error;
 
-/// Two eigenvalues by their mean m and their squared half distance s, which are smooth where they meet. On the real axis s is below
+/// Pair of eigenvalues by their mean m and their squared half distance s, which are smooth where they meet. On the real axis s is below
 /// zero of a pair and above of two real eigenvalues; on the imaginary axis it is below zero of two modes on it, and above of one that
 /// grows and one that decays. Either way there is one more unstable mode where s is positive.
 #[derive(Debug, Clone)]

@@ -27,7 +27,7 @@ const PROBES: [f64; 2] = [0.3137, 0.7291];
 /// Fraction of the squared norm of a matrix that may be outside of all sectors: rounding.
 const COUPLING: f64 = 1e-12;
 
-/// Numbers of what a sweep computed.
+/// Numbers of spectra, vectors and eigenvalues that a sweep computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Evaluations {
     /// Number of spectra of a whole system.

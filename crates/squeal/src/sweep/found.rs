@@ -74,7 +74,7 @@ impl Sweep {
 }
 
 impl Found {
-    /// Numbers of what was computed.
+    /// Numbers of spectra, vectors and eigenvalues computed.
     pub fn evaluations(&self) -> Evaluations {
         match self {
             Self::Branches(sweep) => sweep.evaluations,

@@ -45,7 +45,7 @@ pub struct StabilityMap {
     /// Largest distance of the boundary from that of the full model, as a fraction of the ranges, at the ends
     /// and in the middle of each curve; `None` of a brake that is not reduced.
     pub from_whole: Option<f64>,
-    /// Numbers of what was computed.
+    /// Numbers of spectra, vectors and eigenvalues computed.
     pub evaluations: Evaluations,
     /// Number of spectra on a grid with one in each cell of the figure, of all sectors.
     pub fine_grid: u64,
@@ -65,7 +65,8 @@ impl StabilityMap {
     }
 }
 
-/// The stability map of a scene of a study over two parameters: of modes that oscillate, and of divergence, but for that of a reduced brake.
+/// The stability map of a scene of a study over two parameters: of modes that oscillate, and of divergence, but for that of a reduced
+/// brake.
 ///
 /// # Errors
 /// Parameters or ranges that the scene does not have, a value that the brake refuses,

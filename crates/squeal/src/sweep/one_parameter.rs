@@ -20,8 +20,8 @@ use crate::Error;
 /// omega; chosen.
 const SAME_BRANCH_POINT: f64 = 1e-6;
 
-/// Pairs of a number of eigenvalues, 2 n + s, and the number of equal steps of the range at which the unstable modes of systems up to that size are
-/// counted; chosen: what a sweep may take on a desk. Larger ones have [`FEWEST_STEPS`].
+/// Pairs of a number of eigenvalues, 2 n + s, and the number of equal steps of the range at which the unstable modes of systems up to that
+/// size are counted; chosen: the time that a sweep may take on a desk. Larger systems have [`FEWEST_STEPS`].
 const STEPS: [(usize, usize); 2] = [(160, 1024), (480, 256)];
 /// Number of equal steps for the largest brakes; chosen.
 const FEWEST_STEPS: usize = 64;
@@ -63,11 +63,12 @@ pub struct Sweep {
     /// Number of equal steps of the range at which unstable modes were counted: changes that are farther apart than one of them are all
     /// found.
     pub steps: usize,
-    /// Numbers of what was computed.
+    /// Numbers of spectra, vectors and eigenvalues computed.
     pub evaluations: Evaluations,
     /// Shortest step of a branch, as a fraction of the range.
     pub shortest_step: f64,
-    /// Number of spectra that a grid of equal steps as short as the shortest would take, all sectors together, to compare with what was computed.
+    /// Number of spectra that a grid of equal steps as short as the shortest would take, all sectors together, to compare with
+    /// `evaluations`.
     pub fine_grid: u64,
 }
 

@@ -30,7 +30,7 @@ const FINEST_POINTS: f64 = 32_768.0;
 const COARSEST_POINTS: f64 = 1_024.0;
 /// Number of scramblings for the mean of a prediction; chosen.
 const SCRAMBLINGS: u32 = 32;
-/// Number of scramblings where Sobol points are what is solved; chosen.
+/// Number of scramblings of Sobol points that are solved; chosen.
 const SOBOL_SCRAMBLINGS: u32 = 16;
 /// Binary logarithms of the numbers of Sobol points that are solved in each scrambling; chosen.
 const SOBOL_POINTS: std::ops::RangeInclusive<u32> = 7..=16;
@@ -266,8 +266,8 @@ fn single_parameter<'a, B: UncertainBrake>(brake: &'a B, scene: &Scene) -> Optio
     brake.drawn_inputs()?.single_parameter(scene)
 }
 
-/// True if the coefficients and gains of a scene are affine in its one parameter at values of equal probability, of which a quarter of
-/// the half width lies between two: what a formula does in an interval as narrow as the half width is seen. A value at which the brake
+/// True if the coefficients and gains of a scene are affine in its one parameter at values of equal probability, of which a quarter of the
+/// half width lies between two: a formula that changes within an interval as narrow as the half width is seen. A value at which the brake
 /// does not exist is none of an affine one.
 fn is_affine_throughout<B: UncertainBrake>(
     brake: &B,

@@ -117,7 +117,7 @@ fn first_sizes(means: &PredictionMeans, wrong: f64, half_width: f64) -> [u64; 2]
     cheapest.unwrap_or_default().map(|size| size.ceil() as u64)
 }
 
-/// [`first_sizes`] where Student's t has a `part` of the half width.
+/// Numbers of samples as by [`first_sizes`], where Student's t has the fraction `part` of the half width.
 fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f64; 2] {
     let [clear, uncertain] = means.largest_shares();
     let [tail, of_student] = tails(INTERIM_LOOKS[0].0);

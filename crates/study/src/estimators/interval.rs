@@ -12,7 +12,7 @@ use super::stratum::Stratum;
 use super::{Estimated, OccurrenceBounds, Surrogate};
 use crate::ModeLabel;
 
-/// Error probability of the interval for the probability of an uncertain prediction; chosen, as a part of the 5 % of all looks.
+/// Error probability of the interval for the probability of an uncertain prediction; chosen, as a share of the 5 % of all looks.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
 /// Error probability of each interim look at the counts, and its number of samples as a multiple of that of the first.
 /// Chosen: with [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality).
@@ -118,7 +118,7 @@ pub(super) fn intervals(
     }
 }
 
-/// The counts at one look.
+/// Interim look: the counts at one time.
 struct InterimLook<'a> {
     means: &'a PredictionMeans,
     clear: &'a Stratum,

@@ -71,7 +71,7 @@ impl CrossingMode {
         self.judge(margin, is_outside)
     }
 
-    /// [`CrossingMode::predict`] from the results of the response surface.
+    /// Prediction as by [`CrossingMode::predict`], from the results of the response surface.
     pub fn judge(&self, margin: f64, is_outside: bool) -> [bool; 2] {
         let grows = margin > 0.0;
         [grows, margin.abs() < self.surface.uncertainty() || is_outside || grows && self.names.is_uncertain]

@@ -14,20 +14,20 @@ use tracking::{BranchPoint, Branches, KeptSpectra, Onsets, RefinedPoint, SystemA
 use super::EstimatorError;
 use crate::{Scene, UncertainBrake};
 
-/// Shortest step in mu: what is still open there stays open; chosen.
+/// Shortest step in mu, below which a step that is still open stays open; chosen.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
 /// Largest distance of matrices from affine in the parameter, relative to their largest entry: rounding of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-13;
-/// Probabilities of the values within the distribution at which matrices are compared with affine ones; chosen, so that what
-/// repeats itself over whole parts of it is seen.
+/// Probabilities of the values within the distribution at which matrices are compared with affine ones; chosen: a function that
+/// repeats itself over simple fractions of the distribution is seen.
 const PROBES: [f64; 2] = [0.3137, 0.7291];
 
-/// `Q_0(lambda) + mu Q_1(lambda)`, with the spectra computed so far.
+/// Family of systems `Q_0(lambda) + mu Q_1(lambda)`, with the spectra computed so far.
 pub struct OneParameterFamily<'a> {
     distribution: Distribution,
-    /// Q_0.
+    /// System Q_0.
     constant: Arc<SecondOrder>,
-    /// Q_1 as the change of every system.
+    /// System Q_1, as the change of every system.
     change: Arc<SystemChange>,
     spectra: KeptSpectra<'a, MakeSystem>,
 }
@@ -105,7 +105,7 @@ impl<'a> OneParameterFamily<'a> {
         affine(&self.constant, self.linear(), mu)
     }
 
-    /// `d Q / d mu`, as a system.
+    /// Derivative `d Q / d mu`, as a system.
     pub fn linear(&self) -> &SecondOrder {
         &self.change.above
     }
@@ -137,7 +137,7 @@ fn is_affine(constant: &SecondOrder, linear: &SecondOrder, value: f64, found: &S
         .all(|(found, constant, expected)| (found - expected).amax() <= growth * found.amax().max(constant.amax()))
 }
 
-/// `constant + mu linear`.
+/// The system `constant + mu linear`.
 fn affine(constant: &SecondOrder, linear: &SecondOrder, mu: f64) -> SecondOrder {
     let mut system = constant.clone();
     system.m.zip_apply(&linear.m, |m, linear| *m += mu * linear);

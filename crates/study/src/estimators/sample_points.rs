@@ -18,11 +18,11 @@ const LARGEST_DECAY: f64 = 0.025;
 pub(super) struct SampledMode {
     /// The eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// s(lambda), Ns/m.
+    /// Complex slope s(lambda), Ns/m.
     pub slope: Complex<f64>,
-    /// d lambda / d mu at constant s.
+    /// Derivative d lambda / d mu at constant s, rad/s.
     pub by_mu: Complex<f64>,
-    /// d lambda / d s at constant mu.
+    /// Derivative d lambda / d s at constant mu, rad/s per Ns/m.
     pub by_slope: Complex<f64>,
     /// The names that an unstable mode may have; empty for a stable one.
     pub names: Vec<ModeLabel>,
@@ -91,7 +91,7 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
         Ok(found.into_iter().zip(gains).map(near).collect())
     }
 
-    /// [`SamplePoints::solve`] without secular equations.
+    /// The modes near the axis as by [`SamplePoints::solve`], without secular equations.
     fn by_spectra(&mut self, gains: &[ChannelGain]) -> Result<Vec<Vec<SampledMode>>, EstimatorError> {
         let systems = gains.iter().map(|gain| self.system(gain)).collect::<Result<Vec<_>, _>>()?;
         let mut spectra = Vec::with_capacity(systems.len());
@@ -162,7 +162,7 @@ impl Sparse {
         Self(entries.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|entry| entry.2 != 0.0).collect())
     }
 
-    /// `left^T A right`.
+    /// The product `left^T A right`.
     fn between(&self, left: &DVector<Complex<f64>>, right: &DVector<Complex<f64>>) -> Complex<f64> {
         self.0.iter().map(|&(i, j, a)| left[i] * right[j] * a).sum()
     }

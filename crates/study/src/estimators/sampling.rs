@@ -19,7 +19,7 @@ const SAMPLES_PER_BLOCK: usize = 64;
 /// mean that is wrong by 3.69 of R m points. Student's t at 95 % is 1.96 or more.
 pub(super) const UNSEEN_HITS: f64 = 2.0;
 
-/// An occurrence with what its estimator knows of its error.
+/// Occurrence with the limits that its estimator gives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimated {
     /// Estimate of the occurrence.

@@ -6,7 +6,7 @@ use montecarlo::{exact_lower_limit, exact_upper_limit};
 
 use crate::ModeLabel;
 
-/// Part of an error probability that belongs to the upper two of four limits; chosen. The lower limits matter only where
+/// Fraction of an error probability that belongs to the upper two of four limits; chosen. The lower limits matter only where
 /// prediction and reference differ often.
 const UPPER_LIMITS_PART: f64 = 0.9;
 /// Number of differences added to those counted; chosen as in Wilson's interval at two deviations (z^2).
@@ -15,11 +15,11 @@ const UNSEEN_DIFFERENCES: f64 = 4.0;
 /// Numbers of samples in which prediction and reference of a mode differ.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Differences {
-    /// Certainly unstable by the reference only, and by the prediction only.
+    /// Numbers of samples that are certainly unstable by the reference only, and by the prediction only.
     sure: [u64; 2],
-    /// Certainly or possibly unstable by the reference only, and by the prediction only.
+    /// Numbers of samples that are certainly or possibly unstable by the reference only, and by the prediction only.
     perhaps: [u64; 2],
-    /// Any difference.
+    /// Number of samples with any difference.
     any: u64,
 }
 

@@ -27,12 +27,12 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// An identity that has a name only.
+    /// The identity that has a name only.
     pub fn named(name: &str) -> Self {
         Self { line: format!("{} version={VERSION}", quoted(name)) }
     }
 
-    /// An identity read back from its line; of any other text one that has the text as a part.
+    /// The identity read back from its line; of any other text an identity that has the text as a part.
     pub fn read(name: &str, text: &str) -> Self {
         match Parts::of(text) {
             Some(Parts { version, .. }) if version == VERSION.to_string() => Self { line: text.to_owned() },

@@ -25,9 +25,9 @@ pub(crate) type Bridges<'a> = dyn Fn(usize, [&[Mode]; 2]) -> Result<Option<Bridg
 /// A path that the brake evaluates, from an operating point of a scene to another.
 pub(crate) type Paths<'a> = dyn Fn(&Scene, [&OperatingPoint; 2]) -> Option<Box<dyn OwnedPath + 'a>> + Sync + 'a;
 
-/// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` what each configuration has in
-/// common with its origin where their degrees of freedom may differ, `paths` those of the brake's own. Shapes of the origins are kept
-/// if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
+/// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` the common subspace of each
+/// configuration and its origin where their degrees of freedom may differ, `paths` those that the brake evaluates. Shapes of the origins
+/// are kept if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
 ///
 /// # Errors
 /// Those of the model and of the solver; [`Error::Scene`] names the scene.
