@@ -118,7 +118,7 @@ pub(super) fn intervals(
     }
 }
 
-/// Interim look: the counts at one time.
+/// Counts at one interim look.
 struct InterimLook<'a> {
     means: &'a PredictionMeans,
     clear: &'a Stratum,
