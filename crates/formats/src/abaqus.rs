@@ -13,7 +13,7 @@ use crate::numbers::{fortran, signed, value, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
 
-/// What a keyword line says of the matrix after it.
+/// Statements of a keyword line on the matrix after it.
 struct Keyword {
     name: String,
     kind: Option<Kind>,

@@ -1,4 +1,4 @@
-//! From entries in the order of a file to a whole matrix: repeats added, a triangle mirrored.
+//! Assembly of a whole matrix from entries in the order of a file: repeats added, a triangle mirrored.
 
 use std::collections::HashMap;
 
@@ -11,11 +11,11 @@ use crate::symmetry::{Doubt, KnownBy, Pairs, Sides, Stored, mirrored};
 /// The symmetry of the entries that a file lists, as it states it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stated {
-    /// All of them.
+    /// No symmetry: every entry is listed.
     General,
-    /// One triangle, whichever, of a symmetric matrix.
+    /// A symmetric matrix as one triangle, either.
     Symmetric,
-    /// One triangle of a skew-symmetric matrix.
+    /// A skew-symmetric matrix as one triangle.
     Skew,
     /// A symmetric matrix as one triangle or whole.
     SymmetricOrWhole,
@@ -23,9 +23,9 @@ pub(crate) enum Stated {
     SymmetricByDefault,
     /// The upper triangle, as CalculiX writes it, unless there are entries below the diagonal.
     Upper,
-    /// Nothing, and it is a list, as programs write triangles too.
+    /// No statement, in a list of entries, as programs write triangles too.
     Nothing,
-    /// Nothing, but it is an array or its like.
+    /// No statement, in an array or its like.
     Array,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Builder {
     imaginary: f64,
 }
 
-/// What is known of a matrix besides its entries.
+/// Name, kind, size and labels of a matrix: all but its entries.
 pub(crate) struct Head {
     pub name: String,
     pub kind: Option<Kind>,

@@ -1,4 +1,4 @@
-//! Which format contents are of, by their beginning.
+//! Format of contents, by their beginning.
 
 use crate::bytes::Endian;
 use crate::error::FormatsError;
@@ -28,7 +28,7 @@ pub enum Format {
     MatlabV4,
     /// MATLAB, versions 5 to 7.
     MatlabV5,
-    /// One NumPy array.
+    /// A single NumPy array.
     Npy,
     /// An archive of NumPy arrays, or a sparse matrix of SciPy.
     Npz,

@@ -1,4 +1,4 @@
-//! What can be wrong with a file, and where.
+//! Errors of reading and writing files, and places in a file.
 
 use std::fmt;
 
@@ -6,8 +6,8 @@ use crate::problem::Problem;
 use crate::shortened::cut;
 use crate::symmetry::Symmetry;
 
-/// Why a file gave no matrix, or a mode shape could not be written. Every message is one line and names no file: the caller
-/// knows which one it was.
+/// Reason why a file gave no matrix, or why a mode shape could not be written. Every message is one line and does not name the file
+/// that was asked for: the caller knows it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatsError {
@@ -32,17 +32,17 @@ pub enum FormatsError {
     /// A known format that is not read.
     #[error("{what} is not read here; {advice}")]
     Refused {
-        /// What the file is.
+        /// Description of the file.
         what: &'static str,
-        /// What to do about it.
+        /// Advice on what to do about it.
         advice: &'static str,
     },
-    /// A fault at a place.
+    /// A fault at a place of a file.
     #[error("{place}: {problem}")]
     At {
-        /// Where.
+        /// Place of the fault.
         place: Place,
-        /// What.
+        /// Fault at this place.
         problem: Box<Problem>,
     },
     /// The file of labels beside a matrix is at fault.
@@ -50,7 +50,7 @@ pub enum FormatsError {
     Labels {
         /// Name of the file of labels, without its folder.
         file: String,
-        /// What is wrong with it.
+        /// Fault of the file of labels.
         #[source]
         source: Box<FormatsError>,
     },
@@ -59,14 +59,14 @@ pub enum FormatsError {
     Included {
         /// The file, as the deck names it, shortened.
         file: String,
-        /// What is wrong with it.
+        /// Fault of the included file.
         #[source]
         source: Box<FormatsError>,
     },
     /// The file is whole but holds no matrix of real numbers.
     #[error("the file holds no matrix that can be read{}", what_else(.left_out))]
     NoMatrix {
-        /// What it holds instead: names, each with the reason why it was left out.
+        /// Contents that are no such matrix: names, each with the reason why it was left out.
         left_out: Vec<(String, String)>,
     },
     /// A matrix by a name that the file does not hold, or holds but cannot give.
@@ -74,15 +74,15 @@ pub enum FormatsError {
     NoSuchMatrix {
         /// The name asked for.
         name: String,
-        /// Why it was left out, where it is in the file.
+        /// Reason why the matrix was left out, where it is in the file.
         reason: Option<String>,
         /// The names of the matrices that were read.
         allowed: Vec<String>,
     },
-    /// One matrix was asked for where the file holds several.
+    /// A single matrix was asked for where the file holds several.
     #[error("the file holds {} matrices; say which: {}", .names.len(), listed(.names))]
     Several {
-        /// Their names.
+        /// Names of these matrices.
         names: Vec<String>,
     },
     /// Entries on one side of the diagonal, of which nothing says what they are.
@@ -101,9 +101,9 @@ pub enum FormatsError {
     Symmetry {
         /// The matrix.
         matrix: String,
-        /// What was said.
+        /// Symmetry that was stated.
         asked: Symmetry,
-        /// What contradicts it.
+        /// Description of the matrix that contradicts it.
         found: String,
     },
     /// A degree of freedom of a matrix that the list it is to be ordered by does not have.
@@ -123,11 +123,11 @@ pub enum FormatsError {
     /// A mesh or mode shape that cannot be written.
     #[error("{what} {found}; allowed: {allowed}")]
     Shape {
-        /// What is wrong.
+        /// Subject of the fault.
         what: &'static str,
-        /// What was found.
+        /// Description of what was found.
         found: String,
-        /// What is allowed.
+        /// Description of what is allowed.
         allowed: String,
     },
 }
@@ -147,7 +147,7 @@ pub enum Place {
     Member {
         /// Name of the member.
         name: String,
-        /// Its byte, from 0.
+        /// Byte in the member, from 0.
         byte: u64,
     },
 }

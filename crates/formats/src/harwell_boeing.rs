@@ -17,7 +17,7 @@ const MOST_ON_LINE: usize = 400;
 /// Most numbers for which there is room before they are read, whatever a header promises.
 const MADE_ROOM_FOR: usize = 1 << 20;
 
-/// What the third line says.
+/// Type of the matrix, from the third line of a file.
 struct Type {
     field: u8,
     symmetry: u8,
@@ -33,7 +33,7 @@ impl Type {
     }
 }
 
-/// Whether a file begins with this header.
+/// True if a file begins with a header of this format.
 pub(crate) fn is_header(text: &str) -> bool {
     let mut lines = text.lines().skip(1);
     let wholes = |line: &str| line.split_ascii_whitespace().all(|word| word.parse::<u64>().is_ok());
@@ -111,7 +111,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     Ok(found)
 }
 
-/// How many numbers a line has, and how many characters each.
+/// Layout of numbers: how many on a line, and the characters of each.
 type Format = (usize, usize);
 
 /// The formats of offsets, rows and values.

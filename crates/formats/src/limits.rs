@@ -1,4 +1,4 @@
-//! How much a file may ask for, and progress.
+//! Limits on what a file may ask for, and progress.
 
 /// Bounds on what a reader takes, so that no file, however small, can fill the memory.
 ///
@@ -23,20 +23,20 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// The same, with an order whose square and whose indices can be computed with.
+    /// Limits with an order, at most 2^31, whose square and whose indices can be computed with.
     pub(crate) fn bounded(self) -> Self {
         Self { order: self.order.min(1 << 31), ..self }
     }
 }
 
-/// Called with the bytes of the file read so far and its size, about once in a megabyte.
+/// Listener called with the bytes of the file read so far and its size, about once in a megabyte.
 pub type Progress<'a> = Box<dyn FnMut(u64, u64) + 'a>;
 
-/// How to read a file; the default suits.
+/// Options of reading a file; the default suits.
 #[derive(Default)]
 pub struct Options<'a> {
-    /// Bounds.
+    /// Bounds on what the file may ask for.
     pub limits: Limits,
-    /// Who is told how far the reading is.
+    /// Listener to how far the reading is.
     pub progress: Option<Progress<'a>>,
 }

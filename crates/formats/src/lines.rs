@@ -14,9 +14,9 @@ pub(crate) struct Lines<'a> {
     line: Vec<u8>,
     /// Number of the line last read, from 1.
     pub number: usize,
-    /// Whether the line last read had an end.
+    /// The line last read had an end.
     ended: bool,
-    /// Whether the line last read is to come again.
+    /// The line last read is to come again.
     again: bool,
 }
 

@@ -104,7 +104,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
     builder.finish(banner.symmetry, Head::unlabelled("matrix", None, (rows, columns)))
 }
 
-/// Where an array begins: with the first entry of the first column that it lists.
+/// First (row, column) of an array, from 0: the first entry of the first column that it lists.
 fn first_place(symmetry: Stated) -> (usize, usize) {
     (usize::from(symmetry == Stated::Skew), 0)
 }

@@ -9,7 +9,7 @@ use nalgebra_sparse::CscMatrix;
 use crate::symmetry::{Doubt, KnownBy, Stored};
 use crate::{Dof, FormatsError};
 
-/// One entry of a [`Matrix`].
+/// An entry of a [`Matrix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
     /// Row, from 0.
@@ -31,14 +31,14 @@ impl Entry {
     }
 }
 
-/// What a matrix is in `M u'' + C u' + K u = f`.
+/// Role of a matrix in `M u'' + C u' + K u = f`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// M.
+    /// Mass matrix M.
     Mass,
-    /// C, viscous.
+    /// Viscous damping matrix C.
     Damping,
-    /// K.
+    /// Stiffness matrix K.
     Stiffness,
 }
 
@@ -64,7 +64,7 @@ pub struct Matrix {
     pub(crate) stored: Stored,
     pub(crate) known_by: KnownBy,
     pub(crate) doubt: Option<Doubt>,
-    /// Whether it is from a list that names its rows by numbers, of which the last may be missing.
+    /// The matrix is from a list that names its rows by numbers, of which the last may be missing.
     pub(crate) numbered: bool,
     pub(crate) rows: usize,
     pub(crate) columns: usize,
@@ -80,25 +80,25 @@ impl Matrix {
         &self.name
     }
 
-    /// What it is, where the file says so.
+    /// Role of the matrix, M, C or K, where the file says it.
     #[must_use]
     pub fn kind(&self) -> Option<Kind> {
         self.kind
     }
 
-    /// How the file stored it.
+    /// Storage of the matrix in the file.
     #[must_use]
     pub fn stored(&self) -> Stored {
         self.stored
     }
 
-    /// What says so.
+    /// Source of what [`Matrix::stored`] says.
     #[must_use]
     pub fn known_by(&self) -> KnownBy {
         self.known_by
     }
 
-    /// What is odd about that: worth a line to whoever gave the file.
+    /// Oddity in how the matrix is stored, worth a line to whoever gave the file.
     #[must_use]
     pub fn doubt(&self) -> Option<Doubt> {
         self.doubt
@@ -187,7 +187,7 @@ impl Matrix {
         dense
     }
 
-    /// The same matrix with the rows and columns that `labels` names, in that order: those that it lacks are zero. So the
+    /// A copy with the rows and columns that `labels` names, in that order: those that the matrix lacks are zero. So the
     /// matrices of one model, each written with the degrees of freedom that it has entries for, become equally large; see
     /// [`common_labels`].
     ///
@@ -211,7 +211,7 @@ impl Matrix {
         Ok(Self { name, rows: order, columns: order, entries, row_labels, column_labels, ..*self })
     }
 
-    /// The same square matrix without these rows and the columns of the same places.
+    /// A copy of a square matrix without these rows and the columns of the same indices, from 0.
     #[must_use]
     pub fn without(&self, rows: &BTreeSet<usize>) -> Self {
         let mut places = Vec::with_capacity(self.rows);
@@ -242,7 +242,7 @@ impl Matrix {
     }
 }
 
-/// All degrees of freedom that rows or columns of these matrices have, each once, by node and direction.
+/// Degrees of freedom of all rows and columns of these matrices, each once, ascending by node and direction.
 ///
 /// # Errors
 /// [`FormatsError::Unlabelled`] for a matrix without labels.

@@ -9,16 +9,16 @@ use crate::{Dof, FormatsError};
 /// A node of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// Its number in the model.
+    /// Number of the node in the model.
     pub label: i64,
-    /// x, y, z.
+    /// Coordinates x, y, z.
     pub position: [f64; 3],
 }
 
 /// The shape of a cell, with the order of its nodes: that of VTK, Abaqus and CalculiX alike for these.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
-    /// One node.
+    /// A single node.
     Vertex,
     /// Two nodes.
     Line,
@@ -33,7 +33,7 @@ pub enum CellKind {
 }
 
 impl CellKind {
-    /// Number of its nodes.
+    /// Number of nodes of a cell.
     #[must_use]
     pub fn nodes(self) -> usize {
         match self {
@@ -74,9 +74,9 @@ impl CellKind {
 /// A cell of a mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// Its shape.
+    /// Shape of the cell.
     pub kind: CellKind,
-    /// Its nodes, by their place in [`Mesh::nodes`] from 0.
+    /// Nodes of the cell, by their index in [`Mesh::nodes`] from 0.
     pub nodes: Vec<usize>,
 }
 
@@ -94,7 +94,7 @@ pub struct Mesh {
 pub struct ModeShape {
     /// A name in one line, such as `mode 3`.
     pub name: String,
-    /// The eigenvalue, 1/s.
+    /// Eigenvalue lambda, 1/s.
     pub lambda: Complex<f64>,
     /// x, y and z of phi at each node of the mesh.
     pub displacements: Vec<[Complex<f64>; 3]>,

@@ -1,12 +1,12 @@
-//! What the name of a matrix says it is.
+//! Kind of a matrix, by its name.
 
 use crate::Kind;
 
 /// Nastran's sets of degrees of freedom that a square matrix may be of.
 const SETS: &str = "ABDEFGHJKLNOPQRSTUVXYZ";
-/// What may follow a set.
+/// Endings that may follow a set.
 const AFTER_SET: [&str; 7] = ["", "X", "Z", "T", "P", "EXT", "EXTX"];
-/// What may follow a letter.
+/// Endings that may follow a letter.
 const AFTER_LETTER: [&str; 4] = ["", "MAT", "MATRIX", "RED"];
 
 /// The kind by a usual name, in any case: `K`, `M`, `C`, `D` (damping), `B` (Nastran's damping), alone or with what programs add (`KGG`,
@@ -38,7 +38,7 @@ pub(crate) fn kind_of(name: &str) -> Option<Kind> {
     (numbered || of_set || AFTER_LETTER.contains(&rest)).then_some(kind)
 }
 
-/// Whether a name is one of structural damping, which is neither a viscous damping nor a stiffness.
+/// True for a name of structural damping, which is neither a viscous damping nor a stiffness.
 pub(crate) fn is_structural(name: &str) -> bool {
     let plain = plain(name);
     // A word may begin so, as that of viscous damping does not.

@@ -1,13 +1,13 @@
-//! What can be wrong at a place of a file.
+//! Faults at a place of a file.
 
 use std::fmt;
 
 use crate::shortened::cut;
 
-/// What the first line of a Matrix Market file should be, in messages.
+/// First line expected in a Matrix Market file, in messages.
 const BANNER: &str = "\"%%MatrixMarket matrix coordinate real general\" or the like";
 
-/// What is wrong at a place of a file.
+/// A fault at a place of a file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// No line at all.
@@ -31,17 +31,17 @@ pub enum Problem {
     /// A keyword or code that is not supported.
     #[error("{what} {found:?} is not supported; allowed: {allowed}")]
     Keyword {
-        /// What the keyword says.
+        /// Meaning of the keyword, such as the type of a matrix.
         what: &'static str,
         /// The text or number found.
         found: String,
-        /// What is allowed.
+        /// Texts or numbers that are allowed.
         allowed: &'static str,
     },
     /// A line with another number of fields.
     #[error("{found} fields where {what} is expected: {allowed}")]
     Fields {
-        /// What the line should be.
+        /// Description of the line that is expected.
         what: &'static str,
         /// Number of fields of the line.
         found: usize,
@@ -71,9 +71,9 @@ pub enum Problem {
     NotSquare {
         /// The symmetry.
         symmetry: &'static str,
-        /// Its rows.
+        /// Rows of the matrix.
         rows: usize,
-        /// Its columns.
+        /// Columns of the matrix.
         columns: usize,
     },
     /// An index beyond the matrix.
@@ -107,11 +107,11 @@ pub enum Problem {
         matrix: String,
         /// Row of the first such entry: its label, or its number from 1.
         row: String,
-        /// Column of it.
+        /// Column of the first such entry: its label, or its number from 1.
         column: String,
-        /// How many pairs are given twice.
+        /// Number of pairs that are given twice.
         pairs: usize,
-        /// What is allowed.
+        /// Ways to give the matrix that are allowed.
         allowed: &'static str,
     },
     /// Complex numbers whose imaginary parts are not all zero.
@@ -125,7 +125,7 @@ pub enum Problem {
     Value {
         /// The text or number found.
         found: String,
-        /// What is allowed.
+        /// Description of the values that are allowed.
         allowed: &'static str,
     },
     /// A field whose contents are not what the format allows.
@@ -133,9 +133,9 @@ pub enum Problem {
     Field {
         /// Name of the field.
         what: &'static str,
-        /// What was found.
+        /// Description of what was found.
         found: String,
-        /// What is allowed.
+        /// Description of what is allowed.
         allowed: String,
     },
     /// Fewer entries than announced.
@@ -149,7 +149,7 @@ pub enum Problem {
     /// The file ends within something.
     #[error("the file ends within {what}")]
     End {
-        /// What was being read.
+        /// Part of the file that was being read.
         what: &'static str,
     },
     /// No size line.
@@ -164,7 +164,7 @@ pub enum Problem {
     /// More than a limit of [`crate::Limits`] allows.
     #[error("more than {most} {what}; the limit can be raised")]
     Limit {
-        /// What is limited.
+        /// Name of what is limited.
         what: &'static str,
         /// The limit.
         most: u64,
@@ -184,12 +184,12 @@ pub enum Problem {
     /// The bytes cannot be had: a corrupt compressed stream, or the disk.
     #[error("cannot be read: {what}")]
     Read {
-        /// What the reader says.
+        /// Message of the reader.
         what: String,
     },
 }
 
-/// Why complex numbers are not read.
+/// Message that complex numbers are not read, with the largest imaginary part.
 struct Complex(f64);
 
 impl fmt::Display for Complex {

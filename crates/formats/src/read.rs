@@ -16,10 +16,10 @@ use crate::source::{Contents, open};
 use crate::symmetry::{Stored, Symmetry};
 use crate::{Dof, abaqus, coordinates, dmig, harwell_boeing, market, mat, numpy, op4, substructure};
 
-/// What a file holds.
+/// Contents of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct File {
-    /// Its format.
+    /// Format of the file.
     pub format: Format,
     /// The real matrices, in the order of the file.
     pub matrices: Vec<Matrix>,
@@ -27,16 +27,16 @@ pub struct File {
     pub left_out: Vec<(String, String)>,
 }
 
-/// Which matrix of a file is meant, and what is known of its symmetry.
+/// Choice of a matrix of a file, and what is known of its symmetry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wanted<'a> {
-    /// Its name in the file, in any case where that is unique.
+    /// Name of the matrix in the file, in any case where that is unique.
     pub name: Option<&'a str>,
-    /// What it is to be, where the file holds several and no name is given.
+    /// Role of the matrix, M, C or K, where the file holds several and no name is given.
     pub kind: Option<Kind>,
-    /// How the file stores it.
+    /// Storage of the matrix in the file.
     pub symmetry: Option<Symmetry>,
-    /// How the file stores it, unless it says so itself.
+    /// Storage of the matrix in the file, unless the file says it itself.
     pub otherwise: Option<Symmetry>,
 }
 
@@ -82,7 +82,7 @@ impl File {
         self.take(&Wanted::default())
     }
 
-    /// Where in the list the matrix is that is meant.
+    /// Index in `matrices` of the matrix that is meant.
     fn place(&self, wanted: &Wanted<'_>) -> Result<usize, FormatsError> {
         let refused = |name: &str, reason: Option<&str>| FormatsError::NoSuchMatrix {
             name: crate::shortened::cut(name),
@@ -137,7 +137,7 @@ impl File {
         }
     }
 
-    /// Whether the only matrix has a name of its own that is usual for another kind. A file may be called after its kind and used
+    /// True if the only matrix has a name of its own that is usual for another kind. A file may be called after its kind and used
     /// as another nevertheless: a mass as the stiffness of what turns.
     fn names_another(&self, kind: Kind) -> bool {
         self.matrices.first().and_then(|matrix| Some((matrix, kind_of(&matrix.name)?))).is_some_and(
@@ -148,7 +148,8 @@ impl File {
         )
     }
 
-    /// Those of several matrices that may be one of a model: square, and more than one number, as `k` and `m` among variables of MATLAB are.
+    /// Indices, of several matrices, of those that may be one of a model: square and larger than 1 x 1, as numbers `k` and `m` among
+    /// variables of MATLAB are not. All of `places` where there is none such.
     fn sizeable(&self, places: Vec<usize>) -> Vec<usize> {
         let is_sizeable =
             |at: &&usize| self.matrices[**at].rows > 1 && self.matrices[**at].rows == self.matrices[**at].columns;
@@ -247,18 +248,18 @@ fn labels_beside(path: &Path, limits: &Limits) -> Result<Option<Vec<Dof>>, Forma
     Ok(None)
 }
 
-/// What the name of a file says.
+/// Facts in the name of a file.
 #[derive(Default)]
 struct ByName {
     kind: Option<Kind>,
-    /// Whether it is one of CalculiX's, which hold the upper triangle.
+    /// The file is one of CalculiX's, which hold the upper triangle.
     calculix: bool,
-    /// Whether it is Abaqus's structural damping.
+    /// The matrix is Abaqus's structural damping.
     structural: bool,
 }
 
-/// What CalculiX and Abaqus say in the name of a file alone: `.sti`, `.mas`; `_STIF1.mtx`, `_MASS1.mtx`, `_DMPV1.mtx`, and of structural
-/// damping `_DMPS1.mtx`.
+/// Facts that CalculiX and Abaqus put in the name of a file alone: `.sti`, `.mas`; `_STIF1.mtx`, `_MASS1.mtx`, `_DMPV1.mtx`, and for
+/// structural damping `_DMPS1.mtx`.
 fn by_name(path: &Path) -> ByName {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_uppercase();
     let name = name.strip_suffix(".GZ").unwrap_or(&name);

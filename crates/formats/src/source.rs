@@ -1,4 +1,4 @@
-//! From a path or bytes to contents: regular files only, decompressed, bounded, with progress.
+//! Contents of a file from a path or bytes: regular files only, decompressed, bounded, with progress.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
@@ -48,7 +48,7 @@ impl<'a> Contents<'a> {
         Ok(Self { head, rest: Box::new(rest) })
     }
 
-    /// All contents from their beginning.
+    /// The contents from their beginning.
     pub fn whole(self) -> Box<dyn BufRead + 'a> {
         Box::new(Cursor::new(self.head).chain(self.rest))
     }

@@ -86,7 +86,7 @@ struct Element {
     unsymmetric: bool,
     /// The nodes, once the comment that announces them was met.
     nodes: Option<Vec<i64>>,
-    /// From which position on, from 0, which directions apply.
+    /// Positions of nodes, from 0, each with the directions that apply from it on.
     directions: Vec<(usize, Vec<u32>)>,
 }
 
@@ -117,7 +117,7 @@ impl Element {
         Ok(())
     }
 
-    /// How many rows a matrix must have: as many as there are labels, or as the matrix before it has.
+    /// Number of rows that a matrix must have: as many as there are labels, or as the matrix before it has.
     fn rows(&self, before: &[Matrix]) -> Option<usize> {
         before.first().map(Matrix::rows).or_else(|| self.labels().map(|labels| labels.len()))
     }

@@ -1,4 +1,4 @@
-//! What of a mesh is seen from outside: faces that belong to one cell alone.
+//! Outside of a mesh: faces that belong to one cell alone.
 
 use crate::mesh::{Cell, Mesh};
 
@@ -9,7 +9,7 @@ pub struct Surface {
     pub nodes: Vec<usize>,
     /// Four places in `nodes` around each face. A triangle has its last node twice, a line three times, a point four times.
     pub faces: Vec<[usize; 4]>,
-    /// How many of the faces, the first ones, bound a solid: from outside their nodes go around against the clock.
+    /// Number of faces, the first ones, that bound a solid: seen from outside, their nodes go around against the clock.
     pub of_solids: usize,
 }
 
@@ -62,7 +62,7 @@ fn outer_faces(mesh: &Mesh) -> Vec<[usize; 4]> {
     outer.into_iter().map(|(at, face)| outwards(mesh, &mesh.cells[at], face)).collect()
 }
 
-/// Whether a cell has as many nodes as it must, all of the mesh.
+/// True if a cell has as many nodes as it must, all of the mesh.
 fn is_of(mesh: &Mesh, cell: &Cell) -> bool {
     cell.nodes.len() == cell.kind.nodes() && cell.nodes.iter().all(|&node| node < mesh.nodes.len())
 }

@@ -1,16 +1,16 @@
-//! How the entries of a file are taken: whole, or one triangle that is mirrored.
+//! Storage of a matrix by the entries of a file: the whole matrix, or one triangle that is mirrored.
 
 use std::fmt;
 
 use crate::FormatsError;
 use crate::matrix::{Entry, Matrix};
 
-/// How a file stored a matrix. Whatever it was, [`Matrix::entries`] are those of the whole matrix, but of `OneSide`.
+/// Storage of a matrix in a file. [`Matrix::entries`] are those of the whole matrix whatever it was, but for `OneSide`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stored {
     /// Every entry.
     Whole,
-    /// One triangle of a symmetric matrix; the reader has mirrored it.
+    /// A triangle of a symmetric matrix; the reader has mirrored it.
     Triangle,
     /// The lower triangle of a skew-symmetric matrix; the reader has mirrored it with the other sign.
     SkewTriangle,
@@ -19,18 +19,18 @@ pub enum Stored {
     OneSide,
 }
 
-/// What says how a matrix is stored.
+/// Source of what is known of the storage of a matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KnownBy {
     /// The file: its format, or a word in it.
     File,
-    /// The entries.
+    /// The entries of the matrix.
     Contents,
-    /// Who reads it.
+    /// The caller, who reads it.
     Request,
 }
 
-/// How a file stores a matrix, as who reads it knows.
+/// Storage of a matrix in a file, as the caller knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Symmetry {
     /// Every entry: what is not listed is zero.
@@ -42,7 +42,7 @@ pub enum Symmetry {
 }
 
 impl Symmetry {
-    /// All of them with their names.
+    /// Names of the three, each with its value.
     pub const NAMES: [(&'static str, Self); 3] =
         [("whole", Self::Whole), ("upper", Self::Upper), ("lower", Self::Lower)];
 }
@@ -57,14 +57,14 @@ impl fmt::Display for Symmetry {
     }
 }
 
-/// What is odd about how a matrix was taken.
+/// Oddity in how a matrix was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Doubt {
-    /// It is whole by what the file says, but has entries on this side of the diagonal only and a diagonal wherever there are such,
+    /// Whole matrix by what the file says, with entries on this side of the diagonal only and a diagonal wherever there are such,
     /// as if a triangle had been written under the wrong word.
     Triangle(Symmetry),
-    /// It is a list with entries on both sides of the diagonal and taken as whole, but none has a mirror image: friction, or a triangle
-    /// in another order of rows.
+    /// List with entries on both sides of the diagonal, taken as whole, of which none has a mirror image: friction, or a triangle in
+    /// another order of rows.
     NoImages,
 }
 
@@ -87,7 +87,7 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// On which sides of the diagonal there are entries that are not zero.
+/// Sides of the diagonal on which there are entries that are not zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sides {
     pub above: bool,
@@ -144,11 +144,11 @@ pub(crate) fn mirrored(entries: &[Entry]) -> Vec<Entry> {
 /// Off-diagonal entries whose mirror image is given too.
 #[derive(Default)]
 pub(crate) struct Pairs {
-    /// How many; an entry and its image are both counted.
+    /// Number of such entries; an entry and its image are both counted.
     pub given_twice: usize,
-    /// The first of them.
+    /// Row and column, from 0, of the first such entry.
     pub first: Option<(u32, u32)>,
-    /// Whether an entry differs from its image.
+    /// An entry differs from its image.
     pub unequal: bool,
 }
 
@@ -169,7 +169,7 @@ impl Pairs {
 }
 
 impl Matrix {
-    /// How the entries of the file were taken, in words: `one triangle, mirrored, as the file says`.
+    /// Description of how the entries of the file were taken: `one triangle, mirrored, as the file says`.
     #[must_use]
     pub fn taken(&self) -> String {
         let by = match self.known_by {

@@ -9,7 +9,7 @@ use crate::FormatsError;
 use crate::mesh::{CellKind, Mesh, ModeShape, check};
 
 impl CellKind {
-    /// Its number in VTK.
+    /// Number of the cell type in VTK.
     fn vtk(self) -> u8 {
         match self {
             Self::Vertex => 1,

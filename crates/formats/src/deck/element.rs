@@ -7,9 +7,9 @@ use crate::mesh::CellKind;
 pub(super) struct ElementType {
     /// Number of nodes that an element lists, where that is known.
     pub nodes: Option<usize>,
-    /// Whether it may list more, such as a node for the direction of a beam.
+    /// An element may list more than `nodes`, such as a node for the direction of a beam.
     pub may_have_more: bool,
-    /// Its shape, and which of its nodes are the corners of that.
+    /// Shape, and the indices, among the nodes that an element lists, of the corners of that shape.
     pub shape: Option<(CellKind, &'static [usize])>,
 }
 

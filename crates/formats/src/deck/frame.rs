@@ -2,10 +2,10 @@
 
 use crate::problem::Problem;
 
-/// How the three numbers of a node are meant.
+/// Meaning of the three numbers of a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Coordinates {
-    /// x, y, z.
+    /// Cartesian x, y, z.
     Rectangular,
     /// Radius, angle in degrees from x to y, z.
     Cylindrical,
@@ -32,7 +32,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The global one.
+    /// The global system: origin 0, axes x, y, z.
     pub const GLOBAL: Self = Self { origin: [0.0; 3], axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
 
     /// The system of the data lines of `*SYSTEM`: its origin a and a point b of its first axis in one line, a point c on the side of its

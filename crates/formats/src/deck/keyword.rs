@@ -6,10 +6,10 @@ use crate::shortened::cut;
 /// The keywords of Abaqus and CalculiX that change no node, element or set, one a line: materials, sections, constraints, steps, output.
 const HARMLESS: &str = include_str!("harmless.txt");
 
-/// What is read.
+/// Keywords that are read.
 const READ: [&str; 6] = ["NODE", "ELEMENT", "NSET", "ELSET", "SYSTEM", "INCLUDE"];
 
-/// Why a keyword that changes nodes, elements, sets or the directions of degrees of freedom is refused, and what to do.
+/// Refused keywords, which change nodes, elements, sets or the directions of degrees of freedom: what is allowed instead, and the names.
 const REFUSED: [(&str, &[&str]); 5] = [
     (
         "one flat deck, as CalculiX or Abaqus (NO PARTS INPUT FILE) writes it: numbers of nodes in parts are not those of the matrices",

@@ -58,7 +58,7 @@ pub fn read_deck(path: &Path, limits: &Limits) -> Result<Deck, FormatsError> {
     Ok(reading.deck)
 }
 
-/// What the data lines after a keyword are.
+/// Contents of the data lines after a keyword.
 enum Block {
     Nodes {
         set: Option<String>,
@@ -88,13 +88,13 @@ enum Block {
 struct Reading {
     limits: Limits,
     deck: Deck,
-    /// Place of each node in the mesh.
+    /// Index of each node in the mesh, by its number.
     places: HashMap<i64, usize>,
     elements: Elements,
     /// The system in which nodes are given.
     frame: Frame,
     is_in_step: bool,
-    /// Whether there was a keyword.
+    /// A keyword was met.
     is_deck: bool,
     block: Block,
 }
@@ -351,7 +351,7 @@ impl Reading {
     }
 }
 
-/// What comes after a line.
+/// Continuation after a line: the next line, another file, or the end.
 enum Next {
     Line,
     /// A file, by its path from the folder of the deck.

@@ -30,7 +30,7 @@ impl Range {
         }
     }
 
-    /// Whether a number is one of the range.
+    /// True if a number is one of the range.
     pub fn has(&self, number: i64) -> bool {
         let steps = (i128::from(number) - i128::from(self.first)) % i128::from(self.step);
         (self.first..=self.last).contains(&number) && steps == 0
@@ -51,9 +51,10 @@ pub(super) fn add(set: &mut Vec<i64>, members: Vec<i64>, all: usize) {
 /// a set is one where it is used.
 #[derive(Default)]
 pub(super) struct Elements {
-    /// Where in `nodes` those of an element are; of one of a type that is not known the place of its name in `unknown`.
+    /// Range in `nodes` of the nodes of each element, by its number: first, and one past the last. `Err` for an element of a type that is
+    /// not known: index of the type's name in `unknown`.
     of: HashMap<i64, Result<(usize, usize), usize>>,
-    /// Places of nodes in the mesh.
+    /// Indices in the mesh of the nodes of all elements, in turn.
     nodes: Vec<usize>,
     /// Names of types of which it is not known how many nodes they have.
     unknown: Vec<String>,

@@ -3,7 +3,7 @@
 use crate::bytes::Bytes;
 use crate::problem::Problem;
 
-/// How a number is stored.
+/// Type of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Storage {
     I8,

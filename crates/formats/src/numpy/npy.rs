@@ -1,4 +1,4 @@
-//! One array: a magic number, a header that is a Python dictionary, then the numbers.
+//! A single array: a magic number, a header that is a Python dictionary, then the numbers.
 
 use crate::builder::Builder;
 use crate::bytes::{Bytes, Endian};
@@ -16,11 +16,11 @@ const LONGEST: usize = 10_000;
 /// Most numbers for which there is room before they are read, whatever a header promises.
 const MADE_ROOM_FOR: usize = 1 << 20;
 
-/// What a header says.
+/// Contents of the header of an array.
 pub(crate) struct Header {
     /// The kind of numbers, or the letter of a kind that is none.
     pub storage: Result<Storage, String>,
-    /// Whether each number has an imaginary part after it.
+    /// An imaginary part follows each number.
     pub complex: bool,
     pub by_columns: bool,
     pub shape: Vec<usize>,
@@ -80,7 +80,7 @@ pub(crate) fn header(bytes: &mut Bytes<'_>) -> Result<Header, Problem> {
 }
 
 impl Header {
-    /// Why this is no matrix of real numbers, if it is none.
+    /// Reason why the array is no matrix of real numbers, if it is none.
     pub fn reason(&self) -> Option<String> {
         match (&self.storage, self.shape.as_slice()) {
             (Err(kind), _) => Some(format!("no real numbers but {}", cut(kind))),

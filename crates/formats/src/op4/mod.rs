@@ -28,7 +28,7 @@ struct Open {
     complex: bool,
     /// Words of a number, or of one part of a complex one.
     words: usize,
-    /// Whether the header of a string has two words.
+    /// The header of a string has two words.
     bigmat: bool,
     refused: Option<String>,
     last_column: usize,

@@ -11,14 +11,14 @@ use crate::shortened::cut;
 /// Width of a whole number.
 const WHOLE: usize = 8;
 
-/// How real numbers are printed.
+/// Layout of printed real numbers: how many on a line, and the characters of each.
 #[derive(Clone, Copy)]
 struct Print {
     per_line: usize,
     width: usize,
 }
 
-/// Whether a line is the header of a matrix.
+/// True for a line that is the header of a matrix.
 pub(crate) fn is_header(line: &str) -> bool {
     line.is_ascii() && line.len() > 5 * WHOLE && wholes::<4>(line).is_ok() && print(&line[5 * WHOLE..]).is_some()
 }
