@@ -2,25 +2,25 @@
 
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 
-/// How values are mapped onto an axis.
+/// Mapping of values onto an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum AxisScale {
     Linear {
         low: f64,
         high: f64,
-        /// Between two ticks.
+        /// Distance between two ticks.
         step: f64,
     },
-    /// Between two powers of ten.
+    /// Powers of ten from 10^low to 10^high.
     Log { low: i32, high: i32 },
 }
 
 /// A mark on an axis.
 #[derive(Debug, Clone)]
 pub(super) struct Tick {
-    /// 0 at the start of the axis, 1 at its end.
+    /// Position: 0 at the start of the axis, 1 at its end.
     pub at: f64,
-    /// Empty for a minor tick.
+    /// Text; empty for a minor tick.
     pub label: String,
 }
 
@@ -166,7 +166,7 @@ pub(super) fn y_title(canvas: &mut Canvas, right: f64, area: Area, text: &str) {
     }
 }
 
-/// How much longer than its panel a vertical title may be, pt.
+/// Largest excess of a vertical title over the length of its panel, pt.
 const LARGEST_TITLE_OVERHANG: f64 = 14.0;
 
 /// Width that [`y_title`] takes.

@@ -4,7 +4,7 @@
 use super::error::FigureError;
 use super::font::Fonts;
 
-/// Red, green, blue.
+/// A colour: red, green, blue, 0 to 255.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Color(pub u8, pub u8, pub u8);
 
@@ -17,13 +17,13 @@ impl Color {
     pub const LIGHT_GREY: Color = Color(215, 215, 215);
 }
 
-/// How a shape is filled and outlined.
+/// Fill and outline of a shape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Paint {
     pub fill: Option<Color>,
-    /// Colour and width.
+    /// Colour and width of the outline, pt.
     pub stroke: Option<(Color, f64)>,
-    /// Length of dashes and of the gaps between them.
+    /// Length of dashes and of the gaps between them, pt.
     pub dash: Option<f64>,
 }
 
@@ -45,7 +45,7 @@ impl Paint {
     }
 }
 
-/// Where the reference point of a text lies along its line.
+/// Position of the reference point of a text along its line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TextAnchor {
     Start,
@@ -53,7 +53,7 @@ pub(super) enum TextAnchor {
     End,
 }
 
-/// One line of text; `at` is on the baseline.
+/// A line of text; `at` is on the baseline.
 #[derive(Debug, Clone)]
 pub(super) struct Label {
     pub at: (f64, f64),
@@ -115,7 +115,7 @@ impl Label {
 /// The smallest text of a figure, in points at its printed width.
 pub(super) const SMALL_TEXT: f64 = 8.0;
 
-/// One thing on the display list.
+/// An entry of the display list.
 #[derive(Debug, Clone)]
 pub(super) enum Item {
     /// Everything up to the matching `Close` is one object with a class and a description (SVG only).

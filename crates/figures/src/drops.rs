@@ -12,37 +12,37 @@ use super::style::{BLUE, VERMILLION};
 /// Drops, group by group.
 #[derive(Debug, Clone, Default)]
 pub struct DropsFigure {
-    /// Above everything; may be empty.
+    /// Title above everything; may be empty.
     pub title: String,
-    /// What drops, with its unit.
+    /// Name of the quantity that drops, with its unit.
     pub x_label: String,
-    /// At least one, each with a bar or more.
+    /// Groups of bars: at least one, each with a bar or more.
     pub groups: Vec<DropGroup>,
     /// The most that anything can drop, drawn as a line.
     pub most: Option<f64>,
-    /// Below everything; may be empty.
+    /// Note below everything; may be empty.
     pub note: String,
 }
 
 /// Bars under one heading.
 #[derive(Debug, Clone, Default)]
 pub struct DropGroup {
-    /// The heading.
+    /// Heading of the group.
     pub title: String,
-    /// Its bars.
+    /// Bars of the group.
     pub bars: Vec<DropBar>,
 }
 
-/// One drop.
+/// A drop.
 #[derive(Debug, Clone, Default)]
 pub struct DropBar {
-    /// What causes it.
+    /// Name of the cause.
     pub name: String,
-    /// How large it is.
+    /// Size of the drop.
     pub value: f64,
-    /// Its interval.
+    /// Interval of the drop: lower and upper limit.
     pub limits: [f64; 2],
-    /// What was predicted.
+    /// Size that was predicted.
     pub predicted: Option<f64>,
 }
 
@@ -115,7 +115,7 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
     Ok(Figure { canvas, table })
 }
 
-/// One bar at the height y.
+/// Draws a bar at the height y.
 fn draw(canvas: &mut Canvas, bar: &DropBar, y: f64, x: &dyn Fn(f64) -> f64) {
     let [lower, upper] = bar.limits;
     let words = format!("{}: {:.4} ({lower:.4} to {upper:.4})", bar.name, bar.value);

@@ -1,4 +1,4 @@
-//! What can be wrong with the data of a figure, or with the folder it goes to.
+//! Errors of the data of a figure, and of the folder it goes to.
 
 use std::path::PathBuf;
 
@@ -9,35 +9,35 @@ pub enum FigureError {
     /// A value is NaN or infinite.
     #[error("the figure's {what} is {value}; it must be finite")]
     NotFinite {
-        /// Which value.
+        /// Name of the value.
         what: String,
-        /// What stands there.
+        /// The value found.
         value: f64,
     },
     /// A value lies outside of its axis: a percentage below 0 or above 100, a negative number on a logarithmic axis.
     #[error("the figure's {what} is {value}; allowed is {allowed}")]
     OutOfRange {
-        /// Which value.
+        /// Name of the value.
         what: String,
-        /// What stands there.
+        /// The value found.
         value: f64,
-        /// What may stand there.
+        /// Description of the values that are allowed.
         allowed: &'static str,
     },
     /// Two lists that belong together differ in length.
     #[error("the figure has {found} {what}; expected {expected}")]
     Length {
-        /// What is counted.
+        /// Name of what is counted.
         what: String,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many there should be.
+        /// Number expected.
         expected: usize,
     },
     /// An index points beyond its list.
     #[error("the figure's {what} is {index}; there are {count}")]
     Index {
-        /// Which index.
+        /// Name of the index.
         what: String,
         /// The index, from 0.
         index: usize,
@@ -47,7 +47,7 @@ pub enum FigureError {
     /// There is nothing to draw.
     #[error("the figure has no {what}")]
     Empty {
-        /// What is missing.
+        /// Name of what is missing.
         what: &'static str,
     },
     /// The values of a box have no quartiles.
@@ -75,7 +75,7 @@ pub enum FigureError {
     Write {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// Reason why the file cannot be written.
         source: std::io::Error,
     },
 }

@@ -9,7 +9,7 @@ use super::error::FigureError;
 /// what "sans-serif" is on a machine that has no other.
 pub(super) const FONT_FAMILIES: &str = "Arimo, Arial, Helvetica, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 
-/// Both weights.
+/// The font in both weights.
 pub(super) struct Fonts {
     regular: Face<'static>,
     bold: Face<'static>,

@@ -12,38 +12,38 @@ use super::style::{BLUE, SKY};
 /// Panels of bars, two side by side.
 #[derive(Debug, Clone, Default)]
 pub struct IndexFigure {
-    /// Above everything; may be empty.
+    /// Title above everything; may be empty.
     pub title: String,
-    /// One for each output.
+    /// Panels, one for each output.
     pub panels: Vec<IndexPanel>,
-    /// Below everything; may be empty.
+    /// Note below everything; may be empty.
     pub note: String,
 }
 
 /// The indices of one output.
 #[derive(Debug, Clone, Default)]
 pub struct IndexPanel {
-    /// The output.
+    /// Name of the output.
     pub title: String,
-    /// From the top.
+    /// Bars, from the top.
     pub bars: Vec<IndexBar>,
 }
 
 /// The indices of one input, each with its value and the limits of its interval, 0 to 1.
 #[derive(Debug, Clone, Default)]
 pub struct IndexBar {
-    /// The input.
+    /// Name of the input.
     pub input: String,
-    /// First order.
+    /// First-order index: value and limits.
     pub first_order: [f64; 3],
-    /// Total, where it is known.
+    /// Total index, where it is known: value and limits.
     pub total: Option<[f64; 3]>,
 }
 
 /// Height of the row of an input, pt, and of a bar in it; chosen.
 const ROW: f64 = 17.0;
 const BAR: f64 = 6.0;
-/// Between two columns of panels.
+/// Distance between two columns of panels, pt.
 const GAP: f64 = 16.0;
 
 /// Draws the bars in percent of the variance. The table has one row per panel, input and index.

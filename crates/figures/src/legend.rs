@@ -6,7 +6,7 @@ use super::canvas::{Canvas, Color, Label, SMALL_TEXT};
 /// Draws a symbol centred on a point.
 pub(super) type Symbol = Box<dyn Fn(&mut Canvas, (f64, f64))>;
 
-/// One symbol (none for plain text) and its name.
+/// An entry of a legend: a symbol (none for plain text) with its width, pt, and its name.
 pub(super) struct Entry {
     pub symbol: Option<(Symbol, f64)>,
     pub text: String,

@@ -14,33 +14,33 @@ use super::style::{marker, point_style};
 /// Panels side by side with the same two axes.
 #[derive(Debug, Clone, Default)]
 pub struct LogLogFigure {
-    /// Above everything; may be empty.
+    /// Title above everything; may be empty.
     pub title: String,
     /// Title of the horizontal axis, with its unit.
     pub x_label: String,
     /// Title of the vertical axis, with its unit.
     pub y_label: String,
-    /// One or two fit the page.
+    /// Panels; one or two fit the page.
     pub panels: Vec<LogLogPanel>,
 }
 
-/// One panel.
+/// A panel and its series.
 #[derive(Debug, Clone, Default)]
 pub struct LogLogPanel {
-    /// Above the panel; may be empty.
+    /// Title above the panel; may be empty.
     pub title: String,
     /// A series looks the same in every panel where its name occurs.
     pub series: Vec<LogLogSeries>,
 }
 
-/// One series of points.
+/// A series of points.
 #[derive(Debug, Clone, Default)]
 pub struct LogLogSeries {
-    /// For the key.
+    /// Name in the key.
     pub name: String,
-    /// (x, y): x > 0, y >= 0.
+    /// Points (x, y): x > 0, y >= 0.
     pub points: Vec<[f64; 2]>,
-    /// Joined by a line, in the order given.
+    /// The points are joined by a line, in the order given.
     pub joined: bool,
 }
 
@@ -142,7 +142,7 @@ impl Axes {
         }
     }
 
-    /// Where a point stands in a panel, or in the strip of zeros below its `upper` part.
+    /// Position of a point in a panel, or in the strip of zeros below its `upper` part, pt.
     fn place(&self, upper: Area, [x, y]: [f64; 2]) -> (f64, f64) {
         let below = if y > 0.0 { -self.y.at(y) * upper.height } else { self.strip / 2.0 };
         (upper.x + self.x.at(x) * upper.width, upper.bottom() + below)

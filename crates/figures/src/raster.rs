@@ -89,7 +89,7 @@ fn solid(color: Color) -> tiny_skia::Paint<'static> {
     paint
 }
 
-/// Without transparency, since the page is white throughout, and with the resolution that gives the printed size.
+/// The picture as PNG: without transparency, since the page is white throughout, and with the resolution that gives the printed size.
 fn encode(pixels: &Pixmap) -> Result<Vec<u8>, FigureError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());

@@ -13,39 +13,39 @@ use super::style::{BLUE, VERMILLION};
 /// Branches of eigenvalues over one parameter.
 #[derive(Debug, Clone, Default)]
 pub struct RootLocusFigure {
-    /// Above everything; may be empty.
+    /// Title above everything; may be empty.
     pub title: String,
     /// The parameter, with its unit.
     pub parameter: String,
-    /// Its range.
+    /// Range of the parameter.
     pub range: [f64; 2],
-    /// Whether its axis is logarithmic; the range must then be positive.
+    /// The axis of the parameter is logarithmic; the range must then be positive.
     pub is_logarithmic: bool,
     /// The branches.
     pub branches: Vec<LocusBranch>,
     /// Onsets and coalescences.
     pub marks: Vec<LocusMark>,
-    /// What a mode does at an onset, as in "starts to grow" and "stops growing".
+    /// Words for what a mode does at an onset, as "starts to grow" and "stops growing".
     pub onsets: [&'static str; 2],
-    /// Below everything; may be empty.
+    /// Note below everything; may be empty.
     pub note: String,
 }
 
-/// One branch.
+/// A branch of a root locus.
 #[derive(Debug, Clone, Default)]
 pub struct LocusBranch {
-    /// Its mode.
+    /// Name of the mode.
     pub mode: String,
     /// The parameter, ascending, the frequency, Hz, and the growth, 1/s.
     pub points: Vec<[f64; 3]>,
 }
 
-/// What happens at a point of a root locus.
+/// Event at a point of a root locus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LocusEvent {
     /// A mode starts to grow, or to count as unstable.
     Starts,
-    /// It stops.
+    /// A mode stops growing, or counting as unstable.
     Stops,
     /// A growing mode loses its frequency: flutter becomes divergence.
     ToDivergence,
@@ -58,9 +58,9 @@ pub enum LocusEvent {
 /// A marked point.
 #[derive(Debug, Clone)]
 pub struct LocusMark {
-    /// What happens.
+    /// Event at the point.
     pub event: LocusEvent,
-    /// To which mode or modes.
+    /// Mode or modes of the event.
     pub mode: String,
     /// The parameter, the frequency, Hz, and the growth, 1/s.
     pub at: [f64; 3],
@@ -69,10 +69,10 @@ pub struct LocusMark {
 /// Heights of the panels, pt; chosen.
 const LOCUS_HEIGHT: f64 = 210.0;
 const LOWER_HEIGHT: f64 = 170.0;
-/// Between the panels below.
+/// Distance between the panels below, pt.
 const GAP: f64 = 18.0;
 
-/// One panel: which of parameter, frequency and growth its axes show.
+/// A panel: the indices, among parameter, frequency and growth, of what its axes show.
 struct Panel {
     x: usize,
     y: usize,
@@ -209,7 +209,7 @@ impl RootLocusFigure {
 }
 
 impl LocusMark {
-    /// What happens there, with its numbers.
+    /// Description of the event, with its numbers.
     fn title(&self, parameter: &str, [starts, stops]: [&str; 2]) -> String {
         let Self { event, mode, at: [at, frequency, growth] } = self;
         // A divergence is at rest, and of no mode.

@@ -14,7 +14,7 @@ use super::scale::count_color;
 /// A map over two parameters. Places are given as parts of the two ranges, 0 to 1.
 #[derive(Debug, Clone, Default)]
 pub struct MapFigure {
-    /// Above everything; may be empty.
+    /// Title above everything; may be empty.
     pub title: String,
     /// The horizontal and the vertical axis.
     pub axes: [MapAxis; 2],
@@ -22,33 +22,33 @@ pub struct MapFigure {
     pub curves: Vec<MapCurve>,
     /// Runs of one count: ends along x, row from below, count.
     pub runs: Vec<([f64; 2], usize, usize)>,
-    /// Rows in all.
+    /// Number of rows of the map.
     pub rows: usize,
-    /// Counts to be written, and where.
+    /// Counts to be written, each with its place (x, y).
     pub counts: Vec<(usize, [f64; 2])>,
-    /// Below everything; may be empty.
+    /// Note below everything; may be empty.
     pub note: String,
 }
 
-/// One axis.
+/// An axis of the map.
 #[derive(Debug, Clone, Default)]
 pub struct MapAxis {
     /// The parameter, with its unit.
     pub label: String,
-    /// Its range.
+    /// Range of the parameter.
     pub range: [f64; 2],
-    /// Whether it is logarithmic; the range must then be positive.
+    /// The axis is logarithmic; the range must then be positive.
     pub is_logarithmic: bool,
 }
 
-/// One boundary curve.
+/// A boundary curve.
 #[derive(Debug, Clone, Default)]
 pub struct MapCurve {
-    /// Its mode.
+    /// Name of the mode.
     pub mode: String,
-    /// What is written beside it.
+    /// Text beside the curve.
     pub label: String,
-    /// Its points.
+    /// Points of the curve (x, y), as parts of the two ranges, 0 to 1.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -56,7 +56,7 @@ pub struct MapCurve {
 const HEIGHT: f64 = 330.0;
 /// Places along a curve that are tried for its name; chosen.
 const PLACES: usize = 24;
-/// How near the end of the range a mark is on it: rounding.
+/// Largest distance of a mark beyond an end of the range, as a part of the range, at which it is on that end: rounding.
 const ON_END: f64 = 1e-9;
 
 impl MapAxis {
@@ -134,7 +134,7 @@ pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
     Ok(Figure { canvas, table })
 }
 
-/// Of some places along a curve the one that is farthest from all that are taken, and from the frame.
+/// The place, of some along a curve, that is farthest from all that are taken and from the frame.
 fn best_place(
     curve: &MapCurve,
     taken: &[(f64, f64)],

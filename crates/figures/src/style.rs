@@ -9,17 +9,17 @@ pub(super) const VERMILLION: Color = Color(213, 94, 0);
 pub(super) const PURPLE: Color = Color(204, 121, 167);
 pub(super) const SKY: Color = Color(86, 180, 233);
 
-/// How the boxes of one series look.
+/// Look of the boxes of one series.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoxStyle {
     pub fill: Color,
     pub line: Color,
     pub median: Color,
-    /// Of the diagonal hatching.
+    /// Colour of the diagonal hatching.
     pub hatch: Option<Color>,
 }
 
-/// Dark and solid, light and hatched, white; then the same in other colours.
+/// Look of the boxes of a series, by its index: dark and solid, light and hatched, white; then the same in other colours.
 pub(super) fn box_style(series: usize) -> BoxStyle {
     const STYLES: [BoxStyle; 4] = [
         BoxStyle { fill: BLUE, line: Color(0, 62, 102), median: Color::WHITE, hatch: None },

@@ -6,11 +6,11 @@ use super::super::legend::Entry;
 use super::super::style::{BLUE, ORANGE, arrow};
 use super::data::ModeWorkFigure;
 
-/// What one body does at the instant that is drawn.
+/// Motion of a body at the instant that is drawn.
 pub(super) struct BodyAt {
     /// x, y and z, of the largest amplitude.
     pub displacement: [f64; 3],
-    /// Which of them are held.
+    /// Directions x, y, z that are held.
     pub constrained: [bool; 3],
 }
 
@@ -19,7 +19,7 @@ pub(super) struct LatticeDrawing {
     rows: usize,
     columns: usize,
     width: f64,
-    /// Between neighbours, and between the outer oscillators and the walls.
+    /// Distance between neighbours, and between the outer oscillators and the walls, pt.
     pitch: f64,
 }
 

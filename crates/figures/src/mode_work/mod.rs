@@ -16,7 +16,7 @@ pub use data::{BodyInMode, LawMode, ModeWorkFigure, NetWork};
 use lattice::{BodyAt, LatticeDrawing};
 use output::Table;
 
-/// Between the numbers on the scales of two columns, pt; as all lengths here chosen.
+/// Distance between the numbers on the scales of two columns, pt; as all lengths here chosen.
 const SCALE_GAP: f64 = 6.0;
 /// Height of the bar of one body with its white space.
 const BAR_PITCH: f64 = 10.5;

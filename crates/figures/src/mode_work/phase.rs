@@ -1,4 +1,4 @@
-//! One phase for the shapes of all laws, so that a mode which is the same looks the same.
+//! A common phase for the shapes of all laws, so that a mode which is the same looks the same.
 
 use num_complex::Complex64;
 

@@ -1,20 +1,20 @@
-//! What a drawing of the model shows.
+//! Data of a drawing of the model.
 
-/// What the drawing shows of a lattice.
+/// Data of a drawing of a lattice.
 #[derive(Debug, Clone, Default)]
 pub struct ModelDiagram {
-    /// Above everything; may be empty.
+    /// Title above everything; may be empty.
     pub title: String,
     /// Rows of the lattice.
     pub rows: usize,
     /// Columns of the lattice.
     pub columns: usize,
-    /// By rows: whether the oscillator touches the plate.
+    /// Contact of each oscillator with the plate, by rows.
     pub in_contact: Vec<bool>,
     /// Angle between the inclined springs and the plane of the plate, degrees.
     pub theta_degrees: f64,
-    /// Angle of the inclined springs in that plane, from the x axis, degrees.
+    /// Angle of the inclined springs in the plane of the plate, from the x axis, degrees.
     pub phi_degrees: f64,
-    /// Whether the inclined springs lean in the direction of sliding.
+    /// The inclined springs lean in the direction of sliding.
     pub leans_with_sliding: bool,
 }

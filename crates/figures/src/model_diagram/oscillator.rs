@@ -1,4 +1,4 @@
-//! One oscillator, from the side and from above.
+//! An oscillator, from the side and from above.
 
 use super::super::canvas::{Area, Canvas, Color, Label, Paint, TextAnchor};
 use super::super::style::{VERMILLION, arrow};
@@ -8,7 +8,7 @@ use super::elements::{arc, dashpot, ground, spring, symbol};
 /// Angles to the plane at which the inclined spring is drawn as it is, degrees; outside it would leave the drawing.
 const DRAWN_THETA: [f64; 2] = [35.0, 90.0];
 
-/// One oscillator between foundation and plate, in the upright plane of its inclined spring, z upwards. Returns the y below.
+/// Draws an oscillator between foundation and plate, in the upright plane of its inclined spring, z upwards. Returns the y below.
 pub(super) fn from_the_side(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     let heading = "(b) one oscillator, in the plane of its inclined spring";
     let mut top = area.y + 9.0;
@@ -71,7 +71,7 @@ fn degrees(angle: f64) -> f64 {
     (angle * 1e9).round() / 1e9
 }
 
-/// One oscillator from above: the direction of its inclined spring, of sliding and of friction. Returns the y below.
+/// Draws an oscillator from above: the direction of its inclined spring, of sliding and of friction. Returns the y below.
 pub(super) fn from_above(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     canvas.text(Label::new(area.x, area.y + 9.0, "(c) the same, from above").size(9.0).bold());
     let center = (area.x + if data.leans_with_sliding { 0.64 } else { 0.36 } * area.width, area.y + 38.0);

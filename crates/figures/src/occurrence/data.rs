@@ -1,14 +1,14 @@
-//! What the figure of occurrences shows.
+//! Data of the figure of occurrences.
 
 /// Box plots over arrangements: a row for each mode, a panel for each number in contact, a block of panels for each
 /// friction law.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrenceFigure {
-    /// Above everything; may be empty.
+    /// Title above everything; may be empty.
     pub title: String,
     /// Name of the set of constraints, for the table.
     pub constraints: String,
-    /// What the names of the modes mean, below the panels.
+    /// Note on what the names of the modes mean, below the panels.
     pub mode_note: String,
     /// The modes that the boxes refer to, in the order of the rows. One that is neither unstable nor open anywhere has no row.
     pub modes: Vec<OccurrenceMode>,
@@ -16,34 +16,34 @@ pub struct OccurrenceFigure {
     pub series: Vec<OccurrenceSeries>,
     /// Values to compare with.
     pub marks: Vec<OccurrenceMark>,
-    /// One per friction law.
+    /// Blocks of panels, one per friction law.
     pub laws: Vec<OccurrenceLaw>,
 }
 
 /// A mode.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrenceMode {
-    /// What it is called on the axis.
+    /// Name on the axis.
     pub label: String,
-    /// Its frequency where it has its name, Hz.
+    /// Frequency of the mode where it has its name, Hz.
     pub frequency_hz: f64,
 }
 
 /// A range of speed.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrenceSeries {
-    /// In the table.
+    /// Name in the table.
     pub name: String,
-    /// In the legend.
+    /// Text in the legend.
     pub description: String,
 }
 
 /// A value from elsewhere: a dashed line.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrenceMark {
-    /// Where, in percent.
+    /// The value, in percent.
     pub percent: f64,
-    /// In the legend.
+    /// Text in the legend.
     pub text: String,
     /// The panels that it is drawn in: the index of a law and that of a panel.
     pub panels: Vec<[usize; 2]>,
@@ -52,48 +52,48 @@ pub struct OccurrenceMark {
 /// The panels of one friction law.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrenceLaw {
-    /// In the table.
+    /// Name in the table.
     pub name: String,
-    /// Above the panels; may be empty.
+    /// Title above the panels; may be empty.
     pub title: String,
-    /// One per number in contact.
+    /// Panels, one per number in contact.
     pub panels: Vec<OccurrencePanel>,
 }
 
-/// One number in contact.
+/// A panel: one number in contact.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrencePanel {
-    /// For example "(a) nine in contact".
+    /// Title, for example "(a) nine in contact".
     pub title: String,
-    /// How many are in contact, for the table.
+    /// Number of closed contacts, for the table.
     pub in_contact: usize,
     /// The arrangements.
     pub arrangements: Vec<OccurrenceArrangement>,
-    /// At most one per mode and series; a mode without one has no data.
+    /// Boxes, at most one per mode and series; a mode without one has no data.
     pub boxes: Vec<OccurrenceBox>,
 }
 
-/// One arrangement of contacts.
+/// An arrangement of contacts.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrenceArrangement {
-    /// Its name in the table; empty that of a brake without contacts.
+    /// Name in the table; empty for a brake without contacts.
     pub name: String,
     /// Number of the system that was solved for it: the same for arrangements that are each other's mirror image.
     pub system: usize,
 }
 
-/// One mode under one series.
+/// A mode under one series.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrenceBox {
     /// Index into [`OccurrenceFigure::modes`].
     pub mode: usize,
     /// Index into [`OccurrenceFigure::series`].
     pub series: usize,
-    /// One per arrangement.
+    /// Occurrences, one per arrangement.
     pub values: Vec<Occurrence>,
 }
 
-/// How often a mode is unstable in one arrangement, in percent of the samples.
+/// Occurrence of an unstable mode in one arrangement, in percent of the samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Occurrence {
     /// Samples solved. Without any there is no value: the arrangement is left out, and a box of such alone is a cross.
@@ -109,12 +109,12 @@ pub struct Occurrence {
 }
 
 impl OccurrencePanel {
-    /// Whether there are contacts to arrange: without, nothing is said of their arrangements.
+    /// True if there are contacts to arrange: without, nothing is said of their arrangements.
     pub(super) fn has_arrangements(&self) -> bool {
         self.arrangements.iter().any(|arrangement| !arrangement.name.is_empty())
     }
 
-    /// How many of its arrangements are different systems.
+    /// Number of different systems among the arrangements.
     pub(super) fn systems(&self) -> usize {
         let mut systems: Vec<usize> = self.arrangements.iter().map(|arrangement| arrangement.system).collect();
         systems.sort_unstable();
@@ -129,7 +129,7 @@ impl OccurrenceBox {
         self.values.iter().filter(|value| value.samples > 0)
     }
 
-    /// Whether it is unstable, or may be, in any sample.
+    /// True if the mode is unstable, or may be, in any sample.
     pub(super) fn is_ever_unstable(&self) -> bool {
         self.solved().any(|value| value.percent > 0.0 || value.open > 0.0)
     }

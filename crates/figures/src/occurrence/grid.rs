@@ -1,4 +1,4 @@
-//! Where panels and rows stand, and the scale that all panels share.
+//! Layout of panels and rows, and the scale that all panels share.
 
 use super::super::axis::{AxisScale, PAGE_MARGIN, Tick};
 use super::super::canvas::{Area, Canvas, SMALL_TEXT};
@@ -6,7 +6,7 @@ use super::data::{OccurrenceFigure, OccurrenceLaw};
 
 /// Distance of two panels, pt; as all lengths here chosen.
 const PANEL_GAP: f64 = 8.0;
-/// Between the frame and the ends of the scale, so that what lies at 0 or 100 % is seen.
+/// Distance between the frame and the ends of the scale, so that what lies at 0 or 100 % is seen.
 const SCALE_MARGIN: f64 = 4.0;
 /// Height of one series in the row of a mode, where there is room.
 const SERIES_HEIGHT: f64 = 8.0;
@@ -14,23 +14,23 @@ const SERIES_HEIGHT: f64 = 8.0;
 const LEAST_ROW_HEIGHT: f64 = SMALL_TEXT + 1.0;
 /// Height that rows are made lower for: A4 less margins of 25 mm.
 const PAGE_HEIGHT: f64 = 247.0 / 25.4 * 72.0;
-/// Of it for title, legend and notes.
+/// Part of the page height for title, legend and notes.
 const HEIGHT_OF_TEXT: f64 = 160.0;
-/// Of it for the heading and the scale of a line of panels.
+/// Part of the page height for the heading and the scale of a line of panels.
 const HEIGHT_BESIDE_PANELS: f64 = 32.0;
 /// Most panels side by side.
 const MOST_COLUMNS: usize = 4;
-/// Up to this value, in percent, the scale ends with the values; beyond it at 100 %.
+/// Largest value, in percent, for which the scale ends with the values; beyond it the scale ends at 100 %.
 const OWN_SCALE_BELOW: f64 = 50.0;
 
-/// Where the panels stand, and what they share.
+/// Layout of the panels, and what they share.
 pub(super) struct PanelGrid {
     pub columns: usize,
     pub scale: AxisScale,
     pub ticks: Vec<Tick>,
-    /// Modes that have a row.
+    /// Modes that have a row, by their index.
     pub modes: Vec<usize>,
-    /// Their names and frequencies.
+    /// Names and frequencies, Hz, of the modes that have a row.
     pub labels: Vec<[String; 2]>,
     /// Right ends of the two columns of text.
     pub label_ends: [f64; 2],
@@ -73,12 +73,12 @@ impl PanelGrid {
         Area { x, y, width: self.width, height: self.height(law) }
     }
 
-    /// Where a value, in percent, lies in a panel.
+    /// Horizontal position in a panel of a value in percent, pt.
     pub fn x(&self, area: Area, percent: f64) -> f64 {
         self.x_at(area, self.scale.at(percent))
     }
 
-    /// Where a place on the scale lies, 0 at its start and 1 at its end.
+    /// Horizontal position in a panel of a position on the scale, 0 at its start and 1 at its end, pt.
     pub fn x_at(&self, area: Area, at: f64) -> f64 {
         area.x + SCALE_MARGIN + at * (area.width - 2.0 * SCALE_MARGIN)
     }
@@ -89,7 +89,7 @@ impl PanelGrid {
     }
 }
 
-/// Above the two columns of text.
+/// Headings of the two columns of text.
 pub(super) const HEADINGS: [&str; 2] = ["mode", "Hz"];
 
 /// Height of a panel with that many rows where there is room.
@@ -105,7 +105,7 @@ pub(super) fn series_of(law: &OccurrenceLaw) -> Vec<usize> {
     series
 }
 
-/// From 0 to 100 %, or to what covers all values and marks where those are small.
+/// Scale from 0 to 100 %, or to what covers all values and marks where those are small.
 fn scale(data: &OccurrenceFigure) -> AxisScale {
     let tops = data.boxes().flat_map(|b| b.solved()).map(|value| value.upper.max(value.percent + value.open));
     let most = tops.chain(data.marks.iter().map(|mark| mark.percent)).fold(0.0, f64::max);

@@ -131,7 +131,7 @@ fn key(data: &OccurrenceFigure) -> Vec<Entry> {
     entries
 }
 
-/// How to read a box.
+/// Explanation of how to read a box.
 fn reading(data: &OccurrenceFigure) -> String {
     let mut reading = "n: contact arrangements".to_owned();
     if data.laws.iter().flat_map(|law| &law.panels).any(|panel| panel.systems() < panel.arrangements.len()) {
@@ -151,7 +151,7 @@ fn reading(data: &OccurrenceFigure) -> String {
     reading
 }
 
-/// How many modes have no row, and how often they may be unstable all the same.
+/// Number of modes without a row, and how often they may be unstable all the same, in words.
 fn quiet_modes(data: &OccurrenceFigure, grid: &PanelGrid) -> String {
     let quiet: Vec<_> = data.boxes().filter(|b| !grid.modes.contains(&b.mode) && b.solved().next().is_some()).collect();
     let mut modes: Vec<usize> = quiet.iter().map(|b| b.mode).collect();

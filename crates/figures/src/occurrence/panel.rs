@@ -1,4 +1,4 @@
-//! One panel, and the boxes in it.
+//! A panel, and the boxes in it.
 
 use montecarlo::BoxStatistics;
 
@@ -109,7 +109,7 @@ pub(super) fn two_digits(percent: f64) -> String {
     format!("{percent:.decimals$}")
 }
 
-/// Where a box lies.
+/// Place and style of a box.
 struct Strip {
     y: f64,
     height: f64,
