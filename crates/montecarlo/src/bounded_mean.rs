@@ -7,14 +7,14 @@ use crate::confidence::{Confidence, Interval};
 use crate::integer_mean::IntegerMean;
 use crate::merge::Merge;
 
-/// What an integer can be, for [`BoundedMean::interval`].
+/// Bounds of an integer, for [`BoundedMean::interval`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// No value is less.
+    /// Least value that is possible.
     pub least: f64,
-    /// No value is greater.
+    /// Greatest value that is possible.
     pub greatest: f64,
-    /// By how much a value that was not seen may be beyond those seen, where at least one was not zero.
+    /// Largest distance of a value that was not seen beyond those seen, where at least one of these was not zero.
     pub step: f64,
 }
 
@@ -39,7 +39,7 @@ impl BoundedMean {
         self.greatest = self.greatest.max(value);
     }
 
-    /// The same with one value more, entered so many times.
+    /// A copy with one value more, entered so many times.
     #[must_use]
     pub fn and(mut self, value: i32, times: u64) -> Self {
         if times > 0 {
@@ -128,7 +128,7 @@ mod tests {
     use approx::assert_relative_eq;
     use rand::RngExt;
 
-    /// Up to `greatest` unstable modes.
+    /// Bounds of a number of unstable modes: 0 to `greatest`.
     fn counts(greatest: f64) -> Bounds {
         Bounds { least: 0.0, greatest, step: 1.0 }
     }

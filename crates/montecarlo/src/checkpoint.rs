@@ -27,7 +27,7 @@ use crate::summary::Summary;
 
 const FORMAT: Sealed = Sealed { kind: "montecarlo-checkpoint", version: 2 };
 
-/// Where and how often the state of a run is saved.
+/// File of the state of a run, and how often it is saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Checkpoint {
     /// The file. While it is being written, a file of this name with `.partial` appended stands beside it.

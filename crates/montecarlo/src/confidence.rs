@@ -10,10 +10,10 @@ use crate::error::MonteCarloError;
 pub struct Confidence(f64);
 
 impl Confidence {
-    /// 95 %.
+    /// Level of 95 %.
     pub const P95: Self = Self(0.95);
 
-    /// Another level.
+    /// A level strictly between 0 and 1.
     ///
     /// # Errors
     /// A level that is not strictly between 0 and 1.
@@ -73,7 +73,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Whether a value lies between the limits or on one of them.
+    /// True if a value lies between the limits or on one of them.
     #[must_use]
     pub fn contains(self, value: f64) -> bool {
         self.lower <= value && value <= self.upper

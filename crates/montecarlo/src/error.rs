@@ -13,7 +13,7 @@ pub enum MonteCarloError {
     /// A number of the sampling or of the experiment is 0.
     #[error("the number of {what} is 0; at least 1 is needed")]
     Zero {
-        /// What the number counts: samples, scenes, threads, or samples per block.
+        /// Name of what the number counts: samples, scenes, threads, or samples per block.
         what: &'static str,
     },
     /// The global indices of the sampling do not fit in 64 bits.
@@ -67,7 +67,7 @@ pub enum MonteCarloError {
     CheckpointDamaged {
         /// The checkpoint.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the checkpoint.
         damage: Damage,
     },
     /// A checkpoint was written by another run.
@@ -79,7 +79,7 @@ pub enum MonteCarloError {
     CheckpointMismatch {
         /// The checkpoint.
         path: PathBuf,
-        /// Which part of the run's identity differs.
+        /// Part of the run's identity that differs.
         field: &'static str,
         /// The value of this run.
         expected: String,
@@ -164,7 +164,7 @@ pub struct DistributionFault {
     pub allowed: String,
 }
 
-/// What is wrong with a checkpoint file.
+/// Fault of a checkpoint file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Damage {
@@ -198,7 +198,7 @@ pub enum Damage {
     /// A state that cannot be one of the run whose identity stands above it: the file was made up.
     #[error("its {field} cannot be that of the run that it names")]
     State {
-        /// What does not fit.
+        /// Part of the state that does not fit.
         field: &'static str,
     },
     /// Intact bytes that do not describe the state of such a run: the tally's type has changed since.

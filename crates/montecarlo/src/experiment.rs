@@ -10,12 +10,12 @@ use crate::failures::Failures;
 use crate::merge::Merge;
 use crate::stream::StreamRng;
 
-/// What is sampled and computed.
+/// An experiment: what is sampled and computed.
 ///
 /// A run is reproducible only if the results depend on the arguments alone, not on the order of calls or on earlier contents of
 /// the scratch memory.
 pub trait Experiment: Sync {
-    /// One draw of the uncertain parameters, used in every scene.
+    /// A draw of the uncertain parameters, used in every scene.
     type Sample;
     /// The result of one evaluation.
     type Outcome;
@@ -61,13 +61,13 @@ pub trait Experiment: Sync {
     }
 }
 
-/// One sample with its results in all scenes.
+/// A sample with its results in all scenes.
 pub struct Runs<'a, S: Experiment> {
     /// The sample's global index: the same in a run from 0, in a later part of it, and after a resume.
     pub index: u64,
     /// The sample.
     pub sample: &'a S::Sample,
-    /// One result per scene, in order. Failed evaluations are already counted and listed.
+    /// Results, one per scene, in order. Failed evaluations are already counted and listed.
     pub results: &'a [Result<S::Outcome, S::Error>],
 }
 
@@ -76,7 +76,7 @@ pub trait Tally<S: Experiment>: Merge + Serialize + DeserializeOwned + Send {
     /// Enters one sample. Called in the order of the indices, but not for a sample whose draw failed.
     fn record(&mut self, runs: &Runs<'_, S>);
 
-    /// Whether these can be the counts of the samples of these global indices, with these failures: asked of a checkpoint before it is
+    /// True if this can be the tally of the samples of these global indices, with these failures: asked of a checkpoint before it is
     /// continued.
     fn may_be_of(&self, _samples: Range<u64>, _failures: &Failures) -> bool {
         true

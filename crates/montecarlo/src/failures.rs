@@ -9,7 +9,7 @@ use crate::merge::Merge;
 /// Most failures that are listed; chosen, so that a checkpoint stays small.
 const MOST_LISTED: usize = 1_000;
 
-/// One failed draw or evaluation.
+/// A failed draw or evaluation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// Global index of the sample.
@@ -20,7 +20,7 @@ pub struct Failure {
     pub message: String,
 }
 
-/// All failures of a run: counts per scene, and a list of the first 1,000 by sample and scene.
+/// Failures of a run: counts per scene, and a list of the first 1,000 by sample and scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failures {
     draws: u64,
@@ -43,7 +43,7 @@ impl Failures {
         }
     }
 
-    /// Whether these can be the failures of the samples of these indices in so many scenes.
+    /// True if these can be the failures of the samples of these indices in so many scenes.
     pub(crate) fn may_be_of(&self, scenes: usize, samples: Range<u64>) -> bool {
         let count = samples.end - samples.start;
         let of_scene = |&failed: &u64| self.draws.checked_add(failed).is_some_and(|failed| failed <= count);

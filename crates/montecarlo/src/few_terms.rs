@@ -8,21 +8,21 @@ use crate::confidence::{Confidence, Interval};
 /// know their mean to 10 %, and the skewness of a Poisson count of 100 is 0.1.
 const MANY: f64 = 100.0;
 
-/// What the interval of a sum of few positive terms is computed from. Their number is one of chance, and a term that did not come up may
+/// Data for the interval of a sum of few positive terms. The number of terms is one of chance, and a term that did not come up may
 /// be as large as those that did, so that a sum of none says little.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct FewTerms {
     sum: f64,
     squares: f64,
-    /// A term as large as one that did not come up may be.
+    /// Size that a term may have that did not come up.
     typical: f64,
-    /// What is subtracted from the sum.
+    /// Number that is subtracted from the sum.
     offset: f64,
 }
 
 impl FewTerms {
-    /// From the terms, of which most are zero, the size of one that did not come up, and what is subtracted from the sum. `None` where they
-    /// are many.
+    /// A sum by its terms, of which most are zero, the size of one that did not come up, and what is subtracted from the sum. `None` where
+    /// the terms are many.
     #[must_use]
     pub fn of(terms: impl Iterator<Item = f64>, typical: f64, offset: f64) -> Option<Self> {
         let (sum, squares) = terms.fold((0.0, 0.0), |(sum, squares), t| (sum + t, squares + t * t));

@@ -4,7 +4,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::distribution::Distribution;
 
-/// Where the distribution function is rounded to 0 or 1 its normal score would be infinite; this is the double next to 1.
+/// Largest value taken of a distribution function, the double next to 1: rounded to 0 or 1 it would have an infinite normal score.
 const MOST_PROBABLE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A Gaussian copula: the normal scores `z_i = Phi^-1(F_i(x_i))` of the parameters x_i have a correlation matrix R, and each parameter
@@ -47,7 +47,7 @@ impl GaussianCopula {
         &self.factor
     }
 
-    /// Whether no parameter is correlated with another.
+    /// True if no parameter is correlated with another.
     #[must_use]
     pub fn is_independent(&self) -> bool {
         self.factor.iter().all(|row| is_alone(row))
@@ -73,7 +73,7 @@ impl GaussianCopula {
 /// the factorisation.
 const LEAST_PIVOT: f64 = 1e-12;
 
-/// Whether a row of L is that of a parameter which is correlated with none before it.
+/// True for a row of L of a parameter that is correlated with none before it.
 fn is_alone(row: &[f64]) -> bool {
     row.iter().rev().skip(1).all(|l| *l == 0.0)
 }

@@ -1,4 +1,4 @@
-//! How often labels occur, where the label of a thing may be uncertain.
+//! Counts of how often labels occur, where the label of a thing may be uncertain.
 
 use std::collections::BTreeMap;
 
@@ -84,7 +84,7 @@ pub struct LabelTally<L: Ord> {
 struct Hits {
     certain: u64,
     ambiguous: u64,
-    /// Those among both in whose trial something has no candidates.
+    /// Hits, certain and ambiguous, in whose trial something has no candidates.
     beside_unlabelled: u64,
 }
 
@@ -148,7 +148,7 @@ impl<L: Ord> LabelTally<L> {
     }
 }
 
-/// One tally per scene, for experiments whose outcome is the candidate labels of each thing found.
+/// Tallies, one per scene, for experiments whose outcome is the candidate labels of each thing found.
 impl<L, E> Tally<E> for Vec<LabelTally<L>>
 where
     L: Ord + Clone + Serialize + DeserializeOwned + Send,

@@ -11,7 +11,7 @@ pub trait Progress: Sync {
     fn advance(&self, evaluations: u64);
     /// Called once when the run has ended, with or without an error.
     fn end(&self);
-    /// Whether whoever is told wants the run to end now: asked between evaluations, and by a run ten times a second.
+    /// True if whoever is told wants the run to end now: asked between evaluations, and by a run ten times a second.
     fn is_cancelled(&self) -> bool {
         false
     }

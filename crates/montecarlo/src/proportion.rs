@@ -73,7 +73,7 @@ pub fn trials_for_half_width(p: f64, half_width: f64, confidence: Confidence) ->
     inside.max(at_the_edge)
 }
 
-/// Whether something occurred in one trial.
+/// Outcome of one trial: whether the event occurred.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trial {
     /// The event occurred.
@@ -102,7 +102,7 @@ impl Proportion {
         Self { hits, ambiguous: ambiguous.min(trials - hits), trials }
     }
 
-    /// The same with more trials of which nothing is known, as those are that failed: they are ambiguous.
+    /// A copy with more trials of which nothing is known, as those are that failed: they are ambiguous.
     #[must_use]
     pub fn and_unknown(self, trials: u64) -> Self {
         Self { ambiguous: self.ambiguous + trials, trials: self.trials + trials, ..self }
@@ -164,7 +164,7 @@ impl Merge for Proportion {
     }
 }
 
-/// One proportion per scene, over the samples that were evaluated in it.
+/// Proportions, one per scene, over the samples that were evaluated in it.
 impl<S: Experiment<Outcome = Trial>> Tally<S> for Vec<Proportion> {
     fn record(&mut self, runs: &Runs<'_, S>) {
         self.resize(runs.results.len(), Proportion::default());

@@ -1,10 +1,10 @@
-//! Which samples are drawn, and by how many threads.
+//! Samples that are drawn, and the number of threads.
 
 use std::ops::Range;
 
 use crate::error::MonteCarloError;
 
-/// Which samples to draw and how to divide the work. The result depends on `seed`, `first` and `samples` only.
+/// Samples to draw, and division of the work. The result depends on `seed`, `first` and `samples` only.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sampling {
     /// Seed of the random streams.

@@ -23,7 +23,7 @@ const FEWEST_SAMPLES: usize = 100;
 pub struct SobolIndex {
     /// The estimate; chance may bring it below 0 or above 1.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the estimate.
     pub standard_error: f64,
     /// The samples, or rows of a design, behind it.
     pub samples: u64,
@@ -204,7 +204,7 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.sum::<f64>() / count as f64
 }
 
-/// Whether a variance is more than what rounding of the mean that was subtracted makes; chosen, far above that of a million values.
+/// True for a variance above what rounding of the mean that was subtracted makes; chosen, far above that of a million values.
 fn has_variance(variance: f64, mean: f64) -> bool {
     variance > (1e-12 * mean).powi(2)
 }

@@ -1,4 +1,4 @@
-//! One random stream per sample.
+//! Random streams, one per sample.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

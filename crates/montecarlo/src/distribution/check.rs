@@ -1,4 +1,4 @@
-//! Which parameters a distribution may have.
+//! Parameters that a distribution may have.
 
 use super::Distribution;
 use super::bounded_normal::BoundedNormal;
@@ -27,7 +27,7 @@ fn not_below_from(from: f64, to: f64) -> Checked {
 }
 
 impl Distribution {
-    /// Whether the parameters make a distribution that can be drawn from.
+    /// Checks that the parameters make a distribution that can be drawn from.
     ///
     /// # Errors
     /// The first parameter that is not allowed.

@@ -14,7 +14,7 @@ use crate::stream::StreamRng;
 use bounded_normal::BoundedNormal;
 use quantile_table::interpolate;
 
-/// How a parameter is drawn. In a file: `{ distribution = "normal", mean = 0.5, deviation = 0.1 }`.
+/// Distribution that a parameter is drawn from. In a file: `{ distribution = "normal", mean = 0.5, deviation = 0.1 }`.
 ///
 /// ```
 /// use montecarlo::{Distribution, stream};
@@ -87,9 +87,9 @@ pub enum Distribution {
     },
     /// A table of quantiles with linear interpolation: uniform between two neighbouring values.
     Quantiles {
-        /// Ascending, from 0 to 1.
+        /// Probabilities, ascending from 0 to 1.
         probabilities: Vec<f64>,
-        /// The quantile at each probability, ascending.
+        /// Quantile at each probability, ascending.
         values: Vec<f64>,
     },
 }
@@ -115,7 +115,7 @@ impl Distribution {
         }
     }
 
-    /// One value.
+    /// A value drawn from the distribution.
     ///
     /// # Errors
     /// No draw reached the bound of a normal distribution; after [`check`](Self::check) at least half of all draws do.
