@@ -1,4 +1,4 @@
-//! Which degrees of freedom are free, and the conversion between the full and the free numbering.
+//! Free degrees of freedom, and the conversion between the full and the free numbering.
 
 use nalgebra::{DMatrix, DVector, Scalar};
 use num_traits::Zero;

@@ -6,11 +6,11 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Matrix {
-    /// M, n x n.
+    /// Mass matrix M, n x n.
     Mass,
-    /// C, n x n.
+    /// Damping matrix C, n x n.
     Damping,
-    /// K, n x n.
+    /// Stiffness matrix K, n x n.
     Stiffness,
     /// a, the decay rates of the internal states, length s.
     Decay,
@@ -42,9 +42,9 @@ pub enum LinsysError {
     Shape {
         /// The matrix.
         matrix: Matrix,
-        /// Its rows.
+        /// Rows of the matrix.
         rows: usize,
-        /// Its columns.
+        /// Columns of the matrix.
         columns: usize,
         /// Rows that fit the other matrices.
         expected_rows: usize,
@@ -56,9 +56,9 @@ pub enum LinsysError {
     TermOrder {
         /// The term.
         term: String,
-        /// Its degrees of freedom.
+        /// Degrees of freedom of the term.
         found: usize,
-        /// Those of the first term.
+        /// Degrees of freedom of the first term.
         expected: usize,
     },
     /// A term of an affine system that has internal states; only channels may have them.
@@ -66,13 +66,13 @@ pub enum LinsysError {
     TermStates {
         /// The term.
         term: String,
-        /// Its internal states.
+        /// Internal states of the term.
         states: usize,
     },
     /// An operating point of another affine system.
     #[error("{found} {what}; expected {expected}")]
     Count {
-        /// What is counted: term coefficients or channel gains.
+        /// Name of what is counted: term coefficients or channel gains.
         what: &'static str,
         /// Number given.
         found: usize,
@@ -82,7 +82,7 @@ pub enum LinsysError {
     /// A friction channel that the system does not have.
     #[error("channel {channel}; the system has {total}, numbered from 0")]
     NoChannel {
-        /// Its place, from 0.
+        /// Index of the channel, from 0.
         channel: usize,
         /// Number of channels.
         total: usize,
@@ -130,7 +130,7 @@ pub enum LinsysError {
         /// The index, from 0.
         dof: usize,
     },
-    /// All degrees of freedom are constrained.
+    /// Constraints on all degrees of freedom.
     #[error("all {total} degrees of freedom are constrained")]
     AllConstrained {
         /// Number of degrees of freedom.

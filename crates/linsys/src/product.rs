@@ -73,14 +73,14 @@ fn add_columns(sums: &mut [f64], columns: &[f64], factors: &[f64]) {
     }
 }
 
-/// Whether a column has no entry but perhaps this one.
+/// True if a column has no entry but perhaps this one.
 #[inline(always)]
 fn is_diagonal(column: &[f64], at: usize) -> bool {
     let (above, below) = column.split_at(at.min(column.len()));
     is_zero(above) && is_zero(below.get(1..).unwrap_or_default())
 }
 
-/// Whether all numbers are zero of either sign: a few without a branch, so that the compiler can use vector operations; the shift
+/// True if all numbers are zero of either sign: a few without a branch, so that the compiler can use vector operations; the shift
 /// removes the sign bit.
 #[inline(always)]
 fn is_zero(numbers: &[f64]) -> bool {

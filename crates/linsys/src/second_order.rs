@@ -15,11 +15,11 @@ const MANY_STATES: usize = 8;
 /// [`SecondOrder::check`] tells whether their contents are a system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecondOrder {
-    /// M, n x n.
+    /// Mass matrix M, n x n.
     pub m: DMatrix<f64>,
-    /// C, n x n.
+    /// Damping matrix C, n x n.
     pub c: DMatrix<f64>,
-    /// K, n x n.
+    /// Stiffness matrix K, n x n.
     pub k: DMatrix<f64>,
     /// The first-order states, none for most systems (s = 0).
     pub internal: Internal,
@@ -30,9 +30,9 @@ pub struct SecondOrder {
 pub struct Internal {
     /// a, decay rates in 1/s, length s.
     pub decay: DVector<f64>,
-    /// E, s x n.
+    /// Drive matrix E, s x n.
     pub drive: DMatrix<f64>,
-    /// F, n x s.
+    /// Force matrix F, n x s.
     pub force: DMatrix<f64>,
 }
 

@@ -13,7 +13,7 @@ pub struct OperatingPoint {
     pub channels: Vec<ChannelGain>,
 }
 
-/// How strongly friction acts in one channel: `mu r^T + lambda s(lambda) b^T`.
+/// Gain of friction in one channel: `mu r^T + lambda s(lambda) b^T`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ChannelGain {
     /// mu, the coefficient of friction: tangential over normal force.

@@ -1,4 +1,4 @@
-//! One term of a structure.
+//! A term of a structure.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ pub struct Term {
     pub family: String,
     matrices: SecondOrder,
     is_elastic: bool,
-    /// Whether M, C and K have an entry that is not zero.
+    /// M, C, K: the matrix has an entry that is not zero.
     is_there: [bool; 3],
 }
 
@@ -36,7 +36,7 @@ impl Term {
         Ok(Self { name, family, matrices, is_elastic, is_there })
     }
 
-    /// M, C and K.
+    /// Matrices M, C and K of the term.
     pub fn matrices(&self) -> &SecondOrder {
         &self.matrices
     }
@@ -74,7 +74,7 @@ impl Term {
         self.matrices.order()
     }
 
-    /// Whether K is symmetric, so that its forces do no net work in a mode.
+    /// True if K is symmetric, so that its forces do no net work in a mode.
     pub fn is_elastic(&self) -> bool {
         self.is_elastic
     }
