@@ -12,7 +12,7 @@ use crate::Sectors;
 pub struct Brake {
     /// The equations, affine in a few coefficients.
     pub system: AffineSystem,
-    /// Which degrees of freedom of the unconstrained brake are free.
+    /// Free degrees of freedom, among those of the unconstrained brake.
     pub dofs: DofMap,
     /// The bodies whose net work is computed separately.
     pub bodies: Vec<Body>,

@@ -1,4 +1,4 @@
-//! Which degrees of freedom and internal states of a system are coupled.
+//! Coupling of the degrees of freedom and internal states of a system.
 
 use linsys::SecondOrder;
 use nalgebra::DMatrix;

@@ -13,11 +13,11 @@ const LARGEST: f64 = 1e100;
 /// The range that a value must lie in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
-    /// At most 1e100 in size.
+    /// Range -1e100 to 1e100.
     Finite,
-    /// From 1e-100 to 1e100.
+    /// Range 1e-100 to 1e100.
     Positive,
-    /// From 0 to 1e100.
+    /// Range 0 to 1e100.
     NonNegative,
 }
 
@@ -90,7 +90,7 @@ pub enum OscModelError {
     /// An arrangement names an oscillator twice.
     #[error("oscillator {number} is named twice in the contact arrangement; allowed: each once")]
     RepeatedOscillator {
-        /// Its number, from 1.
+        /// Number of the oscillator, from 1.
         number: usize,
     },
     /// More contacts asked for than there are oscillators.
@@ -167,21 +167,21 @@ pub enum OscModelError {
         "a system of {order} degrees of freedom and {states} states; allowed: {expected}, and 0 or {channels} states"
     )]
     OtherSystem {
-        /// Its degrees of freedom.
+        /// Degrees of freedom of the system.
         order: usize,
-        /// Its internal states.
+        /// Internal states of the system.
         states: usize,
         /// Free degrees of freedom of the brake.
         expected: usize,
         /// Channels of the brake.
         channels: usize,
     },
-    /// In static equilibrium with friction drag an oscillator in contact is not pressed on the plate.
+    /// An oscillator in contact that is not pressed on the plate in static equilibrium with friction drag.
     #[error("oscillator {oscillator} lifts off in static equilibrium: normal load {load} N; allowed: > 0")]
     LostContact {
         /// The oscillator, from 1.
         oscillator: usize,
-        /// Its load, N.
+        /// Normal load of the oscillator, N.
         load: f64,
     },
     /// Static equilibrium does not exist: elastic stiffness and friction coupling together are singular.

@@ -30,11 +30,11 @@ const LARGEST_LOAD_DIFFERENCE: f64 = 1e-9;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sectors {
     sectors: Vec<Sector>,
-    /// For each channel the first channel that must have the same friction.
+    /// First channel that must have the same friction, for each channel.
     like: Vec<usize>,
 }
 
-/// One sector: orthonormal bases of its shapes and of its channels.
+/// A sector: orthonormal bases of its shapes and of its channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sector {
     /// Basis of the shapes, over the free degrees of freedom.
@@ -47,7 +47,7 @@ pub struct Sector {
     pub(crate) channel_count: usize,
 }
 
-/// One basis vector: entries `+size` or `-size` at some ascending indices, the first of them positive.
+/// A basis vector: entries `+size` or `-size` at some ascending indices, the first of them positive.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Combination {
     pub signs: Vec<(usize, f64)>,
@@ -132,7 +132,7 @@ fn of_part(all: &[Combination], firsts: &[usize], first: usize) -> Vec<Combinati
     all.iter().zip(firsts).filter(|(_, other)| **other == first).map(|(combination, _)| combination.clone()).collect()
 }
 
-/// Whether two gains are equal up to rounding errors of their loads.
+/// True if two gains are equal up to rounding errors of their loads.
 fn is_alike(gain: &ChannelGain, other: &ChannelGain) -> bool {
     let is_near = |a: f64, b: f64| (a - b).abs() <= LARGEST_LOAD_DIFFERENCE * b.abs();
     let lags = match (gain.lag, other.lag) {

@@ -1,4 +1,4 @@
-//! Which oscillators touch the plate.
+//! Oscillators that touch the plate.
 
 use std::fmt;
 
@@ -42,7 +42,7 @@ impl ContactArrangement {
         Ok(Self { in_contact, oscillators })
     }
 
-    /// As [`ContactArrangement::new`], with oscillators numbered from 1.
+    /// An arrangement as [`ContactArrangement::new`] makes it, with oscillators numbered from 1.
     ///
     /// # Errors
     /// A number that is 0, above `oscillators` or named twice.
@@ -57,7 +57,7 @@ impl ContactArrangement {
         Self { in_contact: (0..oscillators).collect(), oscillators }
     }
 
-    /// All C(oscillators, in_contact) arrangements, in lexicographic order.
+    /// The C(oscillators, in_contact) arrangements with this number in contact, in lexicographic order.
     ///
     /// # Errors
     /// More contacts than oscillators.
@@ -90,7 +90,7 @@ impl ContactArrangement {
         self.oscillators
     }
 
-    /// Whether an oscillator, by index from 0, is in contact.
+    /// True if an oscillator, by index from 0, is in contact.
     pub fn contains(&self, oscillator: usize) -> bool {
         self.in_contact.binary_search(&oscillator).is_ok()
     }

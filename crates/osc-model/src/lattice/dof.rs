@@ -7,14 +7,14 @@ use std::fmt;
 pub enum Axis {
     /// Along a row, the direction in which the plate slides.
     X,
-    /// Along a column.
+    /// Along a column, across the direction in which the plate slides.
     Y,
     /// Normal to the contact, from the plate to the foundation.
     Z,
 }
 
 impl Axis {
-    /// All three, in the order of the degrees of freedom of a body.
+    /// The three axes, in the order of the degrees of freedom of a body.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 }
 

@@ -39,12 +39,12 @@ impl LatticeModel {
         &self.parameters
     }
 
-    /// How friction acts in y.
+    /// Action of friction in y.
     pub fn lateral(&self) -> Lateral {
         self.lateral
     }
 
-    /// Which of the 3 (oscillators + 1) degrees of freedom are free.
+    /// Free degrees of freedom, of the 3 (oscillators + 1) of the lattice.
     pub fn dof_map(&self) -> &DofMap {
         &self.dofs
     }

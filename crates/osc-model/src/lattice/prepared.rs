@@ -14,11 +14,11 @@ use crate::{Body, Brake, OscModelError, Sectors};
 pub struct Sliding {
     /// Speed v of the plate, m/s; > 0.
     pub speed: f64,
-    /// One entry per oscillator in contact, in the order of the arrangement.
+    /// Contacts, one per oscillator in contact, in the order of the arrangement.
     pub contacts: Vec<ContactPoint>,
 }
 
-/// One contact in steady sliding.
+/// A contact in steady sliding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactPoint {
     /// Friction along the sliding. A law with an internal state adds one bristle to the system.

@@ -24,7 +24,7 @@ pub enum Reversal {
 }
 
 impl Reversal {
-    /// All four, the identity first.
+    /// The four reversals, the identity first.
     pub const ALL: [Self; 4] = [Self::None, Self::Rows, Self::Columns, Self::Both];
 
     /// The label, from 0, that oscillator `i < grid.oscillators()` takes. Applied twice it gives `i` again.
@@ -108,7 +108,7 @@ impl LatticeModel {
         Ok(classes)
     }
 
-    /// Whether a reversal maps one arrangement onto another.
+    /// True if a reversal maps one arrangement onto another.
     pub(crate) fn carries(&self, reversal: Reversal, from: &ContactArrangement, to: &ContactArrangement) -> bool {
         let grid = self.parameters().grid;
         from.in_contact().len() == to.in_contact().len()

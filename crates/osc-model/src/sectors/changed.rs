@@ -24,7 +24,7 @@ impl Sectors {
         Some(Self { sectors, like: like.map(|(_, &first)| channels[first]).collect::<Option<_>>()? })
     }
 
-    /// Whether a matrix over the free degrees of freedom couples the shapes of different sectors.
+    /// True if a matrix over the free degrees of freedom couples the shapes of different sectors.
     pub fn are_coupled_by(&self, matrix: &DMatrix<f64>) -> bool {
         let largest = matrix.amax();
         let couples = |(at, sector): (usize, &Sector)| {
@@ -39,12 +39,12 @@ impl Sectors {
     }
 }
 
-/// How many stay.
+/// Number of those that stay.
 fn count(places: &[Option<usize>]) -> usize {
     places.iter().flatten().count()
 }
 
-/// The combinations of those that stay; `None` where one has some that stay and some that do not.
+/// Combinations of those that stay; `None` where one has some that stay and some that do not.
 fn kept(all: &[Combination], places: &[Option<usize>]) -> Option<Vec<Combination>> {
     let mut out = Vec::with_capacity(all.len());
     for combination in all {
