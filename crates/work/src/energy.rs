@@ -1,4 +1,4 @@
-//! Where the energy of a mode is.
+//! Energy of a mode, by parts and bodies of a structure.
 
 use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
@@ -11,7 +11,7 @@ use crate::WorkError;
 pub struct StructurePart<'a> {
     /// Name of the part in results and errors.
     pub name: &'a str,
-    /// Its M and the symmetric part of its K; C and internal states are not read.
+    /// System of the part: its M and the symmetric part of its K are read, C and internal states are not.
     pub system: &'a SecondOrder,
 }
 

@@ -13,9 +13,9 @@ pub enum WorkError {
     /// The mass matrix is not square.
     #[error("the mass matrix is {rows} x {columns}; it must be square")]
     MassShape {
-        /// Its rows.
+        /// Rows of the mass matrix.
         rows: usize,
-        /// Its columns.
+        /// Columns of the mass matrix.
         columns: usize,
     },
     /// The mode shape does not fit the mass matrix.
@@ -23,7 +23,7 @@ pub enum WorkError {
     ShapeOrder {
         /// Degrees of freedom of the mode shape.
         found: usize,
-        /// Those of the mass matrix.
+        /// Degrees of freedom of the mass matrix.
         expected: usize,
     },
     /// A family does not fit the mass matrix.
@@ -31,9 +31,9 @@ pub enum WorkError {
     FamilyOrder {
         /// Name of the family.
         family: String,
-        /// Its degrees of freedom.
+        /// Degrees of freedom of the family.
         found: usize,
-        /// Those of the mass matrix.
+        /// Degrees of freedom of the mass matrix.
         expected: usize,
     },
     /// The matrices of a family do not fit each other, or hold an entry that is not finite.
@@ -41,7 +41,7 @@ pub enum WorkError {
     Family {
         /// Name of the family.
         family: String,
-        /// What is wrong with it.
+        /// Fault of the matrices.
         source: LinsysError,
     },
     /// No part of a structure was given.
@@ -52,9 +52,9 @@ pub enum WorkError {
     PartOrder {
         /// Name of the part.
         part: String,
-        /// Its degrees of freedom.
+        /// Degrees of freedom of the part.
         found: usize,
-        /// Those of the mode shape.
+        /// Degrees of freedom of the mode shape.
         expected: usize,
     },
     /// The matrices of a part do not fit each other, or hold an entry that is not finite.
@@ -62,7 +62,7 @@ pub enum WorkError {
     Part {
         /// Name of the part.
         part: String,
-        /// What is wrong with it.
+        /// Fault of the matrices.
         source: LinsysError,
     },
     /// A body lists a degree of freedom that does not exist.
@@ -78,7 +78,7 @@ pub enum WorkError {
     /// `phi^H M phi` cannot normalise the work.
     #[error("phi^H M phi = {value}; it must be finite and positive")]
     ModalMass {
-        /// Its value.
+        /// Value of `phi^H M phi`.
         value: f64,
     },
     /// The forces of a family are not finite.

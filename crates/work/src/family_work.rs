@@ -115,8 +115,8 @@ pub fn family_work(
     work_of_forces(mass, &forces.collect::<Result<Vec<_>, WorkError>>()?, lambda, phi, bodies)
 }
 
-/// As [`family_work`], from the forces f of each family in the mode, one for each degree of freedom, where these are known without
-/// matrices.
+/// Net work as by [`family_work`], from the forces f of each family in the mode, one for each degree of freedom, where these are known
+/// without matrices.
 ///
 /// ```
 /// use nalgebra::{dmatrix, dvector};
