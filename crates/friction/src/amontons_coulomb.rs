@@ -3,7 +3,7 @@
 use crate::error::non_negative;
 use crate::{FrictionError, FrictionLaw, Steady, Tangent};
 
-/// The same `mu` at every speed: the tangent has slope 0, and friction acts through the normal force alone.
+/// Friction with the same `mu` at every speed: the tangent has slope 0, and friction acts through the normal force alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AmontonsCoulomb {
     mu: f64,

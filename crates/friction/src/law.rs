@@ -73,7 +73,7 @@ pub struct Tangent {
 /// An internal first-order state `dz' = -decay dz + drive dv` that contributes `N0 force dz` to the friction force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InternalTangent {
-    /// a, the decay rate, 1/s.
+    /// Decay rate a, 1/s.
     pub decay: f64,
     /// b, the rate of the state per unit of velocity; without unit where z is a length.
     pub drive: f64,

@@ -3,7 +3,7 @@
 use crate::error::{non_negative, positive};
 use crate::{FrictionError, FrictionLaw, InternalTangent, Steady, Stribeck, StribeckParameters, Tangent};
 
-/// How the damping sigma1 of the bristles depends on speed. `sigma1 = 0` means no bristle damping.
+/// Dependence of the bristle damping sigma1 on speed. `sigma1 = 0` means no bristle damping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BristleDamping {
     /// sigma1 at every speed.
@@ -27,7 +27,7 @@ pub struct LuGreParameters {
     pub sigma1: f64,
     /// Viscous coefficient sigma2, s/m; >= 0.
     pub sigma2: f64,
-    /// Whether sigma1 depends on speed.
+    /// Dependence of sigma1 on speed.
     pub bristle_damping: BristleDamping,
 }
 

@@ -39,18 +39,18 @@ impl Stribeck {
         Ok(Self { parameters })
     }
 
-    /// `e^{-(v / v_s)^2}`.
+    /// Decay factor `e^{-(v / v_s)^2}`.
     pub(crate) fn decay(&self, speed: f64) -> f64 {
         (-(speed / self.parameters.v_s).powi(2)).exp()
     }
 
-    /// g(v).
+    /// Coefficient g(v).
     pub(crate) fn g(&self, speed: f64) -> f64 {
         let p = &self.parameters;
         p.mu_k + (p.mu_s - p.mu_k) * self.decay(speed)
     }
 
-    /// g'(v), s/m.
+    /// Slope g'(v), s/m.
     pub(crate) fn g_slope(&self, speed: f64) -> f64 {
         let p = &self.parameters;
         -2.0 * (p.mu_s - p.mu_k) * (speed / p.v_s) * self.decay(speed) / p.v_s
