@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-/// What can go wrong between what was found and its pictures and pages.
+/// Errors between what was found and its pictures and pages.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// What was found.
+    /// An error of the results.
     #[error(transparent)]
     Study(#[from] squeal::Error),
-    /// A figure.
+    /// An error of a figure.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),
     /// A file that cannot be written.
@@ -23,7 +23,7 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason why it cannot be read.
         source: std::io::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! What was found, for people: pictures of studies, sweeps, screenings and influences, and the page for a browser.
+//! Results for people: pictures of studies, sweeps, screenings and influences, and the page for a browser.
 //!
 //! | of | picture | page |
 //! | --- | --- | --- |

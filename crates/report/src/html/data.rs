@@ -28,7 +28,7 @@ const TABLES: [(&str, &str); 9] = [
     ("failures.csv", "Draws and evaluations that failed"),
 ];
 
-/// All that the page of a study draws and lists. The tables are those in `dir`.
+/// Data that the page of a study draws and lists. The tables are those in `dir`.
 pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>, dir: &Path) -> Result<Value, Error> {
     let labels = &results.plan().labels;
     let mut tables = vec![by_panel(results)?];

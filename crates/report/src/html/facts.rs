@@ -5,7 +5,7 @@ use squeal::study::{ModeIdentity, ModeNaming, StudySource};
 
 use super::text::escaped;
 
-/// What every study takes for granted.
+/// Assumptions of every study.
 const ASSUMPTIONS: [&str; 7] = [
     "The brake is linear about steady sliding. An unstable mode grows at first; amplitude and loudness of the squeal that follows are \
      not computed.",

@@ -1,4 +1,4 @@
-//! Where the degrees of freedom of a brake are, so that its modes can be seen to move.
+//! Places of the degrees of freedom of a brake, so that its modes can be seen to move.
 
 use linsys::DofMap;
 use nalgebra::DVector;
@@ -10,20 +10,20 @@ use squeal::study::{Plan, Scene};
 use super::mesh::MeshSurface;
 use crate::Error;
 
-/// What a page draws of a brake, for moving mode shapes.
+/// Drawing of a brake on a page, for moving mode shapes.
 pub struct Geometry<'a>(Body<'a>);
 
 enum Body<'a> {
     Points(Points),
     Mesh(MeshSurface, MeshMotion<'a>),
-    /// Why there is nothing to be seen.
+    /// Reason why there is nothing to be seen.
     Nothing(String),
 }
 
-/// Whose degrees of freedom a mode has; a reduced brake may have a basis for each.
+/// Owner of the degrees of freedom of a mode; a reduced brake may have a basis for each.
 #[derive(Debug, Clone, Copy)]
 pub enum BasisOf<'m> {
-    /// A set of constraints, by its place, where its modes have their names.
+    /// A set of constraints, by its index, where its modes have their names.
     Set(usize),
     /// A scene of the brake.
     Scene(&'m Scene),
@@ -32,23 +32,23 @@ pub enum BasisOf<'m> {
 /// A mode whose motion is to be drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct ModeOf<'m> {
-    /// What its numbers are of.
+    /// Owner of the degrees of freedom in `shape`.
     pub basis: BasisOf<'m>,
     /// The degrees of freedom of the brake that are free in it.
     pub dofs: &'m DofMap,
-    /// Its right eigenvector over these.
+    /// Right eigenvector over the free degrees of freedom.
     pub shape: &'m DVector<Complex<f64>>,
 }
 
-/// How far a mode moves each node of a surface in x, y and z, node by node.
+/// Motion of each node of a surface in x, y and z in a mode, node by node.
 pub type MeshMotion<'a> = Box<dyn Fn(ModeOf<'_>) -> Result<Vec<Complex<f64>>, Error> + 'a>;
 
 /// A point that moves, or a bar for each of several degrees of freedom that have no direction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct Point {
-    /// What it is called.
+    /// Name of the point.
     name: String,
-    /// Where it is at rest: x, y and z; of any unit.
+    /// Position at rest: x, y and z; of any unit.
     at: [f64; 3],
     /// The degrees of freedom, held ones counted, that move it in x, y and z.
     dofs: [Option<usize>; 3],
@@ -60,13 +60,13 @@ struct Points {
     points: Vec<Point>,
     /// Pairs of places in `points`.
     lines: Vec<[usize; 2]>,
-    /// Whether x, y and z are directions of the brake; else each degree of freedom moves in z, beside the others of its body.
+    /// x, y and z are directions of the brake; else each degree of freedom moves in z, beside the others of its body.
     is_spatial: bool,
 }
 
-/// How far the plate of a lattice is drawn below its oscillators, in distances of these; chosen.
+/// Distance at which the plate of a lattice is drawn below its oscillators, in distances of these; chosen.
 const PLATE_BELOW: f64 = 0.9;
-/// How far the plate is drawn beyond the oscillators; chosen.
+/// Length by which the plate is drawn beyond the oscillators, in distances of these; chosen.
 const PLATE_BEYOND: f64 = 0.5;
 
 impl<'a> Geometry<'a> {
@@ -106,13 +106,13 @@ impl<'a> Geometry<'a> {
         })
     }
 
-    /// Of a brake of which no place is known: the page says `why` instead of a picture.
+    /// A brake of which no place is known: the page says `why` instead of a picture.
     #[must_use]
     pub fn none(why: impl Into<String>) -> Self {
         Self(Body::Nothing(why.into()))
     }
 
-    /// Of a brake whose degrees of freedom have no place: all of them side by side, those of one body joined by a line.
+    /// A brake whose degrees of freedom have no place: all of them side by side, those of one body joined by a line.
     #[must_use]
     pub fn bodies(plan: &Plan) -> Self {
         let (mut points, mut lines) = (Vec::new(), Vec::new());
@@ -147,7 +147,7 @@ impl<'a> Geometry<'a> {
         })
     }
 
-    /// What is drawn, or `why` there is nothing, for the script of the page.
+    /// The drawing, or `why` there is nothing, for the script of the page.
     pub(super) fn json(&self) -> Value {
         match &self.0 {
             Body::Points(points) => json!(points),

@@ -11,19 +11,19 @@ const MOST_NODES: usize = 40_000;
 /// The surface of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshSurface {
-    /// What the nodes on the surface are called.
+    /// Labels of the nodes on the surface.
     pub labels: Vec<i64>,
-    /// Where they are at rest.
+    /// Positions of these nodes at rest: x, y and z.
     pub positions: Vec<[f64; 3]>,
     /// Four nodes around each face, by their places in the lists above; a triangle has its last node twice, a line three times, a
     /// point four times.
     pub faces: Vec<[usize; 4]>,
-    /// How many of the faces, the first ones, bound a solid: from outside their nodes go around against the clock.
+    /// Number of faces, the first ones, that bound a solid: seen from outside, their nodes go around against the clock.
     pub of_solids: usize,
 }
 
 impl MeshSurface {
-    /// Why the surface cannot be shown, where that is so.
+    /// Reason why the surface cannot be shown, where that is so.
     pub(super) fn too_large(&self) -> Option<String> {
         (self.labels.len() > MOST_NODES).then(|| {
             format!(

@@ -25,7 +25,7 @@ const SCRIPT: &str = concat!(
 );
 const STYLE: &str = include_str!("style.css");
 
-/// What makes one page differ from another. All but the title and the data are HTML.
+/// Contents that make one page differ from another. All but the title and the data are HTML.
 pub(super) struct Page {
     pub title: String,
     pub answer: String,

@@ -80,7 +80,7 @@ fn growing(geometry: &Geometry<'_>, screen: &Screen, constraints: usize) -> Resu
     moving(geometry, &scenes, modes)
 }
 
-/// What helps, in words, the best of each kind first; then all that was found, as it is printed.
+/// Answer of a screening: what helps, in words, the best of each kind first; then all that was found, as it is printed.
 fn answer(screen: &Screen) -> String {
     let mut text = String::from("<h3>What helps</h3>\n<ul class=\"lead\">\n");
     let mut best: Vec<&ScreenedSet> = Vec::new();

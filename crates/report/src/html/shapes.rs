@@ -18,18 +18,18 @@ pub(super) const SECTION: &str = include_str!("shapes.html");
 
 /// A mode that a page shows in motion.
 pub(super) struct MovingMode<'m> {
-    /// The place of its group in the list of choices.
+    /// Index of its group in the list of choices.
     pub group: usize,
-    /// What it is, as "Mode 16".
+    /// Name of the mode, as "Mode 16".
     pub name: String,
-    /// rad/s.
+    /// Eigenvalue lambda, rad/s.
     pub lambda: Complex<f64>,
-    /// What is said beside its frequency, after a comma; may be empty.
+    /// Text beside the frequency, after a comma; may be empty.
     pub note: String,
     pub of: ModeOf<'m>,
 }
 
-/// What is drawn, and the shapes of the first modes as many as a page has room for: real and imaginary part of each number in turn, as
+/// Geometry and shapes, of the first modes as many as a page has room for: real and imaginary part of each number in turn, as
 /// parts of the largest modulus. In the page they stand group by group.
 ///
 /// # Errors

@@ -79,7 +79,7 @@ pub fn write_sweep_page(
     page.write(&dir.join(FILE))
 }
 
-/// What the modes have in common.
+/// Heading of the modes: what they have in common.
 fn group(found: &Found) -> [String; 1] {
     let what = match found {
         Found::Branches(_) => "At their onsets",

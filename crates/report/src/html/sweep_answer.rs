@@ -93,7 +93,7 @@ fn in_words(mode: &str, onsets: &[&SweepOnset]) -> String {
     format!("Mode {mode} ({} Hz)", hertz(omega / std::f64::consts::TAU))
 }
 
-/// From where to where a mode is unstable, by its onsets in ascending order.
+/// Ranges in which a mode is unstable, by its onsets in ascending order.
 fn ranges(name: &str, onsets: &[&SweepOnset]) -> String {
     let mut words = Vec::new();
     let mut from: Option<f64> = None;
@@ -132,7 +132,7 @@ fn of_map(map: &StabilityMap) -> Vec<String> {
     sentences
 }
 
-/// To six digits.
+/// The value to six digits.
 pub(super) fn short(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::Error;
 
-/// Those tables of a folder that have rows, for the page; each by its name, with what it is about.
+/// Tables of a folder that have rows, for the page; each by its name, with what it is about.
 ///
 /// # Errors
 /// A table that cannot be read.

@@ -18,7 +18,7 @@ pub(super) fn escaped(text: &str) -> String {
     safe
 }
 
-/// The same text with a capital first letter, as a sentence begins.
+/// The text with a capital first letter, as a sentence begins.
 pub(super) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

@@ -34,7 +34,7 @@ pub fn draw_occurrence(results: &Results, dir: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// What a set of constraints is called in headings.
+/// Name of a set of constraints in headings.
 pub fn set_heading(results: &Results, constraints: usize) -> String {
     let sets = &results.plan().labels.constraints;
     match sets.len() {
@@ -118,7 +118,7 @@ fn series(results: &Results, has_speed: bool, laws: usize) -> Vec<OccurrenceSeri
     each.chain((!has_speed || laws > 1).then_some(all)).collect()
 }
 
-/// What the names of the modes mean.
+/// Note on what the names of the modes mean.
 fn mode_note(results: &Results, constraints: usize) -> String {
     let labels = &results.plan().labels;
     let counted = match results.labels {
@@ -179,7 +179,7 @@ fn letter(place: usize) -> char {
     char::from(b'a' + (place % 26) as u8)
 }
 
-/// How many contacts are closed; of a brake that has none there is nothing to count.
+/// Number of closed contacts in words; of a brake that has none there is nothing to count.
 fn in_words(in_contact: usize) -> String {
     let words = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
     match in_contact.checked_sub(1) {
