@@ -20,7 +20,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// What can go wrong with a file of results.
+/// Errors of a file of results.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
@@ -29,7 +29,7 @@ pub enum OutputError {
     Write {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason why it cannot be written.
         source: io::Error,
     },
 }
@@ -133,8 +133,8 @@ fn harmless(cell: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Whether a character changes where others stand, or ends a line, without being seen: marks of the direction of writing, and separators of
-/// lines and paragraphs.
+/// True for a character that changes where others stand, or ends a line, without being seen: marks of the direction of writing, and
+/// separators of lines and paragraphs.
 pub fn moves_others(c: char) -> bool {
     matches!(c, '\u{061c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
