@@ -1,4 +1,4 @@
-//! All measurements of accuracy and cost in one run.
+//! Measurements of accuracy and cost, all in one run.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use crate::time_to_tolerance::time_to_tolerance;
 /// The extent of the measurements.
 #[derive(Debug, Clone)]
 pub struct Effort {
-    /// One of this many classes of arrangements is a scene of the estimators.
+    /// Number of classes of arrangements of which one is a scene of the estimators.
     pub every: usize,
     /// Numbers of samples of plain Monte Carlo.
     pub plain: Vec<u64>,
@@ -31,7 +31,7 @@ pub struct Effort {
     pub scramblings: u32,
     /// Number of systems per route away from coalescence.
     pub systems: u64,
-    /// One of this many classes of arrangements is estimated to a tenth of a percentage point with every law.
+    /// Number of classes of arrangements of which one is estimated to a tenth of a percentage point with every law.
     pub every_to_tolerance: usize,
 }
 

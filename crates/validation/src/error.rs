@@ -26,7 +26,7 @@ pub enum ValidationError {
     Read {
         /// The file.
         path: std::path::PathBuf,
-        /// Why.
+        /// Reason why it cannot be read.
         source: std::io::Error,
     },
     /// A file that does not hold a matrix.
@@ -58,7 +58,7 @@ pub enum ValidationError {
     /// A search that did not converge.
     #[error("the search for {what} did not converge: {left:e} left after {steps} steps")]
     NoConvergence {
-        /// What was searched for.
+        /// Name of what was searched for.
         what: &'static str,
         /// The residual left.
         left: f64,

@@ -30,7 +30,7 @@ pub struct EstimatorAccuracy {
     pub max_error_near: f64,
 }
 
-/// All estimators on some scenes.
+/// Comparison of all estimators on some scenes.
 #[derive(Debug, Clone, Serialize)]
 pub struct Estimators {
     /// Number of scenes, one for each class of arrangements chosen.
@@ -41,7 +41,7 @@ pub struct Estimators {
     pub reference_bound: f64,
     /// Number of samples with which plain Monte Carlo has each of these occurrences to 0.1 percentage points, 95 %.
     pub samples_to_tolerance: f64,
-    /// One row per estimator and size.
+    /// Rows, one per estimator and size.
     pub rows: Vec<EstimatorAccuracy>,
 }
 
@@ -59,13 +59,13 @@ struct ExactOccurrences {
     occurrences: Vec<Exactly>,
     /// Scene and name of each mode near a coalescence, also of modes that are never unstable.
     near: BTreeSet<(usize, ModeLabel)>,
-    /// Largest error bound.
+    /// Largest error bound of these occurrences.
     bound: f64,
     seconds: f64,
     spectra: u64,
 }
 
-/// Each estimator on some scenes of shared Coulomb friction, with these numbers of samples.
+/// Comparison of the estimators on some scenes of shared Coulomb friction, with these numbers of samples.
 ///
 /// # Errors
 /// Those of the estimators.

@@ -33,7 +33,7 @@ const LIBRARIES: &[Library] = &[
     },
 ];
 
-/// Each library on this problem.
+/// Outcome of each library on this problem.
 pub(crate) fn judge_libraries(problem: &ReferenceProblem) -> Vec<RouteOutcome> {
     let judge = |library: &Library| match (library.solve)(&problem.system) {
         Some(lambdas) => {

@@ -34,11 +34,11 @@ pub enum TaylorOrder {
 /// `lambda + first d + second d^2 / 2` at the distance d from the median.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Expansion {
-    /// lambda, rad/s.
+    /// Eigenvalue lambda, rad/s.
     pub lambda: Complex<f64>,
-    /// d lambda / d mu.
+    /// First derivative d lambda / d mu.
     pub first: Complex<f64>,
-    /// d^2 lambda / d mu^2.
+    /// Second derivative d^2 lambda / d mu^2.
     pub second: Complex<f64>,
 }
 

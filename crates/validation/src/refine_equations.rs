@@ -89,7 +89,7 @@ fn add(sum: &mut Long, factor: Long, entry: f64) {
     }
 }
 
-/// The same number in double-double.
+/// The number in double-double.
 pub(crate) fn long(z: Complex<f64>) -> Long {
     Complex::new(TwoFloat::from(z.re), TwoFloat::from(z.im))
 }

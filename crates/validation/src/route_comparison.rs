@@ -19,7 +19,7 @@ pub struct RouteAccuracy {
     pub route: &'static str,
     /// The systems.
     pub systems: String,
-    /// Whether the systems are near a coalescence.
+    /// The systems are near a coalescence.
     pub near_coalescence: bool,
     /// Degrees of freedom.
     pub n: usize,
@@ -39,7 +39,7 @@ pub struct RouteAccuracy {
 pub struct SystemGroup {
     /// Description of the systems.
     pub systems: String,
-    /// Whether the systems are near a coalescence.
+    /// The systems are near a coalescence.
     pub near_coalescence: bool,
     /// The systems, of one shape.
     pub problems: Vec<ReferenceProblem>,

@@ -8,7 +8,7 @@ use num_complex::Complex;
 /// Most steps of nalgebra's QR iteration for one matrix; chosen: by default the iteration has no limit.
 const MOST_NALGEBRA_STEPS: usize = 100_000;
 
-/// All eigenvalues of each system, `None` where the route fails.
+/// Eigenvalues of each system, all of them; `None` where the route fails.
 pub type Spectra = Vec<Option<Vec<Complex<f64>>>>;
 
 /// A method for all eigenvalues.
@@ -78,7 +78,7 @@ pub(crate) fn by_schur(state: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
-/// For each of `wanted` the index in `found` that it is paired with. The nearest pairs are made first, and no index is used
+/// Index in `found` that each of `wanted` is paired with. The nearest pairs are made first, and no index is used
 /// twice.
 pub(crate) fn nearest_pairs(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<Option<usize>> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();

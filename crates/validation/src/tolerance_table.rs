@@ -51,7 +51,7 @@ fn factor(value: Option<f64>) -> String {
     value.map_or("-".into(), |value| format!("{value:.2}"))
 }
 
-/// All scenes in one sentence.
+/// Sums over all scenes in one sentence.
 fn together(rows: &[TimeToTolerance]) -> String {
     let occurrences: usize = rows.iter().map(|row| row.occurrences).sum();
     let evaluations: u64 = rows.iter().map(|row| row.evaluations).sum();
