@@ -29,7 +29,7 @@ const FIRST_STEPS: usize = 16;
 pub struct BranchPoint {
     /// The eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// d lambda / d parameter.
+    /// Derivative d lambda / d parameter.
     pub rate: Complex<f64>,
 }
 
@@ -38,7 +38,7 @@ pub struct BranchPoint {
 pub struct RefinedPoint {
     /// lambda, rad/s, after one Newton step with the left and the right eigenvector.
     pub lambda: Complex<f64>,
-    /// d lambda / d parameter.
+    /// Derivative d lambda / d parameter.
     pub rate: Complex<f64>,
     /// Bound of the error of lambda by rounding, rad/s.
     pub bound: f64,
@@ -88,7 +88,7 @@ pub trait Branches {
     /// The error of a system or of a solution.
     type Error;
 
-    /// One eigenvalue of each conjugate pair, rad/s, ascending in frequency; equally many at every parameter.
+    /// Eigenvalues, one of each conjugate pair, rad/s, ascending in frequency; equally many at every parameter.
     ///
     /// # Errors
     /// Those of the systems and of the solver.
@@ -106,7 +106,7 @@ pub trait Branches {
     /// As [`Branches::point`].
     fn refined(&mut self, at: f64, lambda: Complex<f64>) -> Result<RefinedPoint, Self::Error>;
 
-    /// How many modes grow at a parameter that are not among [`Branches::lambdas`], where not all are.
+    /// Number of modes that grow at a parameter and are not among [`Branches::lambdas`], where these are not all modes.
     ///
     /// # Errors
     /// As [`Branches::lambdas`].
@@ -125,7 +125,7 @@ pub struct BranchLink {
     pub to: usize,
     /// The [`link_error`], rad/s.
     pub error: f64,
-    /// Whether the error is far below those of all other links of the two modes.
+    /// The error is far below those of all other links of the two modes.
     pub is_clear: bool,
 }
 
@@ -162,7 +162,7 @@ pub fn link<B: Branches + ?Sized>(branches: &mut B, a: f64, index: usize, b: f64
     Ok(BranchLink { to: best.0, error: best.1, is_clear })
 }
 
-/// Whether two eigenvalues are equal but for rounding.
+/// True if two eigenvalues are equal but for rounding.
 pub(crate) fn is_equal(a: Complex<f64>, b: Complex<f64>) -> bool {
     (a - b).norm() <= EQUAL_BUT_FOR_ROUNDING * b.norm()
 }

@@ -29,10 +29,10 @@ const MOST_COALESCENCES: usize = 6;
 /// `NEGLIGIBLE_ERROR` within which the nearest must lie; chosen.
 const LEAST_SEPARATION: f64 = 10.0;
 
-/// One mode that is being continued.
+/// A mode that is being continued.
 struct Continuation<'a> {
     path: Path<'a>,
-    /// Whether the continuation ends as soon as MAC with the modes at the end of the path is clear.
+    /// The continuation ends as soon as MAC with the modes at the end of the path is clear.
     near: bool,
     steps: StepControl,
     here: ModeOnPath,

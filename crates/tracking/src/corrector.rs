@@ -24,14 +24,14 @@ const MOST_CORRECTIONS: usize = 4;
 #[derive(Debug, Clone)]
 pub(crate) struct ModeOnPath {
     pub mode: Mode,
-    /// M phi.
+    /// Product M phi.
     pub weighted: Shape,
-    /// d lambda / d t, rad/s.
+    /// Derivative d lambda / d t, rad/s.
     pub rate: Complex<f64>,
 }
 
 impl ModeOnPath {
-    /// Which of some modes this one is like.
+    /// Match of this mode to one of `known`, by MAC.
     pub fn matched(&self, known: &[Mode]) -> Match {
         match_weighted(slice::from_ref(&self.mode), slice::from_ref(&self.weighted), known).remove(0)
     }

@@ -105,10 +105,10 @@ fn link_by_continuation(
 struct Lost {
     /// Index of the path.
     path: usize,
-    /// Indices of the modes at its beginning.
+    /// Indices of the modes at the beginning of the path.
     modes: Vec<usize>,
     left: Vec<Mode>,
-    /// For each mode of `left`, its index among all known modes.
+    /// Index of each mode of `left` among all known modes.
     originals: Vec<usize>,
 }
 

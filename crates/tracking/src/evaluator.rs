@@ -28,10 +28,10 @@ pub(crate) trait PathEvaluator: Copy {
     /// The part of the shape that a Newton step computes in passing.
     type Vector: Clone;
 
-    /// Whether the first correction is all of them.
+    /// The first correction counts as converged.
     const CONVERGES_AT_ONCE: bool = false;
 
-    /// One step of Newton's method at each guess; `None` where the step is not finite.
+    /// A step of Newton's method at each guess; `None` where the step is not finite.
     fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, Self::Vector)>>;
 
     /// The shapes at converged eigenvalues, given with the vectors that their last Newton steps computed.
@@ -137,7 +137,7 @@ impl PathEvaluator for SystemPath<'_> {
 }
 
 impl SystemPath<'_> {
-    /// One Newton step from `lambda`, where `stiffness` is Q and x the right singular vector of its smallest singular value.
+    /// A Newton step from `lambda`, where `stiffness` is Q and x the right singular vector of its smallest singular value.
     fn newton(
         &self,
         system: &SecondOrder,
@@ -182,17 +182,17 @@ impl SystemPath<'_> {
 }
 
 impl<'a> Path<'a> {
-    /// This path if the secular equation evaluates it.
+    /// The path of gains, if the secular equation evaluates this path.
     pub(crate) fn as_gains(&self) -> Option<GainPath<'a>> {
         if let PathStart::Gain(gains) = self.start { Some(gains) } else { None }
     }
 
-    /// This path if its owner evaluates it.
+    /// The path of an owner, if its owner evaluates this path.
     pub(crate) fn as_owned(&self) -> Option<OfOwner<'a>> {
         if let PathStart::Owned(_, path) = self.start { Some(OfOwner(path)) } else { None }
     }
 
-    /// This path if the matrices of its ends evaluate it.
+    /// The path of systems, if the matrices of its ends evaluate this path.
     pub(crate) fn as_systems(&self) -> Option<SystemPath<'a>> {
         if let PathStart::System(from) = self.start { Some(SystemPath { path: *self, from }) } else { None }
     }

@@ -21,7 +21,7 @@ const RIGID: f64 = 1e-7;
 pub struct SystemAt {
     /// The system.
     pub system: SecondOrder,
-    /// Its change, which systems may share.
+    /// Change of the system with p, which systems may share.
     pub change: Arc<SystemChange>,
 }
 
@@ -32,7 +32,7 @@ pub struct SystemChange {
     pub below: SecondOrder,
     /// Q_above.
     pub above: SecondOrder,
-    /// How far apart their parameters are, > 0.
+    /// Distance of the two parameters, > 0.
     pub distance: f64,
 }
 
@@ -56,7 +56,7 @@ pub struct KeptSpectra<'a, F> {
     work: Workspace,
 }
 
-/// All modes in the band at one parameter.
+/// Spectrum at one parameter: all modes in the band.
 struct KeptSpectrum {
     at: SystemAt,
     /// Modes outside of the band that grow.
@@ -79,7 +79,7 @@ impl<'a, F> KeptSpectra<'a, F> {
         }
     }
 
-    /// So many modes must oscillate at every parameter.
+    /// Spectra in which so many modes must oscillate at every parameter.
     #[must_use]
     pub fn with_modes(self, modes: usize) -> Self {
         Self { modes: Some(modes), ..self }
@@ -98,7 +98,7 @@ impl<'a, F> KeptSpectra<'a, F> {
         Self { allows_overdamping: true, band, ..self }
     }
 
-    /// What was computed so far.
+    /// Counts of what was computed so far.
     #[must_use]
     pub fn counters(&self) -> Counters {
         self.work.counters

@@ -10,7 +10,7 @@ use crate::error::check_interval;
 /// modes and of modes that keep no distance do, no step tells them apart.
 const MOST_STEPS: usize = 512;
 
-/// One branch of a root locus.
+/// A branch of a root locus.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Branch {
     /// The parameter, ascending, and the eigenvalue there; denser where branches turn or come near each other.
@@ -31,10 +31,10 @@ pub struct Ambiguity {
     pub after: Vec<usize>,
 }
 
-/// All branches on an interval.
+/// Root locus: all branches on an interval.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct RootLocus {
-    /// First the branches that begin at the lower end of the interval, ascending in frequency; then the branches that begin
+    /// Branches: first those that begin at the lower end of the interval, ascending in frequency; then those that begin
     /// after an ambiguity.
     pub branches: Vec<Branch>,
     /// The steps in which branches end and others begin, ascending.

@@ -20,7 +20,7 @@ pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
     mac_of_weighted(&weighted(old, mass), new)
 }
 
-/// M phi of some modes.
+/// Product M phi of each of some modes.
 pub(crate) fn weighted(modes: &[Mode], mass: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
     modes.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect()
 }
@@ -30,7 +30,7 @@ pub(crate) fn mac_of_weighted(weighted: &[DVector<Complex<f64>>], new: &[Mode]) 
     DMatrix::from_fn(weighted.len(), new.len(), |i, j| weighted[i].dotc(&new[j].shape).norm_sqr())
 }
 
-/// What one old mode became.
+/// Match of an old mode: what it became.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Match {
     /// Index of the new mode by optimal assignment; `None` where there are fewer new modes.
@@ -45,7 +45,7 @@ impl Match {
     }
 }
 
-/// For each of some mass-normalised modes, given with M phi of each, the index of the one of `known` that it clearly is, by the MAC of all of
+/// Index of the one of `known` that each of some mass-normalised modes, given with M phi of each, clearly is, by the MAC of all of
 /// them together; `None` where that is in doubt.
 #[must_use]
 pub fn clear_matches(modes: &[Mode], weighted: &[DVector<Complex<f64>>], known: &[Mode]) -> Vec<Option<usize>> {
@@ -82,8 +82,8 @@ pub(crate) fn match_weighted(old: &[Mode], weighted: &[DVector<Complex<f64>>], n
         .collect()
 }
 
-/// Which of some modes one mode clearly is, by its MAC with each of them and the distance of its eigenvalue from theirs, by the rule of
-/// [`clear_matches`]; `None` where that is in doubt.
+/// Index of the one of some modes that a mode clearly is, by its MAC with each of them and the distance of its eigenvalue from theirs, by
+/// the rule of [`clear_matches`]; `None` where that is in doubt.
 #[must_use]
 pub fn clear_likeness(mac: &[f64], distance: impl Fn(usize) -> f64) -> Option<usize> {
     let best = (0..mac.len()).max_by(|&a, &b| mac[a].total_cmp(&mac[b])).filter(|&best| mac[best].is_finite())?;

@@ -19,20 +19,20 @@ const RATE_MARGIN: f64 = 2.0;
 /// Most steps of the root search; chosen: bisection alone takes about 50.
 const MOST_ROOT_STEPS: usize = 60;
 
-/// Where an eigenvalue crosses the imaginary axis.
+/// Crossing of the imaginary axis by an eigenvalue.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Onset {
     /// The parameter.
     pub at: f64,
     /// Bound of the error of `at`.
     pub error: f64,
-    /// Im lambda, rad/s.
+    /// Angular frequency Im lambda, rad/s.
     pub omega: f64,
-    /// Whether the mode becomes unstable with a growing parameter.
+    /// The mode becomes unstable with a growing parameter.
     pub destabilises: bool,
 }
 
-/// All onsets on an interval, and the steps in which the search could not decide.
+/// Onsets on an interval, and the steps in which the search could not decide.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Onsets {
     /// The onsets, ascending in the parameter.
@@ -44,11 +44,11 @@ pub struct Onsets {
 /// A watched branch over a step: the indices of its mode at the lower and at the upper end.
 type Watched = (usize, usize);
 
-/// What the branches do in a step.
+/// Verdict on the branches in a step.
 enum StepVerdict {
     /// No watched branch has an onset.
     Quiet,
-    /// These branches have one onset each.
+    /// A single onset on each of these branches.
     Once(Vec<Watched>),
     /// The step is too long to tell.
     Unclear,

@@ -46,7 +46,7 @@ pub trait OwnedPath: Debug + Sync {
     /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros.
     fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>>;
 
-    /// For each of some numbers, rad/s, the `count` eigenvalues at `t` that are nearest to it, each of them once, with shapes up to a
+    /// Eigenvalues at `t`, the `count` nearest to each of some numbers, rad/s, every one of them once, with shapes up to a
     /// factor; `None` where the owner cannot tell, so that a spectrum is taken.
     fn nearest(&self, _t: f64, _to: &[Complex<f64>], _count: usize) -> Option<Vec<Eigenpair>> {
         None
@@ -62,13 +62,13 @@ pub trait OwnedPath: Debug + Sync {
 /// The end of a path.
 #[derive(Debug, Clone, Copy)]
 pub struct PathEnd<'a> {
-    /// The system there.
+    /// The system at the end.
     pub system: &'a SecondOrder,
-    /// Its modes.
+    /// Modes of this system.
     pub modes: &'a [Mode],
 }
 
-/// For each mode at the beginning of a path, the indices of the modes at its end that it may have become: one index where the
+/// Indices of the modes at the end of a path that each mode at its beginning may have become: one index where the
 /// mode is identified, none where it ceased to oscillate.
 pub type Links = Vec<Vec<usize>>;
 
@@ -78,7 +78,7 @@ pub(crate) struct PathPoint<'a> {
     pub path: Path<'a>,
     /// Position on the path, 0 at its beginning and 1 at its end.
     pub t: f64,
-    /// rad/s.
+    /// Eigenvalue lambda, or a guess of it, rad/s.
     pub lambda: Complex<f64>,
 }
 

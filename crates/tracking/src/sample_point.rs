@@ -10,7 +10,7 @@ use crate::path::{Path, PathStart};
 
 /// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
 const CANDIDATES_OF_STEP: usize = 3;
-/// How far a mode may move, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
+/// Largest move of a mode, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
 const MOVED: f64 = 0.1;
 
 /// A place on the path, and the modes there.
@@ -19,10 +19,10 @@ pub(crate) struct SamplePoint {
     pub known: Known,
 }
 
-/// What is known of a sample point.
+/// Knowledge of the modes at a sample point.
 pub(crate) enum Known {
     Spectrum(Box<Solved>),
-    /// What the owner of the path knows of the modes that are followed; `None` where it has not been asked.
+    /// Modes near those that are followed, as the owner of the path knows them; `None` where it has not been asked.
     Candidates(Option<Candidates>),
 }
 
@@ -51,7 +51,7 @@ impl Known {
 }
 
 impl Candidates {
-    /// Those at a place of the path that some followed modes may have become, as its owner finds them; `None` where it cannot tell.
+    /// Modes at a place of the path that some followed ones may have become, as its owner finds them; `None` where it cannot tell.
     pub fn at(place: f64, path: &Path<'_>, followed: &[Mode]) -> Option<Self> {
         let PathStart::Owned(mass, owner) = path.start else { return None };
         let asked: Vec<Complex<f64>> = followed.iter().map(|mode| mode.lambda).collect();
@@ -61,7 +61,7 @@ impl Candidates {
         Some(Self { asked, modes })
     }
 
-    /// Whether they are those of other modes too, which have hardly moved from the eigenvalues that were asked for.
+    /// True if these are the candidates of `followed` too, which have hardly moved from the eigenvalues that were asked for.
     pub fn are_of(&self, followed: &[Mode]) -> bool {
         let distances = |from: Complex<f64>, to: &[Complex<f64>]| -> Vec<f64> {
             let mut distances: Vec<f64> = to.iter().map(|to| (to - from).norm()).collect();

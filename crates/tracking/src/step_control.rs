@@ -41,7 +41,7 @@ impl StepControl {
         self.step.min(1.0 - self.t)
     }
 
-    /// Whether a step with this ratio of errors is taken.
+    /// True if a step with this ratio of errors is taken.
     pub fn accepts(ratio: f64) -> bool {
         ratio <= LARGEST_ERROR_RATIO
     }
@@ -63,7 +63,7 @@ impl StepControl {
         }
     }
 
-    /// Whether no step follows: t = 1, the step is below `shortest`, or the attempts are used up.
+    /// True if no step follows: t = 1, the step is below `shortest`, or the attempts are used up.
     pub fn is_over(&self, shortest: f64) -> bool {
         self.t == 1.0 || self.step < shortest || self.attempts >= MOST_ATTEMPTS
     }

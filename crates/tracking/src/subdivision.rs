@@ -32,9 +32,9 @@ pub(crate) struct Subdivision<'a> {
     modes: Vec<Mode>,
     /// Index of each followed mode in the set it was last matched to.
     indices: Vec<usize>,
-    /// For each mode at the beginning, positions in `modes`.
+    /// Candidates of each mode at the beginning, as indices into `modes`.
     candidates: Vec<BTreeSet<usize>>,
-    /// Where on the path systems are to be solved next.
+    /// Positions on the path at which systems are to be solved next, 0 to 1.
     requested: Vec<f64>,
     /// Sample points ahead, the next one last. The end of the path is not among them.
     sample_points: Vec<SamplePoint>,

@@ -3,7 +3,7 @@
 use cea::{EigenSolver, Mode, Modes, QrSolver, Workspace};
 use linsys::SecondOrder;
 
-/// All oscillating modes, ascending in frequency.
+/// Oscillating modes of a system, ascending in frequency.
 pub fn modes(system: &SecondOrder) -> Vec<Mode> {
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();

@@ -37,7 +37,7 @@ fn brake(more: f64) -> Secular {
     Secular::new(&structure, &feedback, &mut Workspace::default()).unwrap().unwrap()
 }
 
-/// For each mode at the beginning of a path, the eigenvalue at its end to which small steps lead.
+/// Eigenvalue at the end of a path to which small steps lead from each mode at its beginning.
 fn by_small_steps(path: Path<'_>) -> Vec<Complex<f64>> {
     let mut at: Vec<Complex<f64>> = path.start_modes.iter().map(|mode| mode.lambda).collect();
     let (mut before, mut t) = (at.clone(), 0.0);

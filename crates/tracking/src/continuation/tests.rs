@@ -24,7 +24,7 @@ fn end_of(path: Path<'_>, mode: &Mode) -> Option<Complex<f64>> {
     (mode.steps.t == 1.0).then_some(mode.here.mode.lambda)
 }
 
-/// Each mode followed to the nearest eigenvalue over 4000 steps: its eigenvalue at the end, and the least ratio, over all
+/// Modes followed to the nearest eigenvalue over 4000 steps: of each the eigenvalue at the end, and the least ratio, over all
 /// steps, of the distance of the second nearest eigenvalue to that of the nearest.
 fn by_small_steps(path: Path<'_>) -> Vec<(Complex<f64>, f64)> {
     const STEPS: u32 = 4000;
