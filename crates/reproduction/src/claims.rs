@@ -4,13 +4,13 @@ use serde::Serialize;
 
 use squeal::results::Estimate;
 
-/// Whether a claim holds.
+/// Verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Holds {
-    /// It does, beyond the sampling error.
+    /// The claim holds, beyond the sampling error.
     #[serde(rename = "yes")]
     Yes,
-    /// It does not.
+    /// The claim does not hold.
     #[serde(rename = "no")]
     No,
     /// The samples do not tell.
@@ -25,7 +25,7 @@ impl From<bool> for Holds {
 }
 
 impl Holds {
-    /// In a table: "yes", "no" or "?".
+    /// Sign in a table: "yes", "no" or "?".
     pub fn sign(self) -> &'static str {
         match self {
             Self::Yes => "yes",
@@ -35,25 +35,25 @@ impl Holds {
     }
 }
 
-/// One row of the scorecard.
+/// A row of the scorecard.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
-    /// C1, C2, ...
+    /// Name of the claim: C1, C2, ...
     pub id: &'static str,
-    /// What the paper says.
+    /// Statement of the paper.
     pub statement: String,
     /// The paper's value.
     pub paper: String,
-    /// Ours: the number that decides.
+    /// Our value: the number that decides.
     pub ours: Option<f64>,
-    /// Its limits, where it is an estimate: with 95 % those of all estimates of the claim hold together.
+    /// Limits of `ours`, where it is an estimate: with 95 % those of all estimates of the claim hold together.
     pub interval: Option<[f64; 2]>,
-    /// Whether it holds.
+    /// Verdict on the claim.
     pub holds: Holds,
-    /// Frequency rank, from 1, of the mode that it is about: where modes have their names, or in each sample where they are
+    /// Frequency rank, from 1, of the mode that the claim is about: where modes have their names, or in each sample where they are
     /// named by rank.
     pub mode: Option<usize>,
-    /// What `ours` is, and the numbers behind it.
+    /// Explanation of `ours`, and the numbers behind it.
     pub detail: String,
 }
 

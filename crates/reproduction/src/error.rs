@@ -1,6 +1,6 @@
 //! Errors of a reproduction, each one line for its user.
 
-/// What can go wrong between the study of a paper and its claims.
+/// Errors between the study of a paper and its claims.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

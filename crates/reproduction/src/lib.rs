@@ -29,12 +29,12 @@ pub(crate) use scenes::{CORNERS_HELD, SIX_HELD, UNCONSTRAINED};
 use squeal::results::Results;
 use squeal::study::ModeNaming;
 
-/// Which modes the claims C4 to C6, C8 and C10 are about.
+/// Modes that the claims C4 to C6, C8 and C10 are about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subject {
-    /// Those that the study finds where the paper does: the most robustly unstable one, and what is left with oscillators held.
+    /// Modes that the study finds where the paper does: the most robustly unstable one, and what is left with oscillators held.
     Found,
-    /// Those that have the paper's numbers when modes are counted in some way.
+    /// Modes that have the paper's numbers when modes are counted in some way.
     Numbered(ModeNaming),
 }
 

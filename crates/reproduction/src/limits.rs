@@ -21,18 +21,18 @@ use crate::claims::Holds;
 /// The probability that any limit of a claim fails.
 const RISK: f64 = 0.05;
 
-/// How claims are judged.
+/// Way in which claims are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Judgement {
-    /// By simultaneous 95 % limits: a claim holds or fails beyond the sampling error, or it is not determined.
+    /// Simultaneous 95 % limits: a claim holds or fails beyond the sampling error, or it is not determined.
     ByLimits,
-    /// By the estimated values, as if they were exact. It tells which studies are worth more samples, and proves nothing.
+    /// Estimated values, as if they were exact. Judgement by them tells which studies are worth more samples, and proves nothing.
     ByValues,
 }
 
 /// The limits of one claim.
 pub(super) struct Limits {
-    /// Of each estimate; `None` where values are taken for exact.
+    /// Confidence of each estimate; `None` where values are taken for exact.
     confidence: Option<Confidence>,
     /// Limits of occurrences computed before, by certain hits, possible hits and trials.
     known: RefCell<HashMap<[u64; 3], [f64; 2]>>,
@@ -131,7 +131,7 @@ pub(super) fn mean(estimates: &[Estimate]) -> Estimate {
     Estimate { value: of(|e| e.value), lower: of(|e| e.lower), upper: of(|e| e.upper) }
 }
 
-/// Whether something exceeds a bound.
+/// Verdict on whether an estimate exceeds a bound.
 pub(super) fn above(estimate: Estimate, bound: f64) -> Holds {
     if estimate.lower > bound {
         Holds::Yes
@@ -142,7 +142,7 @@ pub(super) fn above(estimate: Estimate, bound: f64) -> Holds {
     }
 }
 
-/// Whether something stays below a bound.
+/// Verdict on whether an estimate stays below a bound.
 pub(super) fn below(estimate: Estimate, bound: f64) -> Holds {
     match above(estimate, bound) {
         Holds::No if estimate.upper < bound => Holds::Yes,
@@ -151,7 +151,7 @@ pub(super) fn below(estimate: Estimate, bound: f64) -> Holds {
     }
 }
 
-/// Whether all of some conditions hold.
+/// Verdict on whether all of some conditions hold.
 pub(super) fn all(conditions: impl IntoIterator<Item = Holds>) -> Holds {
     let mut holds = Holds::Yes;
     for condition in conditions {
@@ -164,7 +164,7 @@ pub(super) fn all(conditions: impl IntoIterator<Item = Holds>) -> Holds {
     holds
 }
 
-/// What is said of something that may be any of some candidates: what is true of each.
+/// Verdict on something that may be any of some candidates: what is true of each.
 pub(super) fn agreed(verdicts: &[Holds]) -> Holds {
     match verdicts {
         [first, others @ ..] if others.iter().all(|other| other == first) => *first,

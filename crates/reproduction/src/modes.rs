@@ -17,7 +17,7 @@ pub(super) fn unstable_modes(results: &Results, panels: &[&Panel]) -> BTreeSet<M
     panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect()
 }
 
-/// How many occurrences some modes have in some panels: one for each scene.
+/// Number of occurrences that some modes have in some panels: one for each scene.
 pub(super) fn number_of_occurrences(modes: usize, panels: &[&Panel]) -> usize {
     modes * panels.iter().map(|panel| panel.scenes.len()).sum::<usize>()
 }
@@ -109,7 +109,7 @@ pub(crate) fn shape(
     Some(results.plan().brake(scene).dofs.expand(&mode.shape).iter().copied().collect())
 }
 
-/// By how much the least median net work of the `dominant` oscillators (from 1) exceeds the largest of the others, in units of
+/// Margin by which the least median net work of the `dominant` oscillators (from 1) exceeds the largest of the others, in units of
 /// the largest, under each law; the limits are of the sign, in the same units. Empty for a mode that is never unstable.
 pub(super) fn work_dominance(
     results: &Results,

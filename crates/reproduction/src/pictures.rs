@@ -71,7 +71,7 @@ pub fn draw_paper(results: &Results, brake: &LatticeBrake, dir: &Path) -> Result
     figures.into_par_iter().try_for_each(|(figure, stem)| Ok(figure.save(dir, stem)?))
 }
 
-/// What the paper prints of the occurrences under a set of constraints, in the panels of which it says so.
+/// Marks of what the paper prints of the occurrences under a set of constraints, in the panels of which it says so.
 fn marks(results: &Results, constraints: usize, paper: &Paper) -> Vec<OccurrenceMark> {
     let labels = &results.plan().labels;
     let most = labels.panels.iter().map(|panel| panel.in_contact).max().unwrap_or(0);
@@ -141,7 +141,7 @@ fn mode_work(
     Ok(Some(ModeWorkFigure { title: heading, note, rows: grid.rows(), columns: grid.columns(), laws: columns }))
 }
 
-/// Which oscillators have most net work under all laws, beside those that the paper names.
+/// Note on the oscillators that have most net work under all laws, beside those that the paper names.
 fn dominant_note(laws: &[LawMode], paper: &Paper) -> String {
     let leads = |law: &LawMode, i: usize| {
         // The plate comes last; it is no oscillator.

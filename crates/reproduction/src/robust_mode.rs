@@ -11,7 +11,7 @@ use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::claims::{Claim, Holds};
 
-/// What is said where the mode of a claim is not among the unstable ones.
+/// Words where the mode of a claim is not among the unstable ones.
 const NEVER: &str = "no such mode is ever unstable";
 
 /// Modes with the smallest median occurrence of each over all panels, largest value first.

@@ -14,9 +14,9 @@ use squeal::study::{Configuration, Plan, Scene, UncertainBrake};
 /// Several brakes in one: the plan of the first, and every law of the others that is another one.
 pub struct Family {
     plan: Plan,
-    /// The brakes; of each, for each of its laws the place among the laws of the plan.
+    /// Brakes, each with the indices of its laws among the laws of the plan.
     members: Vec<(LatticeBrake, Vec<usize>)>,
-    /// Of each law of the plan: a member, and the place among its laws.
+    /// Laws of the plan, each as the index of a member and the index among the laws of that member.
     laws: Vec<(usize, usize)>,
 }
 
@@ -89,7 +89,7 @@ impl Family {
     }
 }
 
-/// Whether a law has the same operating points under two readings that differ in the preload and the bristle damping alone, and
+/// True if a law has the same operating points under two readings that differ in the preload and the bristle damping alone, and
 /// none where it has none: only LuGre has bristles, and Amontons-Coulomb friction, without a slope over the speed, does not see
 /// the loads that are given; that those of the equilibrium exist is another matter.
 fn acts_alike(law: Law, a: &LatticeReadings, b: &LatticeReadings) -> bool {

@@ -32,8 +32,8 @@ use store::Store;
 use table::Entry;
 use thin::thin;
 
-/// By how many claims fewer than the better of the case and the paper's words a combination may hold that is run with more draws:
-/// after the few draws that all get, and after those of the second stage. Written before the product was run.
+/// Number of claims by which a combination may fall short of the better of the case and the paper's words and still be run with more
+/// draws: after the few draws that all get, and after those of the second stage. Written before the product was run.
 const COARSE_SLACK: usize = 2;
 const SECOND_SLACK: usize = 1;
 
@@ -185,7 +185,7 @@ fn run_all(
     Ok(rows)
 }
 
-/// What a lock holds: a worker that panicked ends the program, so that nothing is half done.
+/// Contents of a lock: a worker that panicked ends the program, so that nothing is half done.
 fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! At which friction coefficient each mode becomes unstable: every oscillator in contact, Amontons-Coulomb friction.
+//! Friction coefficient at which each mode becomes unstable: every oscillator in contact, Amontons-Coulomb friction.
 //!
 //! No distribution of the coefficient has a part in it: a mode without an onset is unstable under none.
 
@@ -23,21 +23,21 @@ const MOST_MU: f64 = 1.3;
 /// Steps of the coefficient in the table of patterns, and in that of structures.
 const FINE_STEP: f64 = 0.001;
 const COARSE_STEP: f64 = 0.01;
-/// Answers that change the structure: mass, lean, lateral, theta and phi, as places in [`AXES`].
+/// Answers that change the structure: mass, lean, lateral, theta and phi, as indices into [`AXES`].
 const STRUCTURE: [usize; 5] = [0, 1, 2, 4, 5];
-/// The place of friction in y among the questions.
+/// Index in [`AXES`] of friction in y.
 const LATERAL: usize = 2;
 
-/// Where a mode becomes unstable.
+/// Onset of instability of a mode.
 struct Onset {
-    /// The smallest friction coefficient, of those tried, at which it is.
+    /// Smallest friction coefficient mu, of those tried, at which the mode is unstable.
     mu: f64,
-    /// The oscillators, from 1, in the order of their net work on it there, the most first.
+    /// Oscillators, from 1, in the order of their net work on the mode there, the most first.
     feeders: Vec<usize>,
 }
 
 impl Onset {
-    /// Whether the oscillators that the paper names feed it most.
+    /// True if the oscillators that the paper names feed the mode most.
     fn is_fed_by(&self, oscillators: &[usize]) -> bool {
         let (first, _) = self.feeders.split_at(oscillators.len().min(self.feeders.len()));
         !oscillators.is_empty() && oscillators.iter().all(|named| first.contains(named))
@@ -46,7 +46,7 @@ impl Onset {
 
 /// Onsets of one structure.
 struct Onsets {
-    /// By constraint set: the onset of each mode, by its frequency rank at the naming point.
+    /// Onset of each mode, by constraint set, then by its frequency rank at the naming point.
     of_sets: Vec<BTreeMap<usize, Onset>>,
     /// Row and column shape of each mode without constraints, by rank from 1.
     patterns: Vec<String>,
@@ -128,7 +128,7 @@ fn chain_shapes(springs: &[f64]) -> DMatrix<f64> {
     DMatrix::from_fn(masses, masses, |i, j| modes.eigenvectors[(i, order[j])])
 }
 
-/// Both tables.
+/// Markdown of the two tables.
 ///
 /// # Errors
 /// Those of the model and of the solver.
@@ -219,29 +219,30 @@ fn structures(path: &Path, case: &Table) -> Result<String, Error> {
     Ok(text + "\n\n" + &found.in_words(combinations.len(), &paper))
 }
 
-/// How often the paper's numbers are among the modes that can be unstable.
+/// Agreement of the paper's numbers with the modes that can be unstable.
 #[derive(Default)]
 struct Agreement {
-    /// By constraint set: the highest frequency rank of any, and structures without any.
+    /// Highest frequency rank of an unstable mode, and structures without any such mode, by constraint set.
     highest: [usize; 3],
     quiet: [usize; 3],
-    /// By constraint set: structures in which a mode is fed by the oscillators that the paper names for the number of the set.
+    /// Structures in which a mode is fed by the oscillators that the paper names for the number of the set, by constraint set.
     described: [usize; 3],
-    /// How many such modes there are, over all structures.
+    /// Number of modes that are fed so, over all structures, by constraint set.
     fed_modes: [usize; 3],
-    /// By way of counting and set: structures in which the number is one of a mode that is unstable, and of one that is fed so.
+    /// Structures in which the number is one of a mode that is unstable, and of one that is fed so, by way of counting and set.
     unstable: [[usize; 3]; COUNTINGS.len()],
     fed: [[usize; 3]; COUNTINGS.len()],
-    /// By way of counting: structures in which all numbers are, and in which those whose oscillators are named are of modes fed so.
+    /// Structures in which all numbers are of unstable modes, and in which those whose oscillators are named are of modes fed so, by way of
+    /// counting.
     all: [usize; COUNTINGS.len()],
     all_fed: [usize; COUNTINGS.len()],
-    /// What `all`, and `all_fed`, would be on average if each number were drawn among the modes of its set.
+    /// Values that `all`, and `all_fed`, would have on average if each number were drawn among the modes of its set.
     by_chance: f64,
     fed_by_chance: f64,
 }
 
 impl Agreement {
-    /// Adds a structure; `named` are the oscillators that the paper names by set. The numbers that it has, by way of counting.
+    /// Adds a structure; `named` are the oscillators that the paper names by set. Returns the numbers that it has, by way of counting.
     fn add(&mut self, onsets: &Onsets, paper: &PaperModes, named: [&[usize]; 3]) -> [String; COUNTINGS.len()] {
         let is_fed = |set: usize, rank: usize| onsets.of_sets[set].get(&rank).is_some_and(|o| o.is_fed_by(named[set]));
         let fed: [usize; 3] =

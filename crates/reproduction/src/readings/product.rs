@@ -8,10 +8,10 @@ use toml::{Table, Value};
 
 use crate::Error;
 
-/// One way to read what the paper leaves open.
+/// A way to read what the paper leaves open.
 #[derive(Debug)]
 pub struct Choice {
-    /// In tables.
+    /// Text in tables.
     pub label: &'static str,
     /// Fields of the case file and what stands there, as TOML.
     fields: &'static [(&'static str, &'static str)],
@@ -24,13 +24,13 @@ const fn choice(label: &'static str, fields: &'static [(&'static str, &'static s
 /// A question that the paper leaves open, with its answers. The first is the case's own.
 #[derive(Debug)]
 pub struct Axis {
-    /// In tables.
+    /// Name in tables.
     pub name: &'static str,
     /// The answers.
     pub choices: &'static [Choice],
-    /// The place of the answer that the paper's words give.
+    /// Index of the answer that the paper's words give.
     pub literal: usize,
-    /// What a departure here counts in the order of the run: more where the answer acts on one law alone.
+    /// Weight of a departure in the order of the run: more where the answer acts on one law alone.
     weight: usize,
 }
 
@@ -38,7 +38,7 @@ const fn axis(name: &'static str, choices: &'static [Choice]) -> Axis {
     Axis { name, choices, literal: 0, weight: 1 }
 }
 
-/// All questions.
+/// Questions that the paper leaves open.
 pub const AXES: [Axis; 9] = [
     axis("R1 mass", &[choice("0.39", &[]), choice("0.39/9", &[("lattice.oscillator_mass", "0.043333333333333335")])]),
     axis("R2 lean", &[choice("against", &[]), choice("along", &[("readings.lean", "\"along\"")])]),
@@ -92,12 +92,12 @@ pub const AXES: [Axis; 9] = [
     axis("R4 draws", &[choice("shared", &[]), choice("each", &[("readings.draws", "\"each\"")])]),
 ];
 
-/// One answer to each question, by place.
+/// Answers, one to each question of [`AXES`], as indices of its choices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Combination(pub [usize; AXES.len()]);
 
 impl Combination {
-    /// What the paper's words say, and the case's own where they say nothing.
+    /// The combination that the paper's words say, and the case's own answers where they say nothing.
     pub fn literal() -> Self {
         Self(AXES.each_ref().map(|axis| axis.literal))
     }
@@ -107,12 +107,12 @@ impl Combination {
         Self([0; AXES.len()])
     }
 
-    /// Whether all contacts have one draw.
+    /// True if all contacts have one draw.
     pub fn shares_draws(&self) -> bool {
         self.0[DRAWS] == 0
     }
 
-    /// The same with a draw for each contact.
+    /// A copy with a draw for each contact.
     pub fn with_draw_for_each(&self) -> Self {
         let mut answers = self.0;
         answers[DRAWS] = 1;
@@ -131,12 +131,12 @@ impl Combination {
         std::array::from_fn(|i| AXES[i].choices[self.0[i]].label)
     }
 
-    /// In how many answers it departs from the words.
+    /// Number of answers that depart from the paper's words.
     pub fn departures(&self) -> usize {
         self.differences(Self::literal()).count()
     }
 
-    /// What differs from the case, in words.
+    /// Description of what differs from the case.
     pub fn describe(&self) -> String {
         let changed = self.differences(Self::own());
         let words: Vec<String> =
@@ -171,7 +171,7 @@ impl Combination {
     }
 }
 
-/// All combinations: first those with one draw for all contacts, which together are a product of their own, then those with the
+/// Combinations of all answers: first those with one draw for all contacts, which together are a product of their own, then those with the
 /// fewest departures from the case, by their weights.
 pub fn product() -> Vec<Combination> {
     let mut all = vec![Combination::own()];
@@ -191,12 +191,12 @@ pub fn product() -> Vec<Combination> {
     all
 }
 
-/// The place of the question whether all contacts have one draw.
+/// Index in [`AXES`] of the question whether all contacts have one draw.
 const DRAWS: usize = 8;
-/// Questions whose answers change friction alone, as places in [`AXES`]: the preload and LuGre's bristle damping.
+/// Questions whose answers change friction alone, as indices into [`AXES`]: the preload and LuGre's bristle damping.
 const OF_FRICTION: [usize; 2] = [3, 7];
 
-/// Some combinations in groups that differ in answers that change friction alone, in the order of the first of each.
+/// Groups of combinations that differ in answers that change friction alone, in the order of the first of each.
 pub fn by_what_is_shared(combinations: &[Combination]) -> Vec<Vec<Combination>> {
     let (mut places, mut groups) = (std::collections::HashMap::new(), Vec::<Vec<Combination>>::new());
     for combination in combinations {
@@ -225,14 +225,14 @@ pub const COUNTINGS: [ModeNaming; 4] = [ModeNaming::Rank, ModeNaming::Pair, Mode
 /// The modes that the paper numbers: without constraints, with the corners held and with six held.
 #[derive(Debug, Clone, Copy)]
 pub struct PaperModes {
-    /// Its numbers.
+    /// Numbers that the paper gives them.
     pub numbers: [ModeLabel; 3],
-    /// How many modes there are.
+    /// Number of modes of the brake, with each of these constraints.
     pub modes: [usize; 3],
 }
 
 impl PaperModes {
-    /// Their frequency ranks if modes are counted in a way.
+    /// Frequency ranks of these modes if modes are counted in a way.
     pub fn ranks(&self, counting: ModeNaming) -> [usize; 3] {
         std::array::from_fn(|set| counting.rank(self.numbers[set], self.modes[set]))
     }

@@ -1,15 +1,15 @@
-//! What is kept of one combination of readings.
+//! Results that are kept of one combination of readings.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{Claim, Error, Subject};
 
-/// How modes are named that are known by continuation.
+/// Way of naming modes: by continuation.
 pub const TRACKED: &str = "tracked";
-/// How modes are named that are known by likeness.
+/// Way of naming modes: by MAC.
 pub const BY_MAC: &str = "MAC";
 
-/// How modes are named by their frequency rank in each sample.
+/// Way of naming modes: by their frequency rank in each sample.
 pub const BY_RANK: &str = "rank";
 
 /// A study of one combination, with a scorecard for each way of naming its modes.
@@ -19,9 +19,9 @@ pub struct Row {
     pub samples: u64,
     /// Draws or evaluations that failed.
     pub failures: u64,
-    /// How long it took, as its part of the combinations that were run together.
+    /// Time of the study, s, as its part of the combinations that were run together.
     pub seconds: f64,
-    /// Why there is no scorecard, if there is none.
+    /// Reason why there is no scorecard, if there is none.
     pub refused: Option<String>,
     /// The scorecards.
     pub cards: Vec<Card>,
@@ -30,28 +30,28 @@ pub struct Row {
 /// The scorecard under one way of naming modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Card {
-    /// How modes are known.
+    /// Way of naming modes.
     pub naming: String,
-    /// How modes are counted where the paper's numbers say which ones C4 to C6, C8 and C10 are about; `None` where the claims do.
+    /// Way of counting modes where the paper's numbers say which ones C4 to C6, C8 and C10 are about; `None` where the claims do.
     pub counting: Option<String>,
-    /// One for each claim.
+    /// Cells, one for each claim.
     pub claims: Vec<Cell>,
 }
 
-/// One claim.
+/// A claim with its verdicts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// C1, C2, ...
+    /// Name of the claim: C1, C2, ...
     pub id: String,
     /// "yes", "no" or "?", by simultaneous 95 % limits; empty where they were not asked for.
     pub holds: String,
-    /// The same by the values.
+    /// Verdict by the values: "yes", "no" or "?".
     pub by_value: String,
     /// The number that decides.
     pub value: Option<f64>,
-    /// Its limits.
+    /// Limits of the value.
     pub limits: Option<[f64; 2]>,
-    /// Frequency rank of the mode that it is about.
+    /// Frequency rank of the mode that the claim is about.
     pub mode: Option<usize>,
 }
 
@@ -105,7 +105,7 @@ impl Card {
         self.claims.iter().filter(|cell| cell.holds_by_value()).count()
     }
 
-    /// Whether some claims all hold by the values.
+    /// True if some claims all hold by the values.
     pub fn holds_by_value(&self, ids: &[&str]) -> bool {
         let holds = |id: &&str| self.claims.iter().any(|cell| cell.id == *id && cell.by_value == "yes");
         ids.iter().all(holds)

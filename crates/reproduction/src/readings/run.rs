@@ -1,4 +1,4 @@
-//! Some combinations, run together.
+//! Runs of combinations, several together.
 
 use std::time::Instant;
 
@@ -13,14 +13,14 @@ use super::product::COUNTINGS;
 use super::row::{BY_MAC, BY_RANK, Card, Row, TRACKED};
 use crate::{Error, Judgement, Subject, claims_judged};
 
-/// How much is asked of a run.
+/// Extent of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Few draws, judged by the values alone, on one thread.
     Coarse,
-    /// Some more of the same.
+    /// More draws, judged by the values alone too, on one thread.
     Second,
-    /// All draws, judged by the limits too, on all cores.
+    /// The full number of draws, judged by the limits too, on all cores.
     Full,
 }
 

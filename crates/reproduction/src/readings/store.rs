@@ -1,4 +1,4 @@
-//! Where rows are kept, so that none is run twice.
+//! Store of rows, so that none is run twice.
 
 use std::path::{Path, PathBuf};
 

@@ -17,7 +17,7 @@ const OF_NUMBERED: [&str; 5] = ["C4", "C5", "C6", "C8", "C10"];
 /// Rows of the coarse product in the digest.
 const SHOWN: usize = 20;
 
-/// One scorecard of one combination.
+/// A scorecard of one combination.
 #[derive(Clone, Copy)]
 pub struct Entry<'a> {
     combination: &'a Combination,
@@ -51,13 +51,13 @@ impl<'a> Entry<'a> {
         self.card.and_then(|card| card.counting.as_deref())
     }
 
-    /// How modes are known, and how the paper's numbers are counted where they say which modes are meant.
+    /// Way of naming modes, and of counting the paper's numbers where these say which modes are meant.
     fn names(&self) -> String {
         let counted = self.counting().map(|counting| format!(", numbers by {counting}"));
         self.naming().to_owned() + &counted.unwrap_or_default()
     }
 
-    /// In how many answers it departs from the paper's words.
+    /// Number of answers that depart from the paper's words; names by anything but continuation are one.
     fn departures(&self) -> usize {
         self.combination.departures() + usize::from(self.card.is_some_and(|card| card.naming != TRACKED))
     }
@@ -71,7 +71,7 @@ impl<'a> Entry<'a> {
         self.ranks().map(|rank| rank.map_or("-".into(), |rank| rank.to_string()))
     }
 
-    /// How many of the paper's mode numbers it has, by each way of counting.
+    /// Number of the paper's mode numbers that the scorecard has, by each way of counting.
     fn numbers(&self, paper: &PaperModes) -> [usize; COUNTINGS.len()] {
         COUNTINGS.map(|counting| {
             let theirs = paper.ranks(counting);
@@ -79,7 +79,7 @@ impl<'a> Entry<'a> {
         })
     }
 
-    /// Whether the modes are those that the claims describe, whatever their numbers.
+    /// True if the modes are those that the claims describe, whatever their numbers.
     fn is_found(&self) -> bool {
         self.card.is_some_and(|card| card.counting.is_none())
     }
@@ -87,13 +87,13 @@ impl<'a> Entry<'a> {
 
 /// The scorecards of all stages.
 pub struct Stages<'a> {
-    /// With the draws that every combination gets.
+    /// Scorecards with the draws that every combination gets.
     pub coarse: &'a [Entry<'a>],
-    /// With those of the better ones.
+    /// Scorecards with the draws of the better ones.
     pub second: &'a [Entry<'a>],
-    /// With all draws.
+    /// Scorecards with all draws.
     pub full: &'a [Entry<'a>],
-    /// How many combinations there are.
+    /// Number of combinations.
     pub product: usize,
     /// The modes of C4, C8 and C10 that the paper numbers.
     pub paper: PaperModes,
@@ -189,7 +189,7 @@ fn best<'a>(entries: &[Entry<'a>]) -> Vec<Entry<'a>> {
     best
 }
 
-/// How many scorecards hold how many claims, by the way modes are named.
+/// Table of how many scorecards hold how many claims, by the way modes are named.
 fn counts(coarse: &[Entry<'_>]) -> String {
     let mut by_naming: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for entry in coarse.iter().filter(|entry| entry.card.is_some()) {
@@ -233,7 +233,7 @@ Rules, written before the run (docs/readings.md):
 
 ";
 
-/// What the rule says.
+/// Verdict by the rule.
 fn verdict(full: &[Entry<'_>]) -> String {
     let of = |combination: Combination| {
         full.iter()
@@ -271,7 +271,7 @@ fn rows(entries: &[Entry<'_>], paper: &PaperModes, verdict: impl Fn(&super::row:
     text + "\n"
 }
 
-/// What each answer does: the most claims that hold by value with it, and their mean.
+/// Table of what each answer does: the most claims that hold by value with it, and their mean.
 fn tried(coarse: &[Entry<'_>]) -> String {
     let mut text = String::from(
         "\n## What each answer does\n\nClaims held by value under names by MAC, over all combinations run with the answer.\n\n\
@@ -291,7 +291,7 @@ fn tried(coarse: &[Entry<'_>]) -> String {
     text
 }
 
-/// Which claims tell readings apart.
+/// Table of the claims that tell readings apart.
 fn discrimination(coarse: &[Entry<'_>]) -> String {
     let mut text = String::from(
         "\n## Which claims tell readings apart\n\nParts of the combinations, under names by MAC, by value.\n\n\
@@ -314,7 +314,7 @@ fn discrimination(coarse: &[Entry<'_>]) -> String {
     text
 }
 
-/// How many scorecards have the paper's mode numbers, and how many hold what the paper says of the modes with these numbers.
+/// Table of how many scorecards have the paper's mode numbers, and how many hold what the paper says of the modes with these numbers.
 fn mode_numbers(coarse: &[Entry<'_>], paper: &PaperModes) -> String {
     let numbers = paper.numbers.map(|number| number.to_string()).join(", ");
     let mut text = format!(

@@ -5,9 +5,9 @@ use squeal::osc_model::LatticeModel;
 
 use crate::Error;
 
-/// Of the arrangements with one number in contact one symmetry class of so many is kept; chosen.
+/// Number of symmetry classes, of the arrangements with one number in contact, of which one is kept; chosen.
 const ONE_OF: usize = 6;
-/// So many classes are kept in any case: all of those with eight and nine in contact.
+/// Most classes of one number in contact that are all kept: those with eight and nine in contact.
 const KEPT_ALWAYS: usize = 4;
 
 /// Leaves of the arrangements of a case a part that represents them: every sixth symmetry class.
