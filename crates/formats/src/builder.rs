@@ -178,7 +178,7 @@ fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stor
     Ok((if stated == Stated::Skew { Stored::SkewTriangle } else { Stored::Triangle }, KnownBy::File, None))
 }
 
-/// Labels in the order in which they come, and their places once they are sorted.
+/// Labels in the order in which they come, and their indices once they are sorted.
 #[derive(Default)]
 pub(crate) struct LabelSet {
     index: HashMap<Dof, u32>,
@@ -203,7 +203,7 @@ impl LabelSet {
         self.list.len()
     }
 
-    /// The labels by node and direction, and the place of each number among them.
+    /// The labels by node and direction, and the index of each number among them.
     pub fn sorted(self) -> (Vec<Dof>, Vec<u32>) {
         let mut order: Vec<u32> = (0..self.list.len() as u32).collect();
         order.sort_by_key(|&number| self.list[number as usize]);
@@ -216,14 +216,14 @@ impl LabelSet {
 }
 
 impl Builder {
-    /// Gives every row and column another place.
+    /// Gives every row and column another index.
     pub fn place(&mut self, place: impl Fn(u32) -> u32) {
         for entry in &mut self.entries {
             (entry.row, entry.column) = (place(entry.row), place(entry.column));
         }
     }
 
-    /// Gives every row and column the place of its label.
+    /// Gives every row and column the index of its label.
     pub fn renumber(&mut self, rows: &[u32], columns: &[u32]) {
         for entry in &mut self.entries {
             (entry.row, entry.column) = (rows[entry.row as usize], columns[entry.column as usize]);

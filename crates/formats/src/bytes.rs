@@ -26,7 +26,7 @@ impl<'a> Bytes<'a> {
         Self { source, position: 0, endian }
     }
 
-    /// Exactly so many bytes.
+    /// The next `N` bytes.
     pub fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], Problem> {
         let mut bytes = [0; N];
         self.fill(&mut bytes, what)?;
@@ -39,7 +39,7 @@ impl<'a> Bytes<'a> {
         Ok(())
     }
 
-    /// True at the end of the file; else the first byte of what follows.
+    /// The first byte of what follows, which is read; `None` at the end of the file.
     pub fn first(&mut self) -> Result<Option<u8>, Problem> {
         let mut byte = [0];
         loop {

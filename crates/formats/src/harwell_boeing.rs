@@ -122,7 +122,7 @@ fn formats(line: &str) -> Result<[Format; 3], Problem> {
     Ok([next()?, next()?, next()?])
 }
 
-/// `16I5`, `1P,3D25.16`, `1P4E20.12E3` and their like.
+/// Layout of a Fortran format: `16I5`, `1P,3D25.16`, `1P4E20.12E3` and their like.
 fn format_of(text: &str) -> Option<Format> {
     let text = text.to_uppercase().replace(' ', "");
     // A scale factor says how numbers are written, not read.
@@ -136,7 +136,7 @@ fn format_of(text: &str) -> Option<Format> {
     (count > 0 && width > 0 && count * width <= MOST_ON_LINE).then_some((count, width))
 }
 
-/// Calls `take` with the place and text of each of so many numbers, in lines of a format.
+/// Calls `take` with the index and text of each of so many numbers, in lines of a format.
 fn numbers(
     lines: &mut Lines<'_>,
     (count, (per_line, width)): (usize, Format),

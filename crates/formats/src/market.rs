@@ -109,7 +109,7 @@ fn first_place(symmetry: Stated) -> (usize, usize) {
     (usize::from(symmetry == Stated::Skew), 0)
 }
 
-/// The place after `(i, j)` in an array, which goes down its columns.
+/// The (row, column) after `(i, j)` in an array, which goes down its columns.
 fn next_place((i, j): (usize, usize), rows: usize, symmetry: Stated) -> (usize, usize) {
     match symmetry {
         _ if i + 1 < rows => (i + 1, j),

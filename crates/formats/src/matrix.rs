@@ -21,7 +21,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The place as one number that sorts by column, then row.
+    /// Row and column as one number that sorts by column, then row.
     pub(crate) fn key(&self) -> u64 {
         u64::from(self.column) << 32 | u64::from(self.row)
     }

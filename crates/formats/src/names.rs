@@ -10,7 +10,7 @@ const AFTER_SET: [&str; 7] = ["", "X", "Z", "T", "P", "EXT", "EXTX"];
 const AFTER_LETTER: [&str; 4] = ["", "MAT", "MATRIX", "RED"];
 
 /// The kind by a usual name, in any case: `K`, `M`, `C`, `D` (damping), `B` (Nastran's damping), alone or with what programs add (`KGG`,
-/// `MAAX`, `BHH`, `K2PP`, `KJJZ`, `Kmat`, `K_red`, `K1`, `matK`), or a name with `stif`, `mass` or `damp` in it. Of a member of a structure, `s.K`, its last
+/// `MAAX`, `BHH`, `K2PP`, `KJJZ`, `Kmat`, `K_red`, `K1`, `matK`), or a name with `stif`, `mass` or `damp` in it. Of a member of a structure, `s.K`, the last
 /// part counts. Names of structural damping (`K4GG`, `structural damping`) are of no kind.
 pub(crate) fn kind_of(name: &str) -> Option<Kind> {
     if is_structural(name) {

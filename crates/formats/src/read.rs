@@ -23,7 +23,7 @@ pub struct File {
     pub format: Format,
     /// The real matrices, in the order of the file.
     pub matrices: Vec<Matrix>,
-    /// Names of what else is in it, each with the reason why it was left out.
+    /// Names of what else is in the file, each with the reason why it was left out.
     pub left_out: Vec<(String, String)>,
 }
 
@@ -61,7 +61,7 @@ impl File {
         self.decided(&Wanted { name: Some(name), ..Wanted::default() })
     }
 
-    /// The matrix of this kind, likewise.
+    /// The matrix of this kind, as [`File::take`] has it where nothing is said of its symmetry.
     ///
     /// # Errors
     /// As [`File::take`].

@@ -10,7 +10,7 @@ use crate::{Dof, FormatsError, Matrix, common_labels};
 /// matrix beside it. Sizes of matrices without names are else left as they are.
 ///
 /// # Errors
-/// The place of a matrix in the list, and [`FormatsError::Unlabelled`].
+/// The index of a matrix in the list, and [`FormatsError::Unlabelled`].
 pub fn on_common_rows(all: &mut [&mut Matrix]) -> Result<(), (usize, FormatsError)> {
     if all.iter().all(|matrix| matrix.numbered) && all.iter().any(|matrix| matrix.row_labels.is_some()) {
         all.iter_mut().for_each(|matrix| matrix.name_by_numbers());
@@ -49,12 +49,12 @@ pub(crate) fn numbered(row: i64) -> Dof {
     Dof { node: row, direction: 0 }
 }
 
-/// The place of a row in a list, before it is known which rows there are: those of negative numbers come last, backwards.
+/// Index of a row in a list, before it is known which rows there are: those of negative numbers come last, backwards.
 pub(crate) fn code(row: i64) -> usize {
     if row < 0 { (u32::MAX as usize).saturating_sub(row.unsigned_abs() as usize - 1) } else { row as usize - 1 }
 }
 
-/// Names rows by their numbers, and brings the entries to the places of the names.
+/// Names rows by their numbers, and brings the entries to the indices of the names.
 pub(crate) fn number_rows(builder: &mut Builder, rows: &std::collections::BTreeSet<i64>) -> Vec<Dof> {
     let places: std::collections::HashMap<u32, u32> = rows.iter().map(|&row| code(row) as u32).zip(0..).collect();
     builder.place(|code| places.get(&code).copied().unwrap_or_default());

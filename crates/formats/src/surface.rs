@@ -5,9 +5,9 @@ use crate::mesh::{Cell, Mesh};
 /// The outside of a mesh, for a picture of it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Surface {
-    /// The nodes on it, by their place in [`Mesh::nodes`], ascending.
+    /// Nodes on the outside, as indices into [`Mesh::nodes`], ascending.
     pub nodes: Vec<usize>,
-    /// Four places in `nodes` around each face. A triangle has its last node twice, a line three times, a point four times.
+    /// Faces: four indices into `nodes` around each. A triangle has its last node twice, a line three times, a point four times.
     pub faces: Vec<[usize; 4]>,
     /// Number of faces, the first ones, that bound a solid: seen from outside, their nodes go around against the clock.
     pub of_solids: usize,

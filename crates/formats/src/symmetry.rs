@@ -8,7 +8,7 @@ use crate::matrix::{Entry, Matrix};
 /// Storage of a matrix in a file. [`Matrix::entries`] are those of the whole matrix whatever it was, but for `OneSide`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stored {
-    /// Every entry.
+    /// Every entry of the matrix.
     Whole,
     /// A triangle of a symmetric matrix; the reader has mirrored it.
     Triangle,

@@ -66,7 +66,7 @@ impl ElementType {
         }
     }
 
-    /// Lines and single nodes.
+    /// The type of a line or a single node.
     fn thin(name: &str) -> Self {
         let (nodes, shape): (usize, Option<(CellKind, &'static [usize])>) = match name {
             "T3D2" | "T2D2" | "B31" | "B31H" | "B31R" | "B33" | "B33H" => (2, Some((CellKind::Line, &HEXAHEDRON[..2]))),

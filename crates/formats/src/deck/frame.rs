@@ -12,7 +12,7 @@ pub(super) enum Coordinates {
 }
 
 impl Coordinates {
-    /// x, y and z.
+    /// Cartesian x, y and z of three numbers so meant.
     pub fn rectangular(self, given: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Rectangular => given,
@@ -61,7 +61,7 @@ impl Frame {
         }
     }
 
-    /// The global coordinates of a place.
+    /// The global coordinates of a point, from its local ones.
     pub fn global(&self, local: [f64; 3]) -> [f64; 3] {
         if *self == Self::GLOBAL {
             return local;

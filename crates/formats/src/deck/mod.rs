@@ -100,7 +100,7 @@ struct Reading {
 }
 
 impl Reading {
-    /// A file, put in place of the line that includes it.
+    /// Reads a file in place of the line that includes it.
     fn file(&mut self, path: &Path, folder: &Path, depth: usize) -> Result<(), FormatsError> {
         let (file, size) = open(path)?;
         let mut lines = Lines::new(Contents::new(file, size, &self.limits, None)?.whole());
@@ -232,7 +232,7 @@ impl Reading {
                 Ok(())
             }
             Block::Nodes { set, coordinates } => {
-                /// A number, three coordinates and three numbers of a normal.
+                /// Most fields of a node: its number, three coordinates and three numbers of a normal.
                 const MOST_FIELDS: usize = 7;
                 let given: Vec<&str> = all().collect();
                 let label = signed("number of the node", given.first().copied().unwrap_or_default())?;
@@ -328,7 +328,7 @@ impl Reading {
         }
     }
 
-    /// An element whose nodes are fewer than its type has is a fault; a local system begins.
+    /// Ends a block: an element with fewer nodes than its type has is a fault; a local system begins.
     fn end_of_block(&mut self) -> Result<(), Problem> {
         match &self.block {
             Block::Elements { of: ElementType { nodes: Some(nodes), .. }, pending, .. } if !pending.is_empty() => {

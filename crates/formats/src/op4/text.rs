@@ -137,7 +137,7 @@ fn wholes<const N: usize>(line: &str) -> Result<[i64; N], Problem> {
     Ok(numbers)
 }
 
-/// `1P,3E23.16` and its like: 3 numbers of 23 characters.
+/// Layout of a Fortran format: `1P,3E23.16` is 3 numbers of 23 characters.
 fn print(format: &str) -> Option<Print> {
     let format = format.trim().to_uppercase();
     let format = format.trim_start_matches(['(', '1', 'P', ',']).trim_end_matches(')');
