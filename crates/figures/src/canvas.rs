@@ -62,7 +62,7 @@ pub(super) struct Label {
     pub bold: bool,
     pub color: Color,
     pub anchor: TextAnchor,
-    /// Read from bottom to top.
+    /// The text is read from bottom to top.
     pub upward: bool,
     /// A white rim, for text on top of lines.
     pub halo: bool,
@@ -140,7 +140,7 @@ pub(super) enum Item {
 /// A picture under construction.
 pub(super) struct Canvas {
     pub width: f64,
-    /// Set when the layout is known.
+    /// Height, pt, set when the layout is known.
     pub height: f64,
     pub items: Vec<Item>,
     pub fonts: Fonts,

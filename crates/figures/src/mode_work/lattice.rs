@@ -8,7 +8,7 @@ use super::data::ModeWorkFigure;
 
 /// Motion of a body at the instant that is drawn.
 pub(super) struct BodyAt {
-    /// x, y and z, of the largest amplitude.
+    /// Displacements in x, y and z, as parts of the largest amplitude.
     pub displacement: [f64; 3],
     /// Directions x, y, z that are held.
     pub constrained: [bool; 3],

@@ -45,7 +45,7 @@ pub struct OccurrenceMark {
     pub percent: f64,
     /// Text in the legend.
     pub text: String,
-    /// The panels that it is drawn in: the index of a law and that of a panel.
+    /// Panels that the line is drawn in: the index of a law and that of a panel.
     pub panels: Vec<[usize; 2]>,
 }
 
@@ -78,7 +78,7 @@ pub struct OccurrencePanel {
 pub struct OccurrenceArrangement {
     /// Name in the table; empty for a brake without contacts.
     pub name: String,
-    /// Number of the system that was solved for it: the same for arrangements that are each other's mirror image.
+    /// Number of the system that was solved for the arrangement: the same for arrangements that are each other's mirror image.
     pub system: usize,
 }
 
@@ -98,9 +98,9 @@ pub struct OccurrenceBox {
 pub struct Occurrence {
     /// Samples solved. Without any there is no value: the arrangement is left out, and a box of such alone is a cross.
     pub samples: u64,
-    /// The part in which it surely is unstable.
+    /// Part of the samples in which the mode surely is unstable.
     pub percent: f64,
-    /// The part in which an unstable mode is this one or another: its name is open.
+    /// Part of the samples in which an unstable mode is this one or another: its name is open.
     pub open: f64,
     /// Lower limit of the 95 % interval.
     pub lower: f64,
@@ -136,7 +136,7 @@ impl OccurrenceBox {
 }
 
 impl OccurrenceFigure {
-    /// Every box.
+    /// The boxes of all laws and panels.
     pub(super) fn boxes(&self) -> impl Iterator<Item = &OccurrenceBox> {
         self.laws.iter().flat_map(|law| &law.panels).flat_map(|panel| &panel.boxes)
     }
