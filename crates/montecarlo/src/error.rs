@@ -176,7 +176,7 @@ pub enum Damage {
     Version {
         /// Version of the file.
         found: u32,
-        /// Version that this program writes.
+        /// Version that this program reads and writes.
         expected: u32,
     },
     /// The file was truncated, or bytes were appended to it.

@@ -17,7 +17,7 @@ pub struct Summary<T> {
     pub samples: u64,
     /// Failed draws and evaluations.
     pub failures: Failures,
-    /// The statistic of the others.
+    /// Statistic of the draws and evaluations that did not fail.
     pub tally: T,
 }
 
