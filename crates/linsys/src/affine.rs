@@ -111,7 +111,7 @@ impl AffineSystem {
         &self.families
     }
 
-    /// The b_i as columns, n x m.
+    /// Force matrix: the b_i as columns, n x m.
     pub fn force_matrix(&self) -> DMatrix<f64> {
         let mut force = DMatrix::zeros(self.order(), self.channels.len());
         for (at, channel) in self.channels.iter().enumerate() {
@@ -120,7 +120,7 @@ impl AffineSystem {
         force
     }
 
-    /// The r_i as rows, m x n.
+    /// Reading matrix: the r_i as rows, m x n.
     pub fn reading_matrix(&self) -> DMatrix<f64> {
         let mut reading = DMatrix::zeros(self.channels.len(), self.order());
         for (at, channel) in self.channels.iter().enumerate() {
@@ -250,10 +250,10 @@ impl AffineSystem {
         Ok(forces)
     }
 
-    /// Writes the contribution of one friction channel, by its place, to `out`.
+    /// Writes the contribution of one friction channel, by its index, to `out`.
     ///
     /// # Errors
-    /// As [`AffineSystem::assemble_into`]; no channel at this place.
+    /// As [`AffineSystem::assemble_into`]; no channel with this index.
     pub fn channel_into(&self, channel: usize, at: &OperatingPoint, out: &mut SecondOrder) -> Result<(), LinsysError> {
         self.check(at)?;
         let Some(gain) = at.channels.get(channel) else {

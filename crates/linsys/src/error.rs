@@ -12,11 +12,11 @@ pub enum Matrix {
     Damping,
     /// Stiffness matrix K, n x n.
     Stiffness,
-    /// a, the decay rates of the internal states, length s.
+    /// Decay rates a of the internal states, length s.
     Decay,
-    /// E, s x n: velocities into internal states.
+    /// Drive matrix E, s x n: velocities into internal states.
     Drive,
-    /// F, n x s: internal states into forces.
+    /// Force matrix F, n x s: internal states into forces.
     Force,
 }
 

@@ -28,7 +28,7 @@ pub struct SecondOrder {
 /// First-order states driven by velocities: `z' = -a z + E u'`, with the force `F z` on the right-hand side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Internal {
-    /// a, decay rates in 1/s, length s.
+    /// Decay rates a, 1/s, length s.
     pub decay: DVector<f64>,
     /// Drive matrix E, s x n.
     pub drive: DMatrix<f64>,
