@@ -61,7 +61,7 @@ impl Combination {
 }
 
 impl Sectors {
-    /// The whole brake as its only sector, for all operating points.
+    /// The full model as its only sector, for all operating points.
     pub fn whole(order: usize, channels: usize) -> Self {
         let sector = Sector {
             shapes: (0..order).map(Combination::unit).collect(),
@@ -93,7 +93,7 @@ impl Sectors {
     }
 
     /// Writes the system of each sector at an operating point to one of `out`; `whole` is scratch memory for the system of the
-    /// whole brake. Nothing is allocated if all systems already have their orders and states.
+    /// full model. Nothing is allocated if all systems already have their orders and states.
     ///
     /// # Errors
     /// An operating point of another system, or one that breaks the symmetry.
@@ -127,7 +127,7 @@ impl Sectors {
     }
 }
 
-/// The combinations that belong to the part with the first index `first`.
+/// Combinations of the coupled part whose smallest index is `first`.
 fn of_part(all: &[Combination], firsts: &[usize], first: usize) -> Vec<Combination> {
     all.iter().zip(firsts).filter(|(_, other)| **other == first).map(|(combination, _)| combination.clone()).collect()
 }

@@ -10,7 +10,7 @@ pub enum Lean {
 }
 
 impl Lean {
-    /// s, the sign of the x component.
+    /// Sign s of the x component.
     pub fn sign(self) -> f64 {
         match self {
             Self::Against => -1.0,
@@ -29,7 +29,7 @@ pub enum Sign {
 }
 
 impl Sign {
-    /// +1 or -1.
+    /// The sign as a number, +1 or -1.
     pub fn value(self) -> f64 {
         match self {
             Self::Plus => 1.0,

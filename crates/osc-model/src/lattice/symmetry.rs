@@ -44,7 +44,7 @@ impl Reversal {
 /// Arrangements with equal eigenvalues.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SymmetryClass {
-    /// Index in the list of the arrangement that represents the class: its first.
+    /// Index, in the list of arrangements, of the one that represents the class: its first.
     pub representative: usize,
     /// Every arrangement of the class, the representative first.
     pub members: Vec<Member>,

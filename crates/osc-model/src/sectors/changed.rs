@@ -9,7 +9,7 @@ use super::{Combination, Sector, Sectors};
 const ROUNDING: f64 = 1e-12;
 
 impl Sectors {
-    /// The sectors without some degrees of freedom and channels: `dofs` and `channels` have the new, ascending place of each that
+    /// The sectors without some degrees of freedom and channels: `dofs` and `channels` have the new, ascending index of each that
     /// stays. `None` where the symmetry exchanges one that stays with one that does not.
     pub fn kept(&self, dofs: &[Option<usize>], channels: &[Option<usize>]) -> Option<Self> {
         let mut sectors = Vec::with_capacity(self.sectors.len());
