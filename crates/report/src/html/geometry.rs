@@ -34,7 +34,7 @@ pub enum BasisOf<'m> {
 pub struct ModeOf<'m> {
     /// Owner of the degrees of freedom in `shape`.
     pub basis: BasisOf<'m>,
-    /// The degrees of freedom of the brake that are free in it.
+    /// Degrees of freedom of the brake that are free in the mode.
     pub dofs: &'m DofMap,
     /// Right eigenvector over the free degrees of freedom.
     pub shape: &'m DVector<Complex<f64>>,
@@ -50,7 +50,7 @@ struct Point {
     name: String,
     /// Position at rest: x, y and z; of any unit.
     at: [f64; 3],
-    /// The degrees of freedom, held ones counted, that move it in x, y and z.
+    /// Degrees of freedom, held ones counted, that move the point in x, y and z.
     dofs: [Option<usize>; 3],
 }
 
@@ -58,7 +58,7 @@ struct Point {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct Points {
     points: Vec<Point>,
-    /// Pairs of places in `points`.
+    /// Lines between pairs of points, as indices into `points`.
     lines: Vec<[usize; 2]>,
     /// x, y and z are directions of the brake; else each degree of freedom moves in z, beside the others of its body.
     is_spatial: bool,

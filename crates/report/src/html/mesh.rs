@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::packed::{packed, packed_places};
 
-/// Nodes of a surface that a page shows, at most; chosen: their places and faces are a megabyte then, and a browser that draws without a
+/// Nodes of a surface that a page shows, at most; chosen: their positions and faces are a megabyte then, and a browser that draws without a
 /// graphics card was seen to take a third of a second for each picture.
 const MOST_NODES: usize = 40_000;
 
@@ -15,7 +15,7 @@ pub struct MeshSurface {
     pub labels: Vec<i64>,
     /// Positions of these nodes at rest: x, y and z.
     pub positions: Vec<[f64; 3]>,
-    /// Four nodes around each face, by their places in the lists above; a triangle has its last node twice, a line three times, a
+    /// Faces: four nodes around each, as indices into `labels` and `positions`; a triangle has its last node twice, a line three times, a
     /// point four times.
     pub faces: Vec<[usize; 4]>,
     /// Number of faces, the first ones, that bound a solid: seen from outside, their nodes go around against the clock.
@@ -34,7 +34,7 @@ impl MeshSurface {
         })
     }
 
-    /// The surface: places of nodes from the middle, as parts of `half`, the half of its largest side.
+    /// The surface: positions of nodes from the middle, as parts of `half`, the half of its largest side.
     pub(super) fn json(&self) -> Value {
         let end = |axis: usize, of: fn(f64, f64) -> f64, start: f64| {
             self.positions.iter().map(|position| position[axis]).fold(start, of)

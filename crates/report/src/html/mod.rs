@@ -33,7 +33,7 @@ use squeal::results::Results;
 use self::page::Page;
 use crate::Error;
 
-/// The page of a study or sweep, in the folder of its other results.
+/// Name of the page of a study, a sweep or a screening, in the folder of its other results.
 const FILE: &str = "report.html";
 
 /// Writes `report.html` into `dir`, in which the tables of the same results stand already.

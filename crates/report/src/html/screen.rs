@@ -26,7 +26,7 @@ const TABLES: [(&str, &str); 2] = [
     ),
 ];
 
-/// Writes `report.html` into `dir`, in which the tables of the same screening stand already; `constraints` is the place of the set that
+/// Writes `report.html` into `dir`, in which the tables of the same screening stand already; `constraints` is the index of the set that
 /// was changed.
 ///
 /// # Errors

@@ -35,7 +35,7 @@ pub(super) fn on_page(table: &Table, file: &str, about: &str) -> Value {
 
 /// The table for the page where neighbouring rows are alike: each distinct tuple of the last `own` columns once, as `values`;
 /// rows with equal first `key` columns as one group, which has the names in the next column, those in the one after it, and
-/// for each of the latter a row of places in `values`, one for each of the former.
+/// for each of the latter a row of indices into `values`, one for each of the former.
 ///
 /// `None` for a table whose groups are no such products, which is none of this program's.
 pub(super) fn grouped_on_page(table: &Table, file: &str, about: &str, key: usize) -> Option<Value> {
