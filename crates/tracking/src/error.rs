@@ -15,7 +15,7 @@ pub enum TrackingError {
     OnsetNotConverged {
         /// Lower end of the bracket.
         from: f64,
-        /// Upper end.
+        /// Upper end of the bracket.
         to: f64,
         /// Length of the last step.
         left: f64,
@@ -43,9 +43,9 @@ pub enum TrackingError {
     /// An interval that does not go from a finite number to a larger one.
     #[error("the interval from {from} to {to} must go from a finite number to a larger one")]
     Interval {
-        /// Lower end.
+        /// Lower end of the interval.
         from: f64,
-        /// Upper end.
+        /// Upper end of the interval.
         to: f64,
     },
     /// Modes that do not oscillate, or cease to, within an interval in which branches are followed.
@@ -53,7 +53,7 @@ pub enum TrackingError {
     ModeCount {
         /// The parameter.
         at: f64,
-        /// Oscillating modes there.
+        /// Oscillating modes at this parameter.
         found: usize,
         /// Oscillating modes at the first parameter.
         expected: usize,

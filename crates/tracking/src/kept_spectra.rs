@@ -28,9 +28,9 @@ pub struct SystemAt {
 /// Two systems whose difference stands for the derivative by the parameter: `d Q / d p = (Q_above - Q_below) / distance`.
 #[derive(Debug, Clone)]
 pub struct SystemChange {
-    /// Q_below.
+    /// System of Q_below.
     pub below: SecondOrder,
-    /// Q_above.
+    /// System of Q_above.
     pub above: SecondOrder,
     /// Distance of the two parameters, > 0.
     pub distance: f64,

@@ -20,7 +20,7 @@
 //! | `mac` | the criterion and the assignment |
 //! | `continuation` | single-mode continuation: the predictor and the end of a continuation |
 //! | `corrector` | Newton's method from a predicted eigenvalue |
-//! | `evaluator` | the two ways to evaluate a path: matrices and the secular equation |
+//! | `evaluator` | the three ways to evaluate a path: the secular equation, matrices and its owner |
 //! | `step_control` | predictor errors, and the length of the next step |
 //! | `coalescence` | continuation of a pair |
 //! | `subdivision` | adaptive subdivision |

@@ -20,9 +20,9 @@ pub struct Branch {
 /// A step of the parameter over which branches cannot be continued, because a coalescence lies in the step or near it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Ambiguity {
-    /// Lower end.
+    /// Parameter at the lower end of the step.
     pub from: f64,
-    /// Upper end.
+    /// Parameter at the upper end of the step.
     pub to: f64,
     /// Indices of the branches that end at `from`.
     pub before: Vec<usize>,

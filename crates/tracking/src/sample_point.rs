@@ -1,4 +1,4 @@
-//! The sample points of a subdivision: a place on a path, and what is known of the modes there.
+//! The sample points of a subdivision: a position on a path, and what is known of the modes there.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +13,7 @@ const CANDIDATES_OF_STEP: usize = 3;
 /// Largest move of a mode, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
 const MOVED: f64 = 0.1;
 
-/// A place on the path, and the modes there.
+/// A position on the path, 0 to 1, and the modes there.
 pub(crate) struct SamplePoint {
     pub at: f64,
     pub known: Known,
@@ -51,7 +51,7 @@ impl Known {
 }
 
 impl Candidates {
-    /// Modes at a place of the path that some followed ones may have become, as its owner finds them; `None` where it cannot tell.
+    /// Modes at a position on the path that some followed ones may have become, as its owner finds them; `None` where it cannot tell.
     pub fn at(place: f64, path: &Path<'_>, followed: &[Mode]) -> Option<Self> {
         let PathStart::Owned(mass, owner) = path.start else { return None };
         let asked: Vec<Complex<f64>> = followed.iter().map(|mode| mode.lambda).collect();

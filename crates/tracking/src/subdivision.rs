@@ -250,7 +250,7 @@ mod tests {
     use linsys::SecondOrder;
     use nalgebra::{DMatrix, DVector, dmatrix};
 
-    /// Knows the eigenvalues next to a number up to some place of the path.
+    /// An owner that knows the eigenvalues next to a number up to some position on the path.
     #[derive(Debug)]
     struct UpTo<'a>(Path<'a>, f64);
 
