@@ -4,40 +4,40 @@
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The study.
+    /// An error of the study.
     #[error(transparent)]
     Study(#[from] squeal::Error),
-    /// The samples of a study.
+    /// An error of the samples of a study.
     #[error(transparent)]
     Samples(#[from] squeal::study::Error),
-    /// A quantile.
+    /// An error of a quantile.
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),
-    /// A system.
+    /// An error of a system.
     #[error(transparent)]
     System(#[from] linsys::LinsysError),
-    /// The lattice.
+    /// An error of the lattice.
     #[error(transparent)]
     Model(#[from] osc_model::OscModelError),
-    /// The case.
+    /// An error of the case.
     #[error(transparent)]
     Case(#[from] brakes::case::CaseError),
-    /// The brake of a case.
+    /// An error of the brake of a case.
     #[error(transparent)]
     Brake(#[from] brakes::Error),
-    /// The paper's case as tables.
+    /// A fault of the paper's case as tables.
     #[error("cases/paper.toml: {0}")]
     Toml(String),
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] output::OutputError),
-    /// Standard output.
+    /// An error of writing to standard output.
     #[error(transparent)]
     Program(Box<squeal_cli::Error>),
-    /// A picture or a page.
+    /// An error of a picture or a page.
     #[error(transparent)]
     Report(#[from] report::Error),
-    /// A figure.
+    /// An error of a figure.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),
 }

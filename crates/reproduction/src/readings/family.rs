@@ -53,7 +53,7 @@ impl Family {
         Ok(())
     }
 
-    /// The brakes, each with the places of its laws in the plan.
+    /// The brakes, each with the indices of its laws among the laws of the plan.
     pub fn members(&self) -> &[(LatticeBrake, Vec<usize>)] {
         &self.members
     }
@@ -63,7 +63,7 @@ impl Family {
         self.members.into_iter().map(|(brake, _)| brake)
     }
 
-    /// The place of the law that acts as a law of a brake does.
+    /// Index of the law of the plan that acts as a law of a brake does.
     fn law_like(&self, brake: &LatticeBrake, law: usize) -> Option<usize> {
         let of_law = brake.case.laws[law];
         self.laws.iter().position(|&(member, known)| {

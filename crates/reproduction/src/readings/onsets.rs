@@ -128,7 +128,7 @@ fn chain_shapes(springs: &[f64]) -> DMatrix<f64> {
     DMatrix::from_fn(masses, masses, |i, j| modes.eigenvectors[(i, order[j])])
 }
 
-/// Markdown of the two tables.
+/// Markdown of two tables: the case's own structure, and every structure.
 ///
 /// # Errors
 /// Those of the model and of the solver.

@@ -15,9 +15,9 @@ pub const BY_RANK: &str = "rank";
 /// A study of one combination, with a scorecard for each way of naming its modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Draws.
+    /// Number of draws.
     pub samples: u64,
-    /// Draws or evaluations that failed.
+    /// Number of draws or evaluations that failed.
     pub failures: u64,
     /// Time of the study, s, as its part of the combinations that were run together.
     pub seconds: f64,
@@ -43,7 +43,7 @@ pub struct Card {
 pub struct Cell {
     /// Name of the claim: C1, C2, ...
     pub id: String,
-    /// "yes", "no" or "?", by simultaneous 95 % limits; empty where they were not asked for.
+    /// Verdict by simultaneous 95 % limits: "yes", "no" or "?"; empty where they were not asked for.
     pub holds: String,
     /// Verdict by the values: "yes", "no" or "?".
     pub by_value: String,
@@ -62,7 +62,7 @@ impl Cell {
 }
 
 impl Row {
-    /// Claims that hold by the values under some way of naming modes, without C12.
+    /// Number of claims, without C12, that hold by the values, each under some way of naming modes.
     pub fn held_by_value(&self) -> usize {
         let claims = self.cards.first().map_or(0, |card| card.claims.len());
         (0..claims).filter(|&place| self.cards.iter().any(|card| card.claims[place].holds_by_value())).count()
@@ -95,12 +95,12 @@ impl Card {
         Self { naming: naming.into(), counting, claims: by_value.iter().enumerate().map(cell).collect() }
     }
 
-    /// Claims with this verdict by the limits.
+    /// Number of claims with this verdict by the limits.
     pub fn count(&self, verdict: &str) -> usize {
         self.claims.iter().filter(|cell| cell.holds == verdict).count()
     }
 
-    /// Claims that hold by the values, without C12, which is the number of draws.
+    /// Number of claims that hold by the values, without C12, which is the number of draws.
     pub fn held_by_value(&self) -> usize {
         self.claims.iter().filter(|cell| cell.holds_by_value()).count()
     }

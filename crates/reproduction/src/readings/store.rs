@@ -9,7 +9,7 @@ use super::row::Row;
 use super::run::{Stage, run_together};
 use crate::Error;
 
-/// Changes when rows of an older program are no longer right.
+/// Version of the rows: it changes when rows of an older program are no longer right.
 const FORMAT: u32 = 3;
 
 /// The rows that a folder holds, one file for each group of combinations that were run together.

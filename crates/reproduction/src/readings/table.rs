@@ -22,7 +22,7 @@ const SHOWN: usize = 20;
 pub struct Entry<'a> {
     combination: &'a Combination,
     row: &'a Row,
-    /// `None` for a study that was refused.
+    /// The scorecard; `None` for a study that was refused.
     card: Option<&'a Card>,
 }
 
