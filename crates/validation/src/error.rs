@@ -37,7 +37,7 @@ pub enum ValidationError {
         /// The line and what is wrong there.
         source: Box<formats::FormatsError>,
     },
-    /// A figure.
+    /// An error of a figure.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),
     /// A file that cannot be written.
