@@ -10,8 +10,8 @@ use squeal::output::write;
 use squeal::results::Manifest;
 use squeal::{RunOptions, run_study_with};
 use squeal_cli::bar::RunBars;
-use squeal_cli::override_run;
 use squeal_cli::terminal::{note, say};
+use squeal_cli::{commit, override_run};
 
 use crate::error::TaskError;
 
@@ -53,6 +53,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), TaskError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut case = LatticeCase::read(&root.join("cases/paper.toml")).map_err(brakes::Error::from)?;
     let samples = args.samples.or(args.smoke.then_some(SMOKE_SAMPLES));
+    case.header.commit = commit();
     override_run(&mut case.header, samples, args.seed, args.threads)?;
     let default = root.join("target").join(if args.smoke { "reproduce-smoke" } else { "reproduce" });
     let out = args.out.clone().unwrap_or(default);

@@ -22,6 +22,7 @@ mod sweep;
 pub mod terminal;
 
 pub use self::cea::CeaArgs;
+pub use case_file::commit;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
 pub use error::Error;

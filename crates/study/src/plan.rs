@@ -236,6 +236,8 @@ const BAND_MARGIN: f64 = 1.2;
 pub struct Plan {
     /// The case file, where there is one.
     pub source_file: Option<StudySource>,
+    /// Commit of the program that runs the study, for manifest and pages; no number depends on it.
+    pub commit: Option<&'static str>,
     /// Name of the study.
     pub name: String,
     /// Text that tells the study from others. Compared anyway before a study continues a folder: equations, naming points, scenes,
@@ -280,6 +282,7 @@ impl Plan {
     pub fn without_scenes(name: &str, identity: String, samples: u64, seed: u64) -> Self {
         Self {
             source_file: None,
+            commit: None,
             name: name.into(),
             identity,
             samples,

@@ -26,6 +26,8 @@ pub struct CaseHeader {
     pub half_width: Option<f64>,
     /// Threshold from where on a growing mode counts as unstable.
     pub threshold: Threshold,
+    /// Commit of the program that reads the case, for manifest and pages; `None` unless the program says it.
+    pub commit: Option<&'static str>,
     /// Sentences on what reading the case leaves to be known: matrices that may be meant otherwise, what was left out.
     pub notes: Vec<String>,
 }
@@ -38,7 +40,7 @@ impl CaseHeader {
     pub(crate) fn plan(&self, identity: String) -> Plan {
         let mut plan = Plan::without_scenes(&self.name, identity, self.samples, self.seed);
         plan.source_file = Some(StudySource { path: self.path.clone(), text: self.text.clone() });
-        plan.threshold = self.threshold;
+        (plan.threshold, plan.commit) = (self.threshold, self.commit);
         plan
     }
 
@@ -71,6 +73,7 @@ impl Check<'_> {
             seed,
             half_width,
             threshold,
+            commit: None,
             notes: Vec::new(),
         })
     }

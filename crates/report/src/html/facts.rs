@@ -1,7 +1,7 @@
 //! The end of the page: from what the results came, enough to make them again.
 
-use squeal::results::{Manifest, Results, Times, VERSION, commit};
-use squeal::study::{ModeIdentity, ModeNaming, StudySource};
+use squeal::results::{Manifest, Results, Times, VERSION};
+use squeal::study::{ModeIdentity, ModeNaming, Plan, StudySource};
 
 use super::text::escaped;
 
@@ -64,7 +64,7 @@ pub(super) fn of_study(results: &Results) -> String {
     }
     assumptions()
         + &described(&facts)
-        + &program()
+        + &program(plan)
         + &case(plan.source_file.as_ref(), manifest.source.case_sha256.as_deref())
 }
 
@@ -80,8 +80,8 @@ pub(super) fn described(facts: &[(&str, String)]) -> String {
 }
 
 /// The version of this program.
-pub(super) fn program() -> String {
-    let commit = commit().unwrap_or("not known");
+pub(super) fn program(plan: &Plan) -> String {
+    let commit = plan.commit.unwrap_or("not known");
     let facts = [("squeal", VERSION.to_owned()), ("Commit", commit.to_owned())];
     format!("<h3>Version</h3>\n{}", described(&facts))
 }

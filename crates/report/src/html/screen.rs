@@ -58,7 +58,7 @@ pub fn write_screen_page(
             "<p>Linear about steady sliding. The loads of contacts stay as they are without changes. {}</p>\n<h3>Counts</h3>\n{}{}{}",
             escaped(&screen.rests_on().map(|text| capitalised(&text) + ".").join(" ")),
             described(&counts),
-            program(),
+            program(plan),
             case(plan.source_file.as_ref(), sha256.as_deref())
         ),
         data: json!({ "tables": tables, "moving": growing(geometry, screen, constraints)? }),

@@ -71,7 +71,7 @@ pub fn write_sweep_page(
         facts: format!(
             "<p>Linear about steady sliding; one parameter or two are moved, all others are at their medians.</p>\n<h3>Counts</h3>\n{}{}{}",
             described(&counts),
-            program(),
+            program(plan),
             case(plan.source_file.as_ref(), sha256.as_deref())
         ),
         data: json!({ "tables": tables, "moving": moving(geometry, &group(found), of_boundary(plan, found, modes))? }),

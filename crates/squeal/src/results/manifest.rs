@@ -35,7 +35,7 @@ pub struct Stopped {
 pub struct Source {
     /// Version of this program.
     pub version: &'static str,
-    /// Commit that it was built from, where git was there to tell.
+    /// Commit that it was built from, where the program says it.
     pub commit: Option<&'static str>,
     /// The case file as it was given; `null` for a brake that was not read from one.
     pub case: Option<String>,
@@ -48,19 +48,13 @@ pub struct Source {
 /// The version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The commit that this program is built from, where git was there to tell.
-#[must_use]
-pub fn commit() -> Option<&'static str> {
-    option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty())
-}
-
 impl Source {
     /// The source of a plan, by this program.
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self {
             version: VERSION,
-            commit: commit(),
+            commit: plan.commit,
             case: plan.source_file.as_ref().map(|file| file.path.display().to_string()),
             case_sha256: plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
             study: plan.name.clone(),

@@ -14,7 +14,7 @@ mod summary_page;
 mod tables;
 
 pub use estimates::Estimates;
-pub use manifest::{Manifest, Source, Stopped, Times, VERSION, commit};
+pub use manifest::{Manifest, Source, Stopped, Times, VERSION};
 pub use modes::set_letter;
 pub use reasons::{SceneReasons, reasons, time_for_reasons};
 pub use study_results::{ArrangementOccurrence, Estimate, Results};

@@ -113,6 +113,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
             Identity::read(&of.name, &of.identity).part("changes", |to| to.list(sets, ChangeSet::written)).into_line();
         let mut plan = Plan::without_scenes(&of.name, identity, of.samples, of.seed);
         plan.source_file.clone_from(&of.source_file);
+        plan.commit = of.commit;
         (plan.mode_labels, plan.mode_identity) = (ModeNaming::Rank, ModeIdentity::Mac);
         (plan.band, plan.threshold, plan.is_named_at_medians) = (of.band, of.threshold, of.is_named_at_medians);
         plan.labels =

@@ -8,13 +8,13 @@ fn git(arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
 }
 
-/// Whether the repository of this folder is the project's own, which has the crate in `crates/squeal`. One into which the crate was copied,
+/// Whether the repository of this folder is the project's own, which has the crate in `crates/cli`. One into which the crate was copied,
 /// or that of a folder far above it, has other commits.
 fn is_own_repository() -> bool {
     let real = |path: PathBuf| path.canonicalize().ok();
     let own = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from).and_then(real);
     let root = git(&["rev-parse", "--show-toplevel"]).map(PathBuf::from);
-    let expected = root.and_then(|root| real(root.join("crates").join("squeal")));
+    let expected = root.and_then(|root| real(root.join("crates").join("cli")));
     // A file that is there and not in the commit was vendored into a checkout that happens to have the same folders.
     let is_known = git(&["ls-files", "--error-unmatch", "Cargo.toml"]).is_some();
     own.is_some() && own == expected && is_known
