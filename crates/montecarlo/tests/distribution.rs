@@ -35,7 +35,66 @@ fn kinds() -> Vec<Distribution> {
         Distribution::Uniform { from: 2.0, to: 5.0 },
         Distribution::LogUniform { from: 1e-3, to: 10.0 },
         table(&[0.0, 0.1, 0.7, 1.0], &[-3.0, 0.0, 0.5, 7.0]),
+        Distribution::Triangular { from: 1.0, mode: 1.5, to: 4.0 },
+        Distribution::Triangular { from: 1.0, mode: 1.0, to: 4.0 },
+        Distribution::Triangular { from: -1.0, mode: 4.0, to: 4.0 },
+        Distribution::Weibull { shape: 1.7, scale: 0.2, from: 0.3 },
+        Distribution::Weibull { shape: 0.8, scale: 2.0, from: 0.0 },
+        measured(&[0.3, 0.35, 0.5, 0.52, 0.9]),
     ]
+}
+
+fn measured(values: &[f64]) -> Distribution {
+    Distribution::Empirical { values: values.to_vec(), file: None, column: None }
+}
+
+/// Means and deviations by the closed forms of the textbooks; of the discrete ones the shares of the draws.
+#[test]
+fn moments_are_those_of_the_textbooks() {
+    let moments = |distribution: &Distribution| {
+        let (n, mut rng) = (200_000, stream(11, 0));
+        let draws: Vec<f64> = (0..n).map(|_| distribution.draw(&mut rng).unwrap()).collect();
+        let mean = draws.iter().sum::<f64>() / f64::from(n);
+        (mean, (draws.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / f64::from(n)).sqrt())
+    };
+    let variance = |a: f64, c: f64, b: f64| (a * a + b * b + c * c - a * b - a * c - b * c) / 18.0;
+    // Gamma(1.5) and Gamma(2) of a Rayleigh distribution, shape 2.
+    let rayleigh = (0.5 * std::f64::consts::PI.sqrt(), (1.0 - std::f64::consts::PI / 4.0).sqrt());
+    for (distribution, mean, deviation) in [
+        (Distribution::Triangular { from: 1.0, mode: 1.5, to: 4.0 }, 6.5 / 3.0, variance(1.0, 1.5, 4.0).sqrt()),
+        (Distribution::Weibull { shape: 2.0, scale: 3.0, from: 1.0 }, 1.0 + 3.0 * rayleigh.0, 3.0 * rayleigh.1),
+        (Distribution::Discrete { values: vec![1.0, 3.0], weights: vec![3.0, 1.0] }, 1.5, 0.75_f64.sqrt()),
+        (Distribution::Discrete { values: vec![0.0, 1.0, 2.0], weights: Vec::new() }, 1.0, (2.0_f64 / 3.0).sqrt()),
+    ] {
+        let found = moments(&distribution);
+        // Five standard errors of the mean.
+        assert!((found.0 - mean).abs() < 5.0 * deviation / 200_000_f64.sqrt(), "{distribution:?}: {found:?}");
+        assert!((found.1 / deviation - 1.0).abs() < 0.02, "{distribution:?}: {found:?}");
+    }
+}
+
+#[test]
+fn one_of_a_few_values_has_its_share_and_measured_values_are_met_in_order() {
+    let few = Distribution::Discrete { values: vec![0.3, 0.5, 0.6], weights: vec![1.0, 2.0, 1.0] };
+    for (u, value) in [(1e-9, 0.3), (0.2499, 0.3), (0.2501, 0.5), (0.7499, 0.5), (0.7501, 0.6), (1.0 - 1e-12, 0.6)] {
+        assert_eq!(few.quantile(u), value, "{u}");
+    }
+    assert_eq!([0.2, 0.3, 0.55, 0.6].map(|x| few.cumulative(x)), [0.0, 0.25, 0.75, 1.0]);
+    assert_eq!((few.median(), few.least(), few.support()), (0.5, Some(("values", 0.3)), (0.3, 0.6)));
+    let twice = measured(&[0.3, 0.5, 0.5, 0.9]);
+    assert_eq!([0.0, 1.0 / 3.0, 0.5, 1.0].map(|u| twice.quantile(u)), [0.3, 0.5, 0.5, 0.9]);
+    assert_eq!(
+        [0.2, 0.4, 0.5, 0.7, 2.0].map(|x| (3.0 * twice.cumulative(x) * 2.0).round() / 6.0),
+        [0.0, 1.0 / 6.0, 4.0 / 6.0, 5.0 / 6.0, 1.0]
+    );
+    let of_file =
+        Distribution::Empirical { values: Vec::new(), file: Some("mu.csv".into()), column: Some("mu".into()) };
+    let read = |file: &std::path::Path, column: Option<&str>| {
+        assert_eq!((file.to_str(), column), (Some("mu.csv"), Some("mu")));
+        Ok::<_, ()>(vec![0.9, 0.3])
+    };
+    let Ok(Distribution::Empirical { values, .. }) = of_file.with_file(read) else { panic!("another kind") };
+    assert_eq!(values, [0.3, 0.9]);
 }
 
 proptest! {
@@ -189,6 +248,25 @@ fn every_slip_is_named_with_its_key_and_what_is_allowed() {
         (table(&[0.0, 1.0], &[2.0, 1.0]), "values = [.., 2, 1, ..]; allowed: numbers that ascend, each once"),
         (table(&[0.1, 1.0], &[1.0, 2.0]), "probabilities = [0.1, ..]; allowed: 0 as the first"),
         (table(&[0.0, 0.9], &[1.0, 2.0]), "probabilities = [.., 0.9]; allowed: 1 as the last"),
+        (Distribution::Triangular { from: 2.0, mode: 2.0, to: 2.0 }, "to = 2; allowed: more than from = 2"),
+        (Distribution::Triangular { from: 1.0, mode: 3.0, to: 2.0 }, "mode = 3; allowed: from = 1 to to = 2"),
+        (Distribution::Weibull { shape: 0.0, scale: 1.0, from: 0.0 }, "shape = 0; allowed: a number > 0"),
+        (Distribution::Weibull { shape: 1.0, scale: -1.0, from: 0.0 }, "scale = -1; allowed: a number > 0"),
+        (
+            Distribution::Discrete { values: vec![1.0], weights: vec![] },
+            "values = a list of 1; allowed: two numbers or more",
+        ),
+        (
+            Distribution::Discrete { values: vec![1.0, 2.0], weights: vec![1.0] },
+            "weights = a list of 1; allowed: one for each of the 2 values",
+        ),
+        (
+            Distribution::Discrete { values: vec![1.0, 2.0], weights: vec![1.0, 0.0] },
+            "weights = 0; allowed: a number > 0",
+        ),
+        (measured(&[]), "values = a list of 0; allowed: two different numbers or more"),
+        (measured(&[1.0, 1.0]), "values = a list of 2; allowed: two different numbers or more"),
+        (measured(&[2.0, 1.0]), "values = [.., 2, 1, ..]; allowed: numbers that ascend"),
     ] {
         assert_eq!(distribution.check().unwrap_err().to_string(), expected, "{distribution:?}");
     }

@@ -13,6 +13,7 @@ mod finite_elements;
 mod header;
 mod identity;
 mod matrices;
+mod measured;
 mod schema;
 mod squeal;
 mod symmetry;

@@ -258,6 +258,18 @@ pub(super) fn distributions(
     check: &Check<'_>,
     friction: FrictionDistributions,
 ) -> Result<FrictionDistributions, CaseError> {
+    let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = friction;
+    let of = |name: &str, given| check.distribution(&format!("friction.{name}"), given);
+    let friction = FrictionDistributions {
+        mu: of("mu", mu)?,
+        mu_s: of("mu_s", mu_s)?,
+        mu_k: of("mu_k", mu_k)?,
+        alpha: of("alpha", alpha)?,
+        v_s: of("v_s", v_s)?,
+        sigma0: of("sigma0", sigma0)?,
+        sigma1: of("sigma1", sigma1)?,
+        sigma2: of("sigma2", sigma2)?,
+    };
     let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = &friction;
     let all = [
         ("mu", mu, false),
@@ -270,9 +282,6 @@ pub(super) fn distributions(
         ("sigma2", sigma2, false),
     ];
     for (name, distribution, positive) in all {
-        distribution
-            .check()
-            .map_err(|fault| check.value(&format!("friction.{name}.{}", fault.key), fault.value, &fault.allowed))?;
         // `None` means that all values are > 0.
         let Some((key, least)) = distribution.least() else { continue };
         if least < 0.0 || (positive && least == 0.0) {

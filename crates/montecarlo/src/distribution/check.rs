@@ -1,5 +1,7 @@
 //! Parameters that a distribution may have.
 
+use std::path::Path;
+
 use super::Distribution;
 use super::bounded_normal::BoundedNormal;
 use crate::error::DistributionFault;
@@ -71,6 +73,62 @@ impl Distribution {
                 not_below_from(from, to)
             }
             Self::Quantiles { probabilities, values } => check_table(probabilities, values),
+            &Self::Triangular { from, mode, to } => {
+                [("from", from), ("mode", mode), ("to", to)]
+                    .into_iter()
+                    .try_for_each(|(key, value)| finite(key, value))?;
+                match (from < to, (from..=to).contains(&mode)) {
+                    (false, _) => fault("to", to, format!("more than from = {from}")),
+                    (true, false) => fault("mode", mode, format!("from = {from} to to = {to}")),
+                    (true, true) => Ok(()),
+                }
+            }
+            &Self::Weibull { shape, scale, from } => {
+                positive("shape", shape)?;
+                positive("scale", scale)?;
+                finite("from", from)
+            }
+            Self::Discrete { values, weights } => {
+                if values.len() < 2 {
+                    return fault("values", format!("a list of {}", values.len()), "two numbers or more");
+                }
+                ascending("values", values)?;
+                if !weights.is_empty() && weights.len() != values.len() {
+                    let allowed = format!("one for each of the {} values", values.len());
+                    return fault("weights", format!("a list of {}", weights.len()), allowed);
+                }
+                weights.iter().try_for_each(|&weight| positive("weights", weight))
+            }
+            Self::Empirical { values, file, .. } => {
+                if let (Some(file), []) = (file, &values[..]) {
+                    return fault("file", file.display().to_string(), "a file that has been read: its values");
+                }
+                values.iter().try_for_each(|&value| finite("values", value))?;
+                match (values.windows(2).find(|pair| pair[0] > pair[1]), values.first() < values.last()) {
+                    (Some(pair), _) => {
+                        fault("values", format!("[.., {}, {}, ..]", pair[0], pair[1]), "numbers that ascend")
+                    }
+                    (None, false) => {
+                        fault("values", format!("a list of {}", values.len()), "two different numbers or more")
+                    }
+                    (None, true) => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// The distribution with the measured values of its file, which `read` is asked for by its name and that of the column.
+    ///
+    /// # Errors
+    /// Those of `read`.
+    pub fn with_file<E>(self, read: impl FnOnce(&Path, Option<&str>) -> Result<Vec<f64>, E>) -> Result<Self, E> {
+        match self {
+            Self::Empirical { values, file: Some(file), column } if values.is_empty() => {
+                let mut values = read(&file, column.as_deref())?;
+                values.sort_by(f64::total_cmp);
+                Ok(Self::Empirical { values, file: Some(file), column })
+            }
+            other => Ok(other),
         }
     }
 }

@@ -2,7 +2,10 @@
 
 mod bounded_normal;
 mod check;
+mod ordered;
 mod quantile_table;
+
+use std::path::PathBuf;
 
 use rand_distr::{Distribution as _, Open01, StandardNormal, StandardUniform};
 use serde::{Deserialize, Serialize};
@@ -92,6 +95,46 @@ pub enum Distribution {
         /// Quantile at each probability, ascending.
         values: Vec<f64>,
     },
+    /// Triangular: a density that rises from the smallest value to the mode and falls to the largest.
+    Triangular {
+        /// Smallest value.
+        from: f64,
+        /// Most frequent value.
+        mode: f64,
+        /// Largest value, > `from`.
+        to: f64,
+    },
+    /// Weibull: `from + scale (-ln(1 - u))^(1 / shape)`, u uniform.
+    Weibull {
+        /// Shape, > 0: 1 is exponential, 3.6 nearly normal.
+        shape: f64,
+        /// Scale, > 0: 63 % of the values are below `from + scale`.
+        scale: f64,
+        /// Smallest value; 0 where a file does not give it.
+        #[serde(default)]
+        from: f64,
+    },
+    /// One of a few values, each with a probability in proportion to its weight.
+    Discrete {
+        /// Values, ascending.
+        values: Vec<f64>,
+        /// Weight of each value, > 0; equal ones where a file does not give them.
+        #[serde(default)]
+        weights: Vec<f64>,
+    },
+    /// Measured values: the quantile function is linear between them in order, the smallest at 0 and the largest at 1 (type 7 of Hyndman
+    /// and Fan, The American Statistician 50, 1996).
+    Empirical {
+        /// Values, ascending; of a file that is given in their place whoever reads the case puts them here.
+        #[serde(default)]
+        values: Vec<f64>,
+        /// File with the values, a column of a CSV file.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        file: Option<PathBuf>,
+        /// Heading of that column; the first column without.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        column: Option<String>,
+    },
 }
 
 impl Distribution {
@@ -112,6 +155,12 @@ impl Distribution {
             Self::Quantiles { probabilities, values } => {
                 ("quantiles", probabilities.iter().chain(values).map(|number| Some(*number)).collect())
             }
+            Self::Triangular { from, mode, to } => ("triangular", vec![Some(*from), Some(*mode), Some(*to)]),
+            Self::Weibull { shape, scale, from } => ("weibull", vec![Some(*shape), Some(*scale), Some(*from)]),
+            Self::Discrete { values, weights } => {
+                ("discrete", values.iter().chain(weights).map(|number| Some(*number)).collect())
+            }
+            Self::Empirical { values, .. } => ("empirical", values.iter().map(|number| Some(*number)).collect()),
         }
     }
 
@@ -131,9 +180,13 @@ impl Distribution {
                 median * (sigma * z).exp()
             }
             Self::Normal { .. } | Self::LogNormal { .. } => self.quantile(Open01.sample(rng)),
-            Self::Uniform { .. } | Self::LogUniform { .. } | Self::Quantiles { .. } => {
-                self.quantile(StandardUniform.sample(rng))
-            }
+            Self::Uniform { .. }
+            | Self::LogUniform { .. }
+            | Self::Quantiles { .. }
+            | Self::Triangular { .. }
+            | Self::Weibull { .. }
+            | Self::Discrete { .. }
+            | Self::Empirical { .. } => self.quantile(StandardUniform.sample(rng)),
         })
     }
 
@@ -157,8 +210,13 @@ impl Distribution {
             Self::Constant { value } => Some(("value", value)),
             Self::Normal { at_least, .. } => Some(("at_least", at_least)),
             Self::LogNormal { at_least, .. } => at_least.map(|at_least| ("at_least", at_least)),
-            Self::Uniform { from, .. } | Self::LogUniform { from, .. } => Some(("from", from)),
-            Self::Quantiles { ref values, .. } => values.first().map(|&least| ("values", least)),
+            Self::Uniform { from, .. }
+            | Self::LogUniform { from, .. }
+            | Self::Triangular { from, .. }
+            | Self::Weibull { from, .. } => Some(("from", from)),
+            Self::Quantiles { ref values, .. }
+            | Self::Discrete { ref values, .. }
+            | Self::Empirical { ref values, .. } => values.first().map(|&least| ("values", least)),
         }
     }
 
@@ -183,6 +241,16 @@ impl Distribution {
             }
             Self::Uniform { from, .. } | Self::LogUniform { from, .. } => f64::from(x >= from),
             Self::Quantiles { ref probabilities, ref values } => interpolate(values, probabilities, x),
+            Self::Triangular { from, .. } if x <= from => 0.0,
+            Self::Triangular { to, .. } if x >= to => 1.0,
+            Self::Triangular { from, mode, to } if x < mode => (x - from).powi(2) / ((to - from) * (mode - from)),
+            Self::Triangular { from, mode, to } => 1.0 - (to - x).powi(2) / ((to - from) * (to - mode)),
+            Self::Weibull { shape, scale, from } => -(-((x - from).max(0.0) / scale).powf(shape)).exp_m1(),
+            Self::Discrete { ref values, ref weights } => {
+                let below = values.partition_point(|value| *value <= x);
+                share(weights, below, values.len())
+            }
+            Self::Empirical { ref values, .. } => ordered::cumulative(values, x),
         }
     }
 
@@ -200,6 +268,20 @@ impl Distribution {
             Self::Uniform { from, to } => from + (to - from) * u,
             Self::LogUniform { from, to } => (from * (to / from).powf(u)).min(to),
             Self::Quantiles { ref probabilities, ref values } => interpolate(probabilities, values, u),
+            Self::Triangular { from, mode, to } => {
+                let (whole, rising) = (to - from, mode - from);
+                match u * whole < rising {
+                    true => from + (u * whole * rising).sqrt(),
+                    false => to - ((1.0 - u) * whole * (to - mode)).sqrt(),
+                }
+            }
+            Self::Weibull { shape, scale, from } => from + scale * (-(-u).ln_1p()).powf(1.0 / shape),
+            Self::Discrete { ref values, ref weights } => {
+                let is_below = |place: &usize| share(weights, place + 1, values.len()) < u;
+                let place = (0..values.len()).take_while(is_below).count();
+                values.get(place).or(values.last()).copied().unwrap_or(f64::NAN)
+            }
+            Self::Empirical { ref values, .. } => ordered::quantile(values, u),
         }
     }
 
@@ -214,10 +296,24 @@ impl Distribution {
             Self::LogNormal { median, sigma, at_least, at_most } => {
                 BoundedNormal::log_normal(median, sigma, at_least, at_most).support()
             }
-            Self::Uniform { from, to } | Self::LogUniform { from, to } => (from, to),
-            Self::Quantiles { ref values, .. } => {
+            Self::Uniform { from, to } | Self::LogUniform { from, to } | Self::Triangular { from, to, .. } => {
+                (from, to)
+            }
+            Self::Weibull { .. } => (self.quantile(1e-12), self.quantile(1.0 - 1e-12)),
+            Self::Quantiles { ref values, .. }
+            | Self::Discrete { ref values, .. }
+            | Self::Empirical { ref values, .. } => {
                 (values.first().copied().unwrap_or(f64::NAN), values.last().copied().unwrap_or(f64::NAN))
             }
         }
+    }
+}
+
+/// The probability of the first of several values with these weights, equal ones without.
+fn share(weights: &[f64], first: usize, values: usize) -> f64 {
+    match weights {
+        [] => first as f64 / values as f64,
+        weights if first >= weights.len() => 1.0,
+        weights => weights[..first].iter().sum::<f64>() / weights.iter().sum::<f64>(),
     }
 }

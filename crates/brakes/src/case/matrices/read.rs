@@ -81,9 +81,7 @@ pub(in crate::case) fn parameter(
     }
     let schema::ParameterTable { unit, distribution } = given;
     check.line(&format!("parameters.{name}.unit"), &unit)?;
-    distribution
-        .check()
-        .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
+    let distribution = check.distribution(&format!("parameters.{name}"), distribution)?;
     Ok(Parameter { name, unit, distribution })
 }
 
