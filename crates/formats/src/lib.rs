@@ -54,7 +54,7 @@ pub use nalgebra;
 pub use nalgebra_sparse;
 pub use num_complex;
 
-pub use deck::{Deck, read_deck};
+pub use deck::{Deck, Solid, SurfaceSet, read_deck};
 pub use detect::Format;
 pub use dof::{BadDof, Dof};
 pub use error::{FormatsError, Place};

@@ -7,7 +7,7 @@ use crate::shortened::cut;
 const HARMLESS: &str = include_str!("harmless.txt");
 
 /// Keywords that are read.
-const READ: [&str; 6] = ["NODE", "ELEMENT", "NSET", "ELSET", "SYSTEM", "INCLUDE"];
+const READ: [&str; 7] = ["NODE", "ELEMENT", "NSET", "ELSET", "SYSTEM", "INCLUDE", "SURFACE"];
 
 /// Refused keywords, which change nodes, elements, sets or the directions of degrees of freedom: what is allowed instead, and the names.
 const REFUSED: [(&str, &[&str]); 5] = [
@@ -68,6 +68,11 @@ impl Keyword {
     /// The value of a parameter, empty where it has none.
     pub fn option(&self, key: &str) -> Option<&str> {
         self.options.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
+    }
+
+    /// The names of all parameters.
+    pub fn options(&self) -> impl Iterator<Item = &str> {
+        self.options.iter().map(|(key, _)| key.as_str())
     }
 
     /// The name of a set that a parameter gives.

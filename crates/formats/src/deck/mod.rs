@@ -8,6 +8,7 @@ mod element;
 mod frame;
 mod keyword;
 mod sets;
+mod solids;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -16,6 +17,7 @@ use self::element::ElementType;
 use self::frame::{Coordinates, Frame};
 use self::keyword::{Keyword, set_name, split};
 use self::sets::{Elements, Range};
+pub use self::solids::{Solid, SurfaceSet};
 use crate::error::FormatsError;
 use crate::limits::Limits;
 use crate::lines::Lines;
@@ -35,6 +37,12 @@ pub struct Deck {
     pub mesh: Mesh,
     /// Numbers of the nodes of each set, ascending.
     pub sets: BTreeMap<String, Vec<i64>>,
+    /// Solid elements (types that begin with `C3D`) with all their nodes.
+    pub solids: Vec<Solid>,
+    /// Numbers of the elements of each set, ascending; of sets that are made of unknown ones, what is known.
+    pub element_sets: BTreeMap<String, Vec<i64>>,
+    /// Surfaces, as they are written.
+    pub surfaces: BTreeMap<String, SurfaceSet>,
 }
 
 /// Reads the nodes, elements and node sets of an input deck, compressed by gzip or not, with the files that it includes, by their paths
@@ -81,6 +89,9 @@ enum Block {
     },
     System {
         lines: Vec<Vec<f64>>,
+    },
+    Surface {
+        name: String,
     },
     Other,
 }
@@ -156,6 +167,7 @@ impl Reading {
             nodes.sort_unstable();
             nodes.dedup();
         }
+        self.deck.element_sets = std::mem::take(&mut self.elements).into_sets();
         Ok(())
     }
 
@@ -203,6 +215,13 @@ impl Reading {
                 keyword.has_only(&[], "*SYSTEM without parameters")?;
                 Block::System { lines: Vec::new() }
             }
+            "SURFACE" => match SurfaceSet::of_keyword(keyword) {
+                Some((name, surface)) => {
+                    self.deck.surfaces.insert(name.clone(), surface);
+                    Block::Surface { name }
+                }
+                None => Block::Other,
+            },
             "STEP" => {
                 self.is_in_step = true;
                 Block::Other
@@ -224,6 +243,10 @@ impl Reading {
         let Self { deck, places, limits, elements, frame, block, .. } = self;
         match block {
             Block::Other => Ok(()),
+            Block::Surface { name } => {
+                deck.surfaces.entry(name.clone()).or_default().add(line);
+                Ok(())
+            }
             Block::System { lines } => {
                 // A missing number between commas is 0, as everywhere.
                 let number = |field: &str| if field.is_empty() { Ok(0.0) } else { fortran(field) };
@@ -295,6 +318,10 @@ impl Reading {
                     deck.mesh.cells.push(Cell { kind, nodes });
                 }
                 elements.add(pending[0], &places, set.as_deref())?;
+                if name.starts_with("C3D") {
+                    let nodes = pending[1..].to_vec();
+                    deck.solids.push(Solid { label: pending[0], of_type: name.clone(), nodes });
+                }
                 pending.clear();
                 Ok(())
             }

@@ -125,6 +125,16 @@ impl Elements {
         Ok(())
     }
 
+    /// The sets, each ascending.
+    pub fn into_sets(self) -> BTreeMap<String, Vec<i64>> {
+        let mut sets = self.sets;
+        for elements in sets.values_mut() {
+            elements.sort_unstable();
+            elements.dedup();
+        }
+        sets
+    }
+
     /// Numbers of the nodes of a set of elements.
     ///
     /// # Errors

@@ -338,3 +338,21 @@ fn included_files_stand_in_the_place_of_the_line_that_includes_them() {
     write("c.txt", "*INCLUDE, INPUT=c.txt\n");
     assert!(read().unwrap_err().contains("10 deep at most"));
 }
+
+#[test]
+fn solids_keep_their_nodes_and_surfaces_their_lines() {
+    let text = BRICK.replace("*NSET,NSET=Bottom", "*Surface, name=Top, type=element\nE, s2\n1,S1\n*SURFACE, TYPE=NODE, NAME=n\n7,\n \
+        all\n*SURFACE, NAME=cut, COMBINE=UNION\nTOP, N\n*SURFACE INTERACTION, NAME=I\n1, 2\n*NSET,NSET=Bottom");
+    let found = deck(&text).unwrap();
+    let nodes = (1..=8).collect();
+    assert_eq!(found.solids, [Solid { label: 1, of_type: "C3D8".into(), nodes }]);
+    assert_eq!(found.element_sets["E"], [1]);
+    let line = |what: &str, face: &str| (what.to_owned(), face.to_owned());
+    let top = SurfaceSet { lines: vec![line("E", "S2"), line("1", "S1")], ..SurfaceSet::default() };
+    assert_eq!(found.surfaces["TOP"], top);
+    let of_nodes = SurfaceSet { of_nodes: true, lines: vec![line("7", ""), line("ALL", "")], unread: Vec::new() };
+    assert_eq!(found.surfaces["N"], of_nodes);
+    assert_eq!(found.surfaces["CUT"].unread, ["COMBINE"]);
+    assert_eq!(found.surfaces.len(), 3);
+    assert_eq!(found.sets["BOTTOM"], [1, 2, 3, 4]);
+}
