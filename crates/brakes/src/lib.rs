@@ -40,7 +40,9 @@ mod matrices;
 
 pub use any::{AnyBrake, CaseBrake, Purpose};
 pub use error::Error;
-pub use finite_elements::{BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, frictionless};
+pub use finite_elements::{
+    BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, at_medians, frictionless,
+};
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};
 pub use matrices::MatricesBrake;
 

@@ -315,6 +315,11 @@ fn what_is_no_contact_is_refused_by_name() {
     assert!(matches!(error, ContactError::Apart { .. }), "{error}");
     let error = of(&slave, &bottom, &Pairing { reach: 1.0, ..pairing }).unwrap_err();
     assert!(matches!(error, ContactError::Normals { .. }), "{error}");
+    // Of all outer faces of the upper block those that look at it.
+    let outer = mesh.outer_faces(&[0, 1, 2, 3]).unwrap();
+    let mut facing = Interface::facing(&mesh, &outer, &master, &pairing).unwrap();
+    facing.sort();
+    assert_eq!(facing, slave);
     // Itself.
     let error = of(&slave, &slave, &pairing).unwrap_err();
     assert!(matches!(error, ContactError::Normals { cosine, .. } if (cosine - 1.0).abs() < 1e-12), "{error}");

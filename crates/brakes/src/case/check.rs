@@ -168,6 +168,12 @@ impl Check<'_> {
         move |source| CaseError::Sparse { path: path.clone(), field: field.clone(), source: Box::new(source) }
     }
 
+    /// The error for faces, bodies or loads that make no contact.
+    pub fn contact<E: Into<contact::ContactError>>(&self, field: &str) -> impl Fn(E) -> CaseError + use<E> {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        move |source| CaseError::Contact { path: path.clone(), field: field.clone(), source: Box::new(source.into()) }
+    }
+
     /// Collects a sentence.
     pub fn note(&self, text: String) {
         self.notes.borrow_mut().push(format!("{}: {text}", self.path.display()));

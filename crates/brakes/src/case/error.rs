@@ -46,6 +46,16 @@ pub enum CaseError {
         /// The values allowed.
         allowed: String,
     },
+    /// A contact, a body or a balance of forces that is none.
+    #[error("{}: {field}: {source}", path.display())]
+    Contact {
+        /// The file.
+        path: PathBuf,
+        /// The table, as `table "name"`.
+        field: String,
+        /// What is wrong with it.
+        source: Box<contact::ContactError>,
+    },
     /// An expression that cannot be read, or whose value is not a finite number.
     #[error("{}: {field} = {source}", path.display())]
     Expression {

@@ -9,7 +9,7 @@ use sparse::{SparseSecondOrder, SparseTerm};
 use study::identity::{Identity, Written};
 use study::identity::{channel, naming};
 
-use super::finite_elements::{Patch, PatchContact, ReductionGoal};
+use super::finite_elements::{OwnSpeed, Patch, PatchContact, ReductionGoal};
 use super::matrices::{BodyDofs, GainExpressions, LagExpressions};
 use super::types::{ConstraintSet, LatticeReadings};
 use super::{
@@ -253,15 +253,31 @@ fn sparse_matrix(to: &mut Written, matrix: &CscMatrix<f64>) {
 }
 
 fn of_contact(to: &mut Written, contact: &PatchContact) {
-    let PatchContact { patches, panels, laws, friction, speeds, draws, bristle_damping, is_lateral, stiffness_factor } =
-        contact;
-    to.list(patches, |to, Patch { name, pairs, speeds, channels, load }| {
+    let PatchContact {
+        patches,
+        panels,
+        laws,
+        friction,
+        speeds,
+        draws,
+        bristle_damping,
+        is_lateral,
+        stiffness_factor,
+        load_factor,
+        own_speed,
+        is_of_faces: _,
+    } = contact;
+    to.list(patches, |to, Patch { name, pairs, speeds, channels, load, shares }| {
         to.text(name);
         to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
         numbers(to, speeds);
         to.count(channels.start);
         to.count(channels.end);
         to.number(*load);
+        // What older versions did not know is written where there is some, so that their folders stay those of their cases.
+        if shares.iter().any(|share| *share != 1.0) {
+            numbers(to, shares);
+        }
     });
     to.count(usize::from(*is_lateral));
     to.list(panels, panel);
@@ -271,6 +287,13 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
     of_draws(to, *draws);
     to.option(*bristle_damping, of_bristle_damping);
     to.option(stiffness_factor.as_ref(), expression);
+    if load_factor.is_some() || own_speed.is_some() {
+        to.option(load_factor.as_ref(), expression);
+        to.option(own_speed.as_ref(), |to, OwnSpeed { speed, factor }| {
+            expression(to, speed);
+            to.number(*factor);
+        });
+    }
 }
 
 fn of_reduction(to: &mut Written, reduction: &ReductionGoal) {

@@ -11,7 +11,7 @@ mod reduce;
 mod swept;
 mod whole;
 
-pub use points::frictionless;
+pub use points::{at_medians, frictionless};
 pub use reduce::{BESIDE, Bases, Part, ReducedSet};
 
 use std::f64::consts::TAU;

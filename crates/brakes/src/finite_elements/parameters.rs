@@ -54,7 +54,10 @@ fn of_scene(scene: &SceneOf<'_>) -> Vec<Choice> {
     let Some((contact, (law, _))) = scene.case.contact.as_ref().zip(scene.state) else { return own.collect() };
     let of = FrictionUse { law, has_lateral_mu: false, has_bristle_damping: contact.bristle_damping.is_some() };
     let friction = FRICTION.iter().filter(|parameter| (parameter.matters)(&of)).map(Choice::Friction);
-    let sliding = [Choice::Speed, Choice::Load].into_iter().filter(|_| points::depends_on_speed(contact, law));
+    // A speed that parameters say is theirs.
+    let has_own = contact.own_speed.is_some() && contact.speeds.is_empty();
+    let speed = (!has_own).then_some(Choice::Speed);
+    let sliding = speed.into_iter().chain([Choice::Load]).filter(|_| points::depends_on_speed(contact, law));
     own.chain(friction).chain(sliding).chain(scene.closed.iter().map(|&patch| Choice::Stiffness(patch))).collect()
 }
 

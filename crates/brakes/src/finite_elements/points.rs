@@ -8,7 +8,9 @@ use sparse::SparseSecondOrder;
 use super::FiniteElementSample;
 use crate::Error;
 use crate::LatticeSample;
-use crate::case::{CaseError, Draws, FiniteElementCase, Law, PatchContact, STIFFNESS_FACTOR};
+use crate::case::{
+    CaseError, Draws, Expression, FiniteElementCase, LOAD_FACTOR, Law, OWN_SPEED, PatchContact, STIFFNESS_FACTOR,
+};
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
 const ANY_SPEED: f64 = 1.0;
@@ -73,7 +75,10 @@ pub(super) fn scene_point(
         ConstantTerm::Holders | ConstantTerm::HoldersAndContact => 1.0,
     }));
     let mut gains = Vec::new();
+    let values = sample;
     if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
+        let speed = own_speed(case, values)?.unwrap_or(speed);
+        let load_factor = positive(case, contact.load_factor.as_ref(), LOAD_FACTOR, values)?.unwrap_or(1.0);
         for &number in closed {
             let patch = &contact.patches[number];
             let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(patch.pairs.len());
@@ -84,9 +89,12 @@ pub(super) fn scene_point(
                     known.map_or_else(|| sample.contact(number).tangent(law, own, contact.bristle_damping), Ok)?;
                 tangents.push((own, tangent));
             }
-            gains.extend(tangents.iter().map(|(_, tangent)| along(tangent, patch.load, factor)));
+            let loaded = || {
+                tangents.iter().zip(&patch.shares).map(|(tangent, share)| (tangent, patch.load * share * load_factor))
+            };
+            gains.extend(loaded().map(|((_, tangent), load)| along(tangent, load, factor)));
             if contact.is_lateral {
-                gains.extend(tangents.iter().map(|(speed, tangent)| across(tangent, patch.load, *speed)));
+                gains.extend(loaded().map(|((speed, tangent), load)| across(tangent, load, *speed)));
             }
         }
     }
@@ -129,20 +137,38 @@ pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = C
 
 /// What multiplies the stiffness of all pairs in a sample.
 fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> Result<f64, CaseError> {
-    let Some(factor) = case.contact.as_ref().and_then(|contact| contact.stiffness_factor.as_ref()) else {
-        return Ok(1.0);
-    };
-    let (path, field) = (case.header.path.clone(), STIFFNESS_FACTOR.to_owned());
-    match factor.value(&sample.values) {
-        Ok(value) if value > 0.0 => Ok(value),
+    let factor = case.contact.as_ref().and_then(|contact| contact.stiffness_factor.as_ref());
+    Ok(positive(case, factor, STIFFNESS_FACTOR, sample)?.unwrap_or(1.0))
+}
+
+/// The sliding speed as the parameters of a sample say it, m/s; `None` where a range does.
+fn own_speed(case: &FiniteElementCase, sample: &FiniteElementSample) -> Result<Option<f64>, CaseError> {
+    let contact = case.contact.as_ref().filter(|contact| contact.speeds.is_empty());
+    let Some(own) = contact.and_then(|contact| contact.own_speed.as_ref()) else { return Ok(None) };
+    Ok(positive(case, Some(&own.speed), OWN_SPEED, sample)?.map(|speed| speed * own.factor))
+}
+
+/// The value of an expression of the contact, which must be > 0.
+fn positive(
+    case: &FiniteElementCase,
+    expression: Option<&Expression>,
+    field: &str,
+    sample: &FiniteElementSample,
+) -> Result<Option<f64>, CaseError> {
+    let Some(expression) = expression else { return Ok(None) };
+    let (path, field) = (case.header.path.clone(), field.to_owned());
+    match expression.value(&sample.values) {
+        Ok(value) if value > 0.0 => Ok(Some(value)),
         Ok(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
         Err(source) => Err(CaseError::Expression { path, field, source: Box::new(source) }),
     }
 }
 
-/// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed, unless it acts across the sliding.
+/// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed, unless it acts across the sliding. None
+/// where the parameters say the speed.
 pub(super) fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> {
-    if depends_on_speed(contact, law) { (0..contact.speeds.len()).map(Some).collect() } else { vec![None] }
+    let has_ranges = depends_on_speed(contact, law) && !contact.speeds.is_empty();
+    if has_ranges { (0..contact.speeds.len()).map(Some).collect() } else { vec![None] }
 }
 
 /// Whether the systems of a law depend on the speed, and on the load.
@@ -177,13 +203,21 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
     OperatingPoint { coefficients, channels }
 }
 
+/// The operating point of the whole brake at the medians with all patches closed, with Amontons-Coulomb friction: where modes are named.
+///
+/// # Errors
+/// [`study::Error::Median`] where the medians have no operating point.
+pub fn at_medians(case: &FiniteElementCase) -> Result<OperatingPoint, Error> {
+    let all = all_patches(case);
+    Ok(of_brake(case, &all, &naming_point(case, &all)?))
+}
+
 /// The whole brake at the medians with all patches closed and without friction, on the rows that a set of constraints leaves free.
 ///
 /// # Errors
 /// [`study::Error::Median`] where the medians have no operating point; matrices that make no system.
 pub fn frictionless(case: &FiniteElementCase, fixed: &[usize]) -> Result<(DofMap, SparseSecondOrder), Error> {
-    let all = all_patches(case);
-    let mut at = of_brake(case, &all, &naming_point(case, &all)?);
+    let mut at = at_medians(case)?;
     at.channels.fill(ChannelGain::default());
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?.assemble(&at)?;

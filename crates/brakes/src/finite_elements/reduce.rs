@@ -260,7 +260,7 @@ fn modes_in(
 }
 
 /// The brake over the rows that are left free, on a basis for all arrangements: of responses to forces in the contact, or, without a
-/// contact, of modes at training points.
+/// contact and with one between faces, which has a force for each of its many points, of modes at training points.
 fn reduced_set(
     case: &FiniteElementCase,
     fixed: &[usize],
@@ -272,7 +272,7 @@ fn reduced_set(
     let all = all_patches(case);
     let at_median = of_brake(case, &all, &naming_point(case, &all)?);
     let tolerance = case.reduction.residual;
-    let basis = match &case.contact {
+    let basis = match case.contact.as_ref().filter(|contact| !contact.is_of_faces) {
         Some(_) => {
             let mut points = vec![at_median.clone()];
             if !case.parameters.is_empty() {
@@ -350,7 +350,8 @@ fn part(
     let basis = &set.basis * &within.basis;
     let mut reduced = Reduced::new(&set.system, basis, wanted.rectangle, anchors(ANCHORS_BESIDE_FRICTION), &options)?;
     let friction = match asked.arrangements.as_slice() {
-        [closed] if swept.is_empty() => {
+        // As many ports as a face has points cost more than they spare.
+        [closed] if swept.is_empty() && !case.contact.as_ref().is_some_and(|contact| contact.is_of_faces) => {
             let channels: Vec<usize> = closed_channels(case, closed).collect();
             FrictionModes::new(&reduced, &self::training(case, &asked.arrangements, KNOWN_FROM, &[])?, &channels)?
         }

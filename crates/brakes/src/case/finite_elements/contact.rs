@@ -136,8 +136,9 @@ impl Patches {
         self.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
         let load = load / pairs.len() as f64;
         let speeds = pairs.iter().map(|pair| pair.speed).collect();
-        let pairs = pairs.iter().map(|pair| pair.nodes).collect();
-        self.patches.push(Patch { name: name.into(), pairs, speeds, channels: first..self.channels.len(), load });
+        let pairs: Vec<[i64; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
+        let (channels, shares) = (first..self.channels.len(), vec![1.0; pairs.len()]);
+        self.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares });
         Ok(())
     }
 }

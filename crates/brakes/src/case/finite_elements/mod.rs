@@ -1,13 +1,18 @@
 //! A brake from the export of a finite element program: sparse matrices with names of their rows, a mesh with node sets, and
-//! contact between matching nodes in patches that are in or out of contact.
+//! contact in patches that are in or out of contact: between matching nodes, or between faces that need not match.
 
 mod contact;
+mod faces;
 mod missing;
 mod nodes;
 mod read;
 mod schema;
 mod side;
+mod surface_contact;
+mod surface_loads;
+mod surface_schema;
 mod terms;
+mod turning;
 
 pub use missing::{MissingRows, NamesOnMesh};
 pub use side::Side;
@@ -84,7 +89,27 @@ pub struct PatchContact {
     pub is_lateral: bool,
     /// What multiplies the stiffness of all pairs, where it depends on parameters.
     pub stiffness_factor: Option<Expression>,
+    /// What multiplies the load of all pairs, where it depends on parameters.
+    pub load_factor: Option<Expression>,
+    /// The speed, where the parameters say it and no range of speeds.
+    pub own_speed: Option<OwnSpeed>,
+    /// Whether pairs are points between faces, of which there are many more than of nodes.
+    pub is_of_faces: bool,
 }
+
+/// The sliding speed of a case as its parameters say it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OwnSpeed {
+    /// rad/s about an axis, m/s along a direction.
+    pub speed: Expression,
+    /// What it is multiplied by for the mean of all pairs: their mean radius, m, or 1.
+    pub factor: f64,
+}
+
+/// The field of [`PatchContact::load_factor`], and of [`PatchContact::own_speed`].
+pub(crate) const LOAD_FACTOR: &str = "all_contacts.load_factor";
+pub(crate) const OWN_SPEED: &str = "all_contacts.speed";
+
 
 /// The field of [`PatchContact::stiffness_factor`].
 pub(crate) const STIFFNESS_FACTOR: &str = "contact.stiffness_factor";
@@ -94,15 +119,17 @@ pub(crate) const STIFFNESS_FACTOR: &str = "contact.stiffness_factor";
 pub struct Patch {
     /// Its name: that of its node set.
     pub name: String,
-    /// Its pairs of nodes (pad, disc).
+    /// Its pairs of nodes (pad, disc); of a point between faces the nodes next to it.
     pub pairs: Vec<[i64; 2]>,
     /// The sliding speed of each of its pairs as a multiple of that of a scene: 1 where sliding is a direction, the pair's radius over the
     /// mean radius of all pairs of the contact where the disc turns about its normal.
     pub speeds: Vec<f64>,
     /// The places of its channels in the system: of friction along the sliding of each pair, then across it.
     pub channels: Range<usize>,
-    /// The normal load of each of its pairs while it is closed, N.
+    /// The mean normal load of its pairs while it is closed, N.
     pub load: f64,
+    /// The load of each of its pairs as a multiple of that: 1 where they share it equally.
+    pub shares: Vec<f64>,
 }
 
 /// What a reduced brake shall hold.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use formats::{Dof, Mesh};
+use formats::{Dof, Mesh, Solid, SurfaceSet};
 
 use super::missing::MissingRows;
 use crate::case::CaseError;
@@ -17,17 +17,23 @@ pub(super) struct Model<'a> {
     pub mesh: Option<Mesh>,
     pub sets: BTreeMap<String, Vec<i64>>,
     pub dofs: Vec<Dof>,
+    /// Solid elements of the mesh with all their nodes, sets of elements, and surfaces.
+    pub solids: Vec<Solid>,
+    pub element_sets: BTreeMap<String, Vec<i64>>,
+    pub surfaces: BTreeMap<String, SurfaceSet>,
     rows: HashMap<Dof, usize>,
     positions: HashMap<i64, [f64; 3]>,
 }
 
 impl<'a> Model<'a> {
     pub fn new(check: &'a Check<'a>, deck: Option<formats::Deck>, dofs: Vec<Dof>) -> Self {
-        let (mesh, sets) = deck.map_or((None, BTreeMap::new()), |deck| (Some(deck.mesh), deck.sets));
+        let has_mesh = deck.is_some();
+        let formats::Deck { mesh, sets, solids, element_sets, surfaces } = deck.unwrap_or_default();
+        let mesh = has_mesh.then_some(mesh);
         let rows = dofs.iter().copied().zip(0..).collect();
         let nodes = mesh.iter().flat_map(|mesh| &mesh.nodes);
         let positions = nodes.map(|node| (node.label, node.position)).collect();
-        Self { check, mesh, sets, dofs, rows, positions }
+        Self { check, mesh, sets, dofs, solids, element_sets, surfaces, rows, positions }
     }
 
     /// The row of a node in a direction (1 to 3); `None` where the model holds it.
@@ -63,7 +69,7 @@ impl<'a> Model<'a> {
 
     /// The nodes of a set: by its name as it is written, else in capitals without blanks as decks have it, else the only one that has it in
     /// other letters.
-    fn set(&self, item: &str) -> Option<&Vec<i64>> {
+    pub fn set(&self, item: &str) -> Option<&Vec<i64>> {
         let plain = item.split_whitespace().collect::<String>().to_ascii_uppercase();
         let exact = self.sets.get(item).or_else(|| self.sets.get(&plain));
         let mut alike = self.sets.iter().filter(|(name, _)| name.eq_ignore_ascii_case(item)).map(|(_, nodes)| nodes);

@@ -4,24 +4,37 @@ use std::path::Path;
 
 use formats::{Limits, read_deck};
 use montecarlo::Distribution;
-use sparse::SparseAffineSystem;
+use nalgebra_sparse::CscMatrix;
+use sparse::{SparseAffineSystem, SparseTerm};
 
 use super::contact::Patches;
+use super::faces::Solids;
 use super::missing::{MissingRows, NamesOnMesh};
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, LateralEntry, ReductionTable};
+use super::surface_contact::{SurfaceContact, Surfaces};
+use super::surface_loads::balanced;
+use super::surface_schema::ContactEntry;
 use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
-use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR};
+use super::turning::{rotation_terms, spring_term};
+use super::{
+    FiniteElementCase, LOAD_FACTOR, OWN_SPEED, OwnSpeed, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR,
+};
 use crate::case::arrangements::arrangements_by_number;
 use crate::case::check::{Check, field, syntax};
 use crate::case::correlation::Correlated;
 use crate::case::matrices::formulas::Formulas;
 use crate::case::matrices::read::parameter;
+use crate::case::matrices::schema::Formula;
+use crate::case::schema::BristleDampingEntry;
 use crate::case::validate::{distributions, friction_parameters, speed_ranges};
-use crate::case::{CaseError, Draws, FixedDofs, FrictionDistributions, Law, schema};
+use crate::case::{CaseError, Draws, Expression, FixedDofs, FrictionDistributions, Law, schema};
 
 /// Most samples that are solved with the whole brake too; chosen: hours.
 const MOST_FULL_CHECKS: u64 = 10_000;
+/// By what the mass holds bodies that nothing else does, pads without their contact, while the stress of a turning body is found: a spring of 1 Hz,
+/// (rad/s)^2; chosen, far below what a disc gives way with.
+const SOFT: f64 = std::f64::consts::TAU * std::f64::consts::TAU;
 /// Most training points of a reduction; chosen: each costs one evaluation for each basis.
 const MOST_TRAINING: usize = 10_000;
 
@@ -39,7 +52,11 @@ impl FiniteElementCase {
             parameters,
             terms,
             holders,
-            mut contact,
+            contact,
+            all_contacts,
+            forces,
+            rotation,
+            springs,
             constraints,
             speeds,
             friction,
@@ -61,37 +78,104 @@ impl FiniteElementCase {
         let Terms { parts, dofs, files, held } = read_terms(&check, terms)?;
         let model = Model::new(&check, deck, dofs);
         let mut formulas = Formulas::new(&check, &parameters);
-        let (mut terms, coefficients) = terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len())?;
-        let factor = contact.as_mut().and_then(|table| table.stiffness_factor.take());
-        let factor = factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
-        formulas.all_used()?;
+        let (mut terms, mut coefficients) = terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len())?;
         let names = NamesOnMesh::new(&model)?;
         let (mut missing_rows, mut sides) = (Vec::new(), None);
-        terms.extend(holders_term(&model, &holders, &mut missing_rows)?);
+        check.names("springs.name", springs.iter().map(|table| &table.name))?;
+        for table in &springs {
+            let (term, coefficient) = spring_term(&model, &mut formulas, table, &mut missing_rows)?;
+            terms.push(term);
+            coefficients.push(coefficient);
+        }
+        let holders = holders_term(&model, &holders, &mut missing_rows)?;
+        let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
+        check.names("rotation.name", rotation.iter().map(|table| &table.name))?;
+        if !rotation.is_empty() {
+            let solids = Solids::new(&model, "rotation")?;
+            let structure = at_medians(&check, &terms, &coefficients, holders.as_ref(), &medians, SOFT)?;
+            for table in &rotation {
+                for (term, coefficient) in rotation_terms(&solids, &mut formulas, table, &structure)? {
+                    terms.push(term);
+                    coefficients.push(coefficient);
+                }
+            }
+        }
         let mut channels = Vec::new();
+        let unused = |contact: &str, given: &[(&str, bool)]| match given.iter().find(|(_, is_given)| *is_given) {
+            Some((field, _)) => Err(check.value(field, "given", contact)),
+            None => Ok(()),
+        };
+        let of_faces = "cases with contacts between faces, [[contact]]";
         let contact = match contact {
             None => {
                 // A law that is named and used by nothing says nothing wrong; its parameters would be drawn for nothing.
-                let unused = [("friction", friction.is_some()), ("speeds", !speeds.is_empty())];
-                if let Some((field, _)) = unused.into_iter().find(|(_, is_given)| *is_given) {
-                    return Err(check.value(
-                        field,
-                        "given",
-                        "cases with a contact: nothing else has friction by a law",
-                    ));
-                }
+                let allowed = "cases with a contact: nothing else has friction by a law";
+                unused(allowed, &[("friction", friction.is_some()), ("speeds", !speeds.is_empty())])?;
+                unused(of_faces, &[("all_contacts", all_contacts.is_some()), ("forces", !forces.is_empty())])?;
                 None
             }
-            Some(mut table) => {
-                if table.lateral.is_none() && speeds.is_empty() {
-                    // Friction across the sliding depends on a speed, and nobody says which.
-                    check.note(
-                        "no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)"
-                            .into(),
-                    );
+            Some(ContactEntry::OfNodes(mut table)) => {
+                unused(of_faces, &[("all_contacts", all_contacts.is_some()), ("forces", !forces.is_empty())])?;
+                let factor = table.stiffness_factor.take();
+                let factor = factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
+                let is_lateral = lateral(&check, table.lateral, speeds.is_empty());
+                if !is_lateral {
                     table.lateral = Some(LateralEntry::None);
                 }
                 let of_contact = Patches::new(&model, &table)?;
+                let ContactTable { in_contact, arrangements, draws, bristle_damping, .. } = *table;
+                let shared = Shared {
+                    arranged: schema::ContactTable { in_contact, arrangements },
+                    draws,
+                    bristle_damping,
+                    is_lateral,
+                    stiffness_factor: factor,
+                    load_factor: None,
+                    own_speed: None,
+                    is_of_faces: false,
+                };
+                Some((of_contact, shared))
+            }
+            Some(ContactEntry::OfFaces(tables)) => {
+                let mut all = all_contacts.unwrap_or_default();
+                let mut taken = |field: &str, given: Option<Formula>| {
+                    given.map(|given| formulas.expression(field, Some(given), 1.0)).transpose()
+                };
+                let stiffness_factor = taken(STIFFNESS_FACTOR, all.stiffness_factor.take())?;
+                let load_factor = taken(LOAD_FACTOR, all.load_factor.take())?;
+                let speed = taken(OWN_SPEED, all.speed.take())?;
+                if speed.is_some() && !speeds.is_empty() {
+                    return Err(check.value("speeds", "given", "cases without all_contacts.speed, which says the speed"));
+                }
+                let is_lateral = lateral(&check, all.lateral, speeds.is_empty() && speed.is_none());
+                let solids = Solids::new(&model, "[[contact]]")?;
+                let mu = friction.as_ref().map_or(0.0, |friction| friction.mu.median());
+                let in_equilibrium = |contacts: &[SurfaceContact<'_>]| {
+                    let structure = at_medians(&check, &terms, &coefficients, holders.as_ref(), &medians, 0.0)?;
+                    balanced(&solids, contacts, &structure, &forces, mu)
+                };
+                let Surfaces { patches, mean_speed } = Surfaces::new(&solids, &tables, is_lateral, &in_equilibrium)?;
+                let in_contact = match (all.in_contact.is_empty(), all.arrangements.is_empty()) {
+                    (true, true) => vec![patches.patches.len()],
+                    _ => all.in_contact,
+                };
+                let shared = Shared {
+                    arranged: schema::ContactTable { in_contact, arrangements: all.arrangements },
+                    draws: all.draws.unwrap_or(Draws::Shared),
+                    bristle_damping: all.bristle_damping.unwrap_or(BristleDampingEntry::Constant),
+                    is_lateral,
+                    stiffness_factor,
+                    load_factor,
+                    own_speed: speed.map(|speed| OwnSpeed { speed, factor: mean_speed }),
+                    is_of_faces: true,
+                };
+                Some((patches, shared))
+            }
+        };
+        terms.extend(holders);
+        let contact = match contact {
+            None => None,
+            Some((of_contact, shared)) => {
                 sides = Some(of_contact.sides);
                 missing_rows.extend(of_contact.missing);
                 terms.extend(of_contact.terms);
@@ -99,10 +183,10 @@ impl FiniteElementCase {
                 let friction =
                     friction.ok_or_else(|| check.value("friction", "missing", "a table, as there is a contact"))?;
                 let given = (study.laws, speeds, friction);
-                let contact = patch_contact(&check, table, of_contact.patches, given)?;
-                Some(PatchContact { stiffness_factor: factor, ..contact })
+                Some(patch_contact(&check, shared, of_contact.patches, given)?)
             }
         };
+        formulas.all_used()?;
         let correlation = match &contact {
             None if correlation.is_some() => {
                 return Err(check.value(
@@ -145,9 +229,55 @@ impl FiniteElementCase {
     }
 }
 
+/// What the patches of a case share, whatever its contact is between.
+struct Shared {
+    arranged: schema::ContactTable,
+    draws: Draws,
+    bristle_damping: BristleDampingEntry,
+    is_lateral: bool,
+    stiffness_factor: Option<Expression>,
+    load_factor: Option<Expression>,
+    own_speed: Option<OwnSpeed>,
+    is_of_faces: bool,
+}
+
+/// Whether friction acts across the sliding too. It depends on a speed; where nobody says which there is none, and a line that says so.
+fn lateral(check: &Check<'_>, given: Option<LateralEntry>, no_speed: bool) -> bool {
+    if given.is_none() && no_speed {
+        check.note(
+            "no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)".into(),
+        );
+        return false;
+    }
+    given != Some(LateralEntry::None)
+}
+
+/// The stiffness of the structure at the medians of the parameters, with holders and without contacts, and a multiple of its mass.
+fn at_medians(
+    check: &Check<'_>,
+    terms: &[SparseTerm],
+    coefficients: &[Expression],
+    holders: Option<&SparseTerm>,
+    medians: &[f64],
+    of_mass: f64,
+) -> Result<CscMatrix<f64>, CaseError> {
+    let order = terms.first().map_or(0, |term| term.matrices.order());
+    let mut sum = holders.map_or_else(|| CscMatrix::zeros(order, order), |term| term.matrices.k.clone());
+    for (term, coefficient) in terms.iter().zip(coefficients) {
+        let named = |source| CaseError::Expression {
+            path: check.path.to_owned(),
+            field: field("terms", &term.name, "coefficient"),
+            source: Box::new(source),
+        };
+        let theta = coefficient.value(medians).map_err(named)?;
+        sum = sum + &term.matrices.k * theta + &term.matrices.m * (theta * of_mass);
+    }
+    Ok(sum)
+}
+
 fn patch_contact(
     check: &Check<'_>,
-    table: ContactTable,
+    shared: Shared,
     patches: Vec<super::Patch>,
     (laws, speeds, friction): (Vec<Law>, Vec<schema::SpeedsTable>, FrictionTable),
 ) -> Result<PatchContact, CaseError> {
@@ -155,24 +285,26 @@ fn patch_contact(
         return Err(check.value("study.laws", "[]", "one law or more"));
     }
     check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
-    let ContactTable { in_contact, arrangements, draws, bristle_damping, lateral, .. } = table;
-    let is_lateral = lateral != Some(LateralEntry::None);
+    let Shared { is_lateral, own_speed, .. } = shared;
     let depends_on_speed = is_lateral || laws.iter().any(|&law| law != Law::AmontonsCoulomb);
-    if is_lateral && speeds.is_empty() {
+    if is_lateral && speeds.is_empty() && own_speed.is_none() {
         let allowed = "a range of speed or more, on which friction across the sliding depends; or contact.lateral = \"none\" without it";
         return Err(check.value("speeds", "missing", allowed));
     }
-    let of_patches = schema::ContactTable { in_contact, arrangements };
+    let needs_ranges = depends_on_speed && own_speed.is_none();
     Ok(PatchContact {
-        panels: arrangements_by_number(check, &of_patches, patches.len())?,
+        panels: arrangements_by_number(check, &shared.arranged, patches.len())?,
         patches,
         friction: distributions(check, of_laws(check, &laws, friction)?)?,
         laws,
-        speeds: if depends_on_speed || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
-        draws,
-        bristle_damping: bristle_damping.into(),
+        speeds: if needs_ranges || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
+        draws: shared.draws,
+        bristle_damping: shared.bristle_damping.into(),
         is_lateral,
-        stiffness_factor: None,
+        stiffness_factor: shared.stiffness_factor,
+        load_factor: shared.load_factor,
+        own_speed,
+        is_of_faces: shared.is_of_faces,
     })
 }
 

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use montecarlo::Distribution;
 use serde::Deserialize;
 
+use super::surface_schema::{AllContactsTable, ContactEntry, ForceTable, RotationTable, SpringTable};
+
 use crate::case::check::Accuracy;
 use crate::case::correlation::CorrelationTable;
 use crate::case::matrices::schema::{Formula, ParameterTable};
@@ -24,7 +26,15 @@ pub(super) struct FiniteElementsFile {
     pub terms: Vec<TermTable>,
     #[serde(default)]
     pub holders: Vec<HolderTable>,
-    pub contact: Option<ContactTable>,
+    pub contact: Option<ContactEntry>,
+    #[serde(default)]
+    pub all_contacts: Option<AllContactsTable>,
+    #[serde(default)]
+    pub forces: Vec<ForceTable>,
+    #[serde(default)]
+    pub rotation: Vec<RotationTable>,
+    #[serde(default)]
+    pub springs: Vec<SpringTable>,
     #[serde(default)]
     pub constraints: Vec<ConstraintsTable>,
     #[serde(default)]
@@ -71,6 +81,15 @@ pub(super) struct TermTable {
     pub stiffness: Option<PathBuf>,
     pub symmetry: Option<SymmetryEntry>,
     pub rayleigh: Option<RayleighTable>,
+    pub loss_factor: Option<LossTable>,
+}
+
+/// Structural damping of the stiffness of the term as a dashpot that has it at one frequency.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LossTable {
+    pub value: f64,
+    pub at_hz: f64,
 }
 
 /// `C = mass M + stiffness K` of the term.

@@ -146,6 +146,17 @@ pub(super) fn terms_with_coefficients(
             let of_stiffness = check.finite(&named("stiffness"), rayleigh.stiffness)?;
             c = c + &m * of_mass + &k * of_stiffness;
         }
+        if let Some(loss) = table.loss_factor {
+            let named = |key: &str| field("terms", &table.name, &format!("loss_factor.{key}"));
+            if !(loss.value.is_finite() && loss.value >= 0.0) {
+                return Err(check.value(&named("value"), loss.value, "a finite number >= 0"));
+            }
+            if !(loss.at_hz.is_finite() && loss.at_hz > 0.0) {
+                return Err(check.value(&named("at_hz"), loss.at_hz, "a frequency in Hz, > 0"));
+            }
+            // At this frequency i omega C is i eta K.
+            c = c + &k * (loss.value / (std::f64::consts::TAU * loss.at_hz));
+        }
         coefficients.push(formulas.expression(&field("terms", &table.name, "coefficient"), table.coefficient, 1.0)?);
         let family = table.family.unwrap_or_else(|| table.name.clone());
         let matrices = SparseSecondOrder::new(m, c, k).map_err(check.sparse(&format!("terms {:?}", table.name)))?;

@@ -1,0 +1,164 @@
+//! Faces of solid elements by the names that a mesh has for them, and the mesh that is integrated over.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use elements::{FaceId, Kind, Mesh, Rows};
+
+use super::nodes::Model;
+use super::schema::Nodes;
+use crate::case::CaseError;
+
+/// Most names that a message lists; chosen, so that the message stays short.
+const MOST_NAMES_LISTED: usize = 12;
+
+/// The solid elements of a case with all their nodes, and their rows in its matrices.
+pub(super) struct Solids<'a> {
+    pub model: &'a Model<'a>,
+    pub mesh: Mesh,
+    pub rows: Rows,
+    /// Places of the elements by their numbers.
+    places: HashMap<i64, usize>,
+}
+
+impl<'a> Solids<'a> {
+    /// # Errors
+    /// A case without a mesh, a mesh without solids that are known.
+    pub fn new(model: &'a Model<'a>, field: &str) -> Result<Self, CaseError> {
+        let missing = || model.check.value("brake.mesh", "missing", &format!("a mesh, as {field} needs its elements"));
+        let drawn = model.mesh.as_ref().ok_or_else(missing)?;
+        let nodes = drawn.nodes.iter().map(|node| (node.label, node.position)).collect();
+        let known = |solid: &formats::Solid| {
+            Some((solid.label, Kind::of_type(&solid.of_type)?, solid.nodes.clone()))
+        };
+        let elements: Vec<_> = model.solids.iter().filter_map(known).collect();
+        if elements.is_empty() {
+            let allowed = "a mesh with elements C3D4, C3D6, C3D8, C3D10, C3D15 or C3D20";
+            return Err(model.check.value("brake.mesh", "no solid elements", allowed));
+        }
+        let mesh = Mesh::new(nodes, elements).map_err(model.check.contact("brake.mesh"))?;
+        let row = |node: i64, direction: usize| model.row(node, direction as u32 + 1);
+        let rows = Rows::new(&mesh, model.dofs.len(), row).map_err(model.check.contact("brake.mesh"))?;
+        let places = mesh.elements().iter().map(|element| element.label).zip(0..).collect();
+        Ok(Self { model, mesh, rows, places })
+    }
+
+    /// The elements of sets and numbers, as places in the mesh, each once.
+    pub fn elements(&self, field: &str, names: &Nodes) -> Result<Vec<usize>, CaseError> {
+        let place = |label: i64| self.places.get(&label).copied();
+        let mut places = BTreeSet::new();
+        for name in names.items() {
+            if let Some(set) = find(&self.model.element_sets, name) {
+                places.extend(set.iter().filter_map(|&label| place(label)));
+            } else if let Some(place) = name.parse().ok().and_then(place) {
+                places.insert(place);
+            } else {
+                let sets = listed(self.model.element_sets.keys());
+                let allowed = format!("an element set of the mesh, or the number of a solid element: {sets}");
+                return Err(self.model.check.value(field, format!("{name:?}"), &allowed));
+            }
+        }
+        if places.is_empty() {
+            return Err(self.model.check.value(field, format!("{:?}", names.items()), "sets with solid elements"));
+        }
+        Ok(places.into_iter().collect())
+    }
+
+    /// The faces of surfaces, node sets (outer faces all of whose corners are in one) and element sets (their outer faces), each once.
+    pub fn faces(&self, field: &str, names: &Nodes) -> Result<Vec<FaceId>, CaseError> {
+        let check = self.model.check;
+        let of_mesh = check.contact::<elements::ElementsError>(field);
+        let mut faces = BTreeSet::new();
+        for name in names.items() {
+            let before = faces.len();
+            if find(&self.model.surfaces, name).is_some() {
+                faces.extend(self.surface(field, name)?);
+            } else if let Some(nodes) = self.model.set(name) {
+                let places: Vec<usize> = nodes.iter().filter_map(|&node| self.mesh.place(node)).collect();
+                faces.extend(self.mesh.faces_on(&places).map_err(&of_mesh)?);
+            } else if find(&self.model.element_sets, name).is_some() {
+                let elements = self.elements(field, &Nodes::One(name.clone()))?;
+                faces.extend(self.mesh.outer_faces(&elements).map_err(&of_mesh)?);
+            } else {
+                let Model { sets, element_sets, surfaces, .. } = self.model;
+                let allowed = format!(
+                    "a surface ({}), a node set ({}) or an element set ({}) of the mesh",
+                    listed(surfaces.keys()),
+                    listed(sets.keys()),
+                    listed(element_sets.keys())
+                );
+                return Err(check.value(field, format!("{name:?}"), &allowed));
+            }
+            if faces.len() == before {
+                let allowed = "a set with whole outer faces of solid elements, each once";
+                return Err(check.value(field, format!("{name:?}"), allowed));
+            }
+        }
+        Ok(faces.into_iter().collect())
+    }
+
+    /// Whether names are of sets of elements alone, all of whose outer faces are then meant.
+    pub fn are_bodies(&self, names: &Nodes) -> bool {
+        let is_body = |name: &String| {
+            find(&self.model.surfaces, name).is_none()
+                && self.model.set(name).is_none()
+                && find(&self.model.element_sets, name).is_some()
+        };
+        names.items().iter().all(is_body)
+    }
+
+    /// The faces of a `*SURFACE`.
+    fn surface(&self, field: &str, name: &str) -> Result<Vec<FaceId>, CaseError> {
+        let check = self.model.check;
+        let of_mesh = check.contact::<elements::ElementsError>(field);
+        let Some(surface) = find(&self.model.surfaces, name) else { return Ok(Vec::new()) };
+        if !surface.unread.is_empty() {
+            let found = format!("{name:?} with {}", surface.unread.join(", "));
+            return Err(check.value(field, found, "a surface of TYPE=ELEMENT or NODE without further parameters"));
+        }
+        let mut faces = Vec::new();
+        for (what, face) in &surface.lines {
+            let found = || format!("{name:?}, line \"{what}, {face}\"");
+            if surface.of_nodes {
+                let nodes = self.model.nodes(field, std::slice::from_ref(what))?;
+                let places: Vec<usize> = nodes.iter().filter_map(|&node| self.mesh.place(node)).collect();
+                faces.extend(self.mesh.faces_on(&places).map_err(&of_mesh)?);
+                continue;
+            }
+            let elements = self.elements(field, &Nodes::One(what.clone()))?;
+            if face.is_empty() {
+                faces.extend(self.mesh.outer_faces(&elements).map_err(&of_mesh)?);
+                continue;
+            }
+            let number = face.strip_prefix('S').and_then(|number| number.parse().ok());
+            let number = number.ok_or_else(|| check.value(field, found(), "faces S1 to S6 of solid elements"))?;
+            for element in elements {
+                let id = FaceId { element, number };
+                self.mesh.face(id).map_err(&of_mesh)?;
+                faces.push(id);
+            }
+        }
+        Ok(faces)
+    }
+
+    /// The numbers of the nodes of faces, ascending.
+    pub fn nodes_of(&self, faces: &[FaceId]) -> Vec<i64> {
+        let nodes = faces.iter().filter_map(|id| self.mesh.face(*id).ok()).flat_map(|face| face.nodes);
+        let labels: BTreeSet<i64> = nodes.map(|node| self.mesh.labels()[node]).collect();
+        labels.into_iter().collect()
+    }
+}
+
+/// What has a name in a deck: as it is written, else in capitals without blanks.
+fn find<'m, T>(map: &'m BTreeMap<String, T>, name: &str) -> Option<&'m T> {
+    let plain = name.split_whitespace().collect::<String>().to_ascii_uppercase();
+    map.get(name).or_else(|| map.get(&plain))
+}
+
+fn listed<'n>(names: impl ExactSizeIterator<Item = &'n String>) -> String {
+    let (count, some): (usize, Vec<&str>) = (names.len(), names.take(MOST_NAMES_LISTED).map(String::as_str).collect());
+    match count {
+        0 => "none".to_owned(),
+        _ if count > MOST_NAMES_LISTED => format!("{}, ...", some.join(", ")),
+        _ => some.join(", "),
+    }
+}

@@ -1,0 +1,179 @@
+//! Normal forces of contacts between faces: given, or in equilibrium with the forces of the case.
+
+use contact::{Balance, Condensed, ContactError, Row, Stiffness};
+use nalgebra::{DMatrix, Vector3};
+use nalgebra_sparse::CscMatrix;
+
+use super::faces::Solids;
+use super::surface_contact::SurfaceContact;
+use super::surface_schema::{ForceTable, LoadEntry};
+use crate::case::CaseError;
+use crate::case::check::field;
+
+/// Normal forces of the points of each contact, and a sentence on how they came about.
+pub(super) struct Balanced {
+    pub forces: Vec<Vec<f64>>,
+    pub note: String,
+}
+
+/// The normal force of each point of a contact whose load is given.
+pub(super) fn given_forces(solids: &Solids<'_>, contact: &SurfaceContact<'_>) -> Result<Vec<f64>, CaseError> {
+    let (check, key) = (solids.model.check, field("contact", &contact.table.name, "load"));
+    let forces = match &contact.table.load {
+        LoadEntry::Total(total) => contact.interface.uniform(*total),
+        LoadEntry::Pressure(table) => contact.interface.uniform(table.pressure * contact.interface.area()),
+        LoadEntry::Pressures(table) => {
+            let file = check.path.parent().unwrap_or(std::path::Path::new("")).join(&table.pressures);
+            let text = std::fs::read_to_string(&file).map_err(|source| CaseError::MatrixRead {
+                path: check.path.to_owned(),
+                field: key.clone(),
+                file: table.pressures.clone(),
+                source,
+            })?;
+            let pressures = pressures(&text).map_err(|(line, found)| {
+                let found = format!("{:?}, line {line}: {found:?}", table.pressures.display());
+                check.value(&key, found, "lines with the number of a node and its pressure, with a comma between them")
+            })?;
+            contact.interface.of_pressures(&solids.mesh, &pressures)
+        }
+        LoadEntry::Word(_) => Ok(Vec::new()),
+    };
+    forces.map_err(check.contact::<ContactError>(&key))
+}
+
+/// Nodes with their pressures from lines `node, pressure`; a first line of words, empty lines and those that begin with `#` are passed over.
+/// The line that is none, from 1, as an error.
+fn pressures(text: &str) -> Result<Vec<(i64, f64)>, (usize, String)> {
+    let mut all = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let plain = line.trim();
+        if plain.is_empty() || plain.starts_with('#') {
+            continue;
+        }
+        let mut fields = plain.split([',', ';', '\t']).map(str::trim);
+        let node = fields.next().and_then(|field| field.parse().ok());
+        let pressure = fields.next().and_then(|field| field.parse().ok());
+        match (node, pressure, fields.next()) {
+            (Some(node), Some(pressure), None) => all.push((node, pressure)),
+            _ if number == 0 => {}
+            _ => return Err((number + 1, plain.chars().take(40).collect())),
+        }
+    }
+    Ok(all)
+}
+
+/// The forces of contacts in equilibrium: what acts on the structure of stiffness K (holders and springs in it, contacts not), and friction
+/// mu along the sliding.
+pub(super) fn balanced(
+    solids: &Solids<'_>,
+    contacts: &[SurfaceContact<'_>],
+    structure: &CscMatrix<f64>,
+    forces: &[ForceTable],
+    mu: f64,
+) -> Result<Balanced, CaseError> {
+    let check = solids.model.check;
+    let of_contact = check.contact::<ContactError>("contact.load = \"equilibrium\"");
+    let load = acting(solids, forces)?;
+    let area: f64 = contacts.iter().map(|contact| contact.interface.area()).sum();
+    // Springs to begin with, which a law replaces: as stiff as it is under the mean pressure.
+    let pressure = load.column_sum().norm().max(load.amax()) / area;
+    let (mut gaps, mut slips, mut stiffness): (Vec<Row>, Vec<Row>, Vec<f64>) = Default::default();
+    for contact in contacts {
+        let points = contact.interface.points();
+        let at_mean: Vec<f64> = points.iter().map(|point| pressure * point.area).collect();
+        stiffness.extend(contact.interface.tangents(&contact.law, &at_mean).map_err(&of_contact)?);
+        gaps.extend(points.iter().map(|point| point.gap_row(&solids.rows)));
+        slips.extend(points.iter().map(|point| point.slip_row(&solids.rows)));
+    }
+    let condensed = Condensed::new(structure, &gaps, &slips, &stiffness, &load).map_err(&of_contact)?;
+    let balance = Balance { gaps: vec![0.0; gaps.len()], mu: vec![mu; gaps.len()], loads: vec![1.0] };
+    let laws: Vec<Stiffness> = contacts.iter().map(|contact| contact.law).collect();
+    let found = match laws.iter().any(|law| matches!(law, Stiffness::Power { .. })) {
+        false => condensed.equilibrium(&balance),
+        true if laws.iter().all(|law| *law == laws[0]) => {
+            let areas: Vec<f64> =
+                contacts.iter().flat_map(|contact| contact.interface.points()).map(|point| point.area).collect();
+            condensed.equilibrium_of_law(&balance, &laws[0], &areas)
+        }
+        true => {
+            let allowed = "one law p = c g^m for all contacts that are in equilibrium, or none";
+            return Err(check.value("contact.stiffness", "several laws", allowed));
+        }
+    };
+    let found = found.map_err(&of_contact)?;
+    let closed = found.closed().iter().filter(|closed| **closed).count();
+    let mut rest = found.forces.as_slice();
+    let mut of_contacts = Vec::new();
+    let mut words = Vec::new();
+    for contact in contacts {
+        let (own, others) = rest.split_at(contact.interface.points().len());
+        rest = others;
+        words.push(format!("{} {:.6e} N", contact.table.name, own.iter().sum::<f64>()));
+        of_contacts.push(own.to_vec());
+    }
+    let note = format!(
+        "contacts in equilibrium: {closed} of {} points are closed, {}; {}",
+        found.forces.len(),
+        words.join(", "),
+        found.uniqueness
+    );
+    Ok(Balanced { forces: of_contacts, note })
+}
+
+/// The forces of a case on its rows, one column.
+fn acting(solids: &Solids<'_>, forces: &[ForceTable]) -> Result<DMatrix<f64>, CaseError> {
+    let (check, model) = (solids.model.check, solids.model);
+    if forces.is_empty() {
+        return Err(check.value("forces", "missing", "tables of what presses, as contacts are in equilibrium"));
+    }
+    check.names("forces.name", forces.iter().map(|table| &table.name))?;
+    let mut load = DMatrix::zeros(solids.rows.order(), 1);
+    for table in forces {
+        let key = |key: &str| field("forces", &table.name, key);
+        match (&table.nodes, table.force, &table.faces, table.pressure) {
+            (Some(nodes), Some(force), None, None) => {
+                let nodes = model.nodes(&key("nodes"), nodes.items())?;
+                for (x, force) in force.into_iter().enumerate() {
+                    let force = check.finite(&key("force"), force)? / nodes.len() as f64;
+                    for &node in &nodes {
+                        model.row(node, x as u32 + 1).into_iter().for_each(|row| load[(row, 0)] += force);
+                    }
+                }
+            }
+            (None, None, Some(faces), Some(pressure)) => {
+                let pressure = check.finite(&key("pressure"), pressure)?;
+                for id in solids.faces(&key("faces"), faces)? {
+                    let face = solids.mesh.face(id).map_err(check.contact(&key("faces")))?;
+                    for (own, weight) in face.kind.rule() {
+                        let at = face.at(own);
+                        // Against the normal to the outside.
+                        let force: Vector3<f64> = at.area * (-pressure * weight);
+                        for (&node, n) in face.nodes.iter().zip(at.shape.values()) {
+                            for x in 0..3 {
+                                solids.rows.row(node, x).into_iter().for_each(|row| load[(row, 0)] += n * force[x]);
+                            }
+                        }
+                    }
+                }
+            }
+            _ => {
+                let allowed = "nodes with force = [x, y, z] in N, or faces with pressure in Pa";
+                return Err(check.value(&format!("forces {:?}", table.name), "other fields", allowed));
+            }
+        }
+    }
+    Ok(load)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::pressures;
+
+    #[test]
+    fn files_of_pressures_may_have_a_head_and_remarks() {
+        let text = "node, pressure\n# by CalculiX\n\n12, 1.5e6\n13;2e6\n14\t0\n";
+        assert_eq!(pressures(text), Ok(vec![(12, 1.5e6), (13, 2e6), (14, 0.0)]));
+        assert_eq!(pressures("12, 1\n13, x\n"), Err((2, "13, x".to_owned())));
+        assert_eq!(pressures("12, 1\n13, 1, 2\n"), Err((2, "13, 1, 2".to_owned())));
+    }
+}
