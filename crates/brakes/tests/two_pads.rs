@@ -2,20 +2,329 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::path::Path;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 use brakes::case::{CaseFile, FiniteElementCase};
+use elements::nalgebra::DVector;
+use elements::{Body, Kind, Material, Mesh, Rows};
 use linsys::OperatingPoint;
 use num_complex::Complex;
+use sparse::nalgebra_sparse::CscMatrix;
 use sparse::{Options, Rectangle, eigenpairs_in};
 
-fn case(path: &Path) -> FiniteElementCase {
-    let text = std::fs::read_to_string(path).unwrap();
-    match CaseFile::parse(path, text).unwrap() {
-        CaseFile::FiniteElements(case) => *case,
+fn parse(path: &Path, text: String) -> Result<FiniteElementCase, String> {
+    match CaseFile::parse(path, text).map_err(|error| error.to_string())? {
+        CaseFile::FiniteElements(case) => Ok(*case),
         other => panic!("{other:?}"),
     }
+}
+
+/// A folder with the small brake of `contact`: its deck, and matrices that `elements` makes of it; and what numpy makes of contact and rotation.
+struct Folder {
+    folder: tempfile::TempDir,
+    /// M and K of the structure.
+    matrices: [CscMatrix<f64>; 2],
+    /// Rows of products with the probe.
+    products: BTreeMap<String, Vec<(usize, f64)>>,
+}
+
+impl Folder {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut nodes, mut solids): (Vec<(i64, [f64; 3])>, Vec<(i64, Kind, Vec<i64>)>) = Default::default();
+        let mut bodies: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        let mut products: BTreeMap<String, Vec<(usize, f64)>> = BTreeMap::new();
+        let (mut deck, mut body, mut last) = ("*NODE\n".to_owned(), String::new(), String::new());
+        for line in include_str!("../../contact/tests/two_pads/two_pads.txt").lines() {
+            let words: Vec<&str> = line.split(' ').collect();
+            let real = |at: usize| words[at].parse::<f64>().unwrap();
+            match words[0] {
+                "node" => {
+                    nodes.push((words[1].parse().unwrap(), [real(2), real(3), real(4)]));
+                    writeln!(deck, "{}", words[1..].join(", ")).unwrap();
+                }
+                "element" => {
+                    if body != words[2] {
+                        body = words[2].to_owned();
+                        writeln!(deck, "*ELEMENT, TYPE=C3D20R, ELSET={body}").unwrap();
+                    }
+                    bodies.entry(body.clone()).or_default().push(solids.len());
+                    let own: Vec<i64> = words[3..].iter().map(|word| word.parse().unwrap()).collect();
+                    let numbers: Vec<String> = own.iter().map(i64::to_string).collect();
+                    writeln!(deck, "{}, {},\n{}", words[1], numbers[..10].join(", "), numbers[10..].join(", ")).unwrap();
+                    solids.push((words[1].parse().unwrap(), Kind::Hexahedron20, own));
+                }
+                "area" => {}
+                "matrix" => last = words[1].to_owned(),
+                row => products.entry(last.clone()).or_default().push((row.parse().unwrap(), real(1))),
+            }
+        }
+        for (name, z, x) in [("OUTER", 11.0, 2), ("INNER", -35.0, 2), ("TOP", 0.0, 2)] {
+            writeln!(deck, "*NSET, NSET={name}").unwrap();
+            nodes.iter().filter(|(_, p)| p[x] == z).for_each(|(label, _)| writeln!(deck, "{label}").unwrap());
+        }
+        let rim = nodes.iter().filter(|(_, p)| p[0].hypot(p[1]) < 81.0);
+        writeln!(deck, "*NSET, NSET=HUB").unwrap();
+        rim.for_each(|(label, _)| writeln!(deck, "{label}").unwrap());
+        // The face of the inner pad at the disc is S2 of its elements, that of the outer one S1.
+        writeln!(deck, "*SURFACE, NAME=LINING\nOUT, S1\n*SURFACE, NAME=UNION, COMBINE=UNION\nLINING").unwrap();
+        std::fs::write(folder.path().join("brake.inp"), deck).unwrap();
+        let mesh = Mesh::new(nodes, solids).unwrap();
+        let rows = Rows::all(&mesh);
+        let body = Body::new(&mesh, mesh.all(), &rows).unwrap();
+        let material = Material::new(1.0e5, 0.3).unwrap();
+        let matrices = [body.mass(7.2e-9).unwrap(), body.stiffness(&material).unwrap()];
+        for (name, matrix) in ["mass.mtx", "stiffness.mtx"].iter().zip(&matrices) {
+            let mut text = String::new();
+            for (i, j, value) in matrix.triplet_iter() {
+                let named = |row: usize| format!("{}, {}", mesh.labels()[row / 3], row % 3 + 1);
+                writeln!(text, "{}, {}, {value:e}", named(i), named(j)).unwrap();
+            }
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        Self { folder, matrices, products }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.path().join("brake.toml")
+    }
+
+    fn parse(&self, text: String) -> Result<FiniteElementCase, String> {
+        parse(&self.path(), text)
+    }
+
+    /// A matrix of the fixture times the probe.
+    fn product(&self, name: &str, rows: usize) -> DVector<f64> {
+        let mut product = DVector::zeros(rows);
+        self.products[name].iter().for_each(|&(row, value)| product[row] = value);
+        product
+    }
+}
+
+/// A case with both contacts, in mm, t and s.
+const CASE: &str = r#"
+[study]
+name = "Two pads"
+laws = ["amontons-coulomb"]
+samples = 10
+seed = 1
+[brake]
+kind = "finite-elements"
+mesh = "brake.inp"
+[[terms]]
+name = "structure"
+mass = "mass.mtx"
+stiffness = "stiffness.mtx"
+symmetry = "whole"
+[[rotation]]
+name = "disc"
+elements = "DISC"
+density = 7.2e-9
+axis = [0.0, 0.0, 3.0]
+speed = "Omega"
+[[springs]]
+name = "hub x"
+nodes = "HUB"
+direction = [1.0, 0.0, 0.0]
+stiffness = 1e5
+[[contact]]
+name = "outer"
+slave = "LINING"
+master = "TOP"
+reach = 0.5
+sliding = { axis = [0.0, 0.0, 1.0] }
+stiffness = { per_area = 110.0 }
+load = { pressure = 1.0 }
+[[contact]]
+name = "inner"
+slave = "IN"
+master = "DISC"
+reach = 0.5
+sliding = { axis = [0.0, 0.0, 1.0] }
+stiffness = { per_area = 110.0 }
+load = { pressure = 1.0 }
+[all_contacts]
+speed = "Omega"
+load_factor = "p"
+[friction.mu]
+distribution = "constant"
+value = 0.45
+[parameters.Omega]
+distribution = "constant"
+value = 5.0
+[parameters.p]
+distribution = "uniform"
+from = 1.0
+to = 3.0
+[reduction]
+frequencies = [1000.0, 8000.0]
+growth = [-500.0, 4000.0]
+"#;
+
+#[test]
+fn a_case_file_is_the_matrices_of_numpy() {
+    let folder = Folder::new();
+    let case = folder.parse(CASE.into()).unwrap();
+    let contact = case.contact.as_ref().unwrap();
+    assert_eq!(contact.patches.iter().map(|patch| patch.name.as_str()).collect::<Vec<_>>(), ["outer", "inner"]);
+    assert_eq!(case.system.channels().len(), 2 * 2 * 6 * 9);
+    let system = case.system.assemble(&brakes::at_medians(&case).unwrap()).unwrap();
+    let order = system.order();
+    let probe = DVector::from_fn(order, |i, _| (1.0 + 0.37 * i as f64).sin());
+    let [mass, stiffness] = &folder.matrices;
+    let of = |name: &str| folder.product(name, order);
+    let close = |found: DVector<f64>, expected: DVector<f64>, what: &str| {
+        let distance = (&found - &expected).amax() / expected.amax();
+        println!("{what}: {distance:.1e}");
+        assert!(distance < 1e-10, "{what}: {distance:e}");
+    };
+    close(&system.m * &probe, mass * &probe, "M");
+    // The spring of the hub: shared by its nodes, in x.
+    let hub = &case.node_sets["HUB"];
+    let mut held = DVector::zeros(order);
+    for (row, dof) in case.dofs.iter().enumerate() {
+        if dof.direction == 1 && hub.contains(&dof.node) {
+            held[row] = 1e5 / hub.len() as f64 * probe[row];
+        }
+    }
+    let expected = stiffness * &probe + held + of("normal") + of("friction") * 0.45 - of("centripetal") * 25.0;
+    close(&system.k * &probe, expected, "K");
+    // Twice the pressure of 1 by the median of p, as numpy has it; 2 Omega G.
+    close(&system.c * &probe, of("lateral") * 0.45 + of("gyroscopic") * 10.0, "C");
+}
+
+/// Pressed by fluid on both backs, held along and across the sliding by springs, and along the axis by the contact alone.
+fn in_equilibrium() -> String {
+    let springs: String = [("out", "OUTER"), ("in", "INNER")]
+        .iter()
+        .flat_map(|(pad, set)| {
+            [("x", "[1.0, 0.0, 0.0]"), ("y", "[0.0, 1.0, 0.0]")].map(|(x, direction)| {
+                format!("[[springs]]\nname = \"{pad} {x}\"\nnodes = \"{set}\"\ndirection = {direction}\nstiffness = 6e4\n")
+            })
+        })
+        .collect();
+    let forces: String = [("OUTER", 1.5), ("INNER", 1.2)]
+        .iter()
+        .map(|(set, p)| format!("[[forces]]\nname = \"{set}\"\nfaces = \"{set}\"\npressure = {p}\n"))
+        .collect();
+    let held = "[[springs]]\nname = \"hub y\"\nnodes = \"HUB\"\ndirection = [0.0, 1.0, 0.0]\nstiffness = 1e5\n[[springs]]\n\
+                name = \"hub z\"\nnodes = \"HUB\"\ndirection = [0.0, 0.0, 1.0]\nstiffness = 1e5\n";
+    CASE.replace("load = { pressure = 1.0 }", "load = \"equilibrium\"")
+        .replace("[all_contacts]", &format!("{springs}{forces}{held}[all_contacts]"))
+}
+
+#[test]
+fn loads_in_equilibrium_are_those_that_press() {
+    let folder = Folder::new();
+    let case = folder.parse(in_equilibrium()).unwrap();
+    let contact = case.contact.as_ref().unwrap();
+    let area = 2.2674787254376315e+03 + 2.8016067404148216e+03;
+    for (patch, pressure) in contact.patches.iter().zip([1.5, 1.2]) {
+        let total: f64 = patch.shares.iter().map(|share| share * patch.load).sum();
+        // Backs have the area of the faces.
+        assert!((total / (pressure * area) - 1.0).abs() < 1e-10, "{total} {}", pressure * area);
+        let least = patch.shares.iter().fold(f64::INFINITY, |least, share| least.min(*share));
+        let most = patch.shares.iter().fold(0.0_f64, |most, share| most.max(*share));
+        assert!(least < 0.9 * most, "the lining bends, and friction tilts it");
+    }
+    let note = case.header.notes.iter().find(|note| note.contains("equilibrium")).unwrap();
+    println!("{note}");
+    assert!(note.contains("of 108 points are closed") && note.contains("unique"), "{note}");
+    // Friction tilts a pad towards where its holder pushes back: other forces without it.
+    let without = in_equilibrium().replace("value = 0.45", "value = 0.0");
+    let without = folder.parse(without).unwrap();
+    let shares = |case: &FiniteElementCase| case.contact.as_ref().unwrap().patches[0].shares.clone();
+    let without = shares(&without);
+    if without.len() == shares(&case).len() {
+        assert!(shares(&case).iter().zip(&without).any(|(a, b)| (a - b).abs() > 0.05));
+    }
+}
+
+#[test]
+fn faults_are_one_line_with_file_field_and_what_is_allowed() {
+    let folder = Folder::new();
+    let many = CASE.to_owned();
+    let balanced = in_equilibrium();
+    let faults = [
+        (&many, "slave = \"LINING\"", "slave = \"LINNING\"", "contact \"outer\".slave = \"LINNING\"; allowed: a surface (LINING, UNION), a node set (HUB"),
+        (&many, "slave = \"LINING\"", "slave = \"UNION\"", "\"UNION\" with COMBINE; allowed: a surface of TYPE=ELEMENT"),
+        (&many, "slave = \"LINING\"", "slaves = \"LINING\"", "unknown field `slaves`"),
+        (&many, "master = \"TOP\"", "master = \"OUTER\"", "contact \"outer\": the faces do not meet: node"),
+        (&many, "slave = \"IN\"", "slave = \"INNER\"", "contact \"inner\": the faces do not meet: node"),
+        (&many, "slave = \"LINING\"\nmaster = \"TOP\"", "slave = \"DISC\"\nmaster = \"LINING\"", "contact \"outer\": the master is smaller than the slave:"),
+        (&many, "reach = 0.5", "reach = 0.0", "contact \"outer\": the reach of a contact is 0; allowed"),
+        (&many, "sliding = { axis = [0.0, 0.0, 1.0] }", "sliding = { axis = [0.0, 0.0, 1.0], through = [0.0, 120.0, 0.0] }", "the axis of rotation goes through the slave, at node"),
+        (&many, "sliding = { axis = [0.0, 0.0, 1.0] }", "sliding = [0.0, 0.0, 1.0]", "nothing slides at node"),
+        (&many, "stiffness = { per_area = 110.0 }", "stiffness = { per_area = -1.0 }", "contact \"outer\".stiffness: the stiffness of a contact by area is -1"),
+        (&many, "stiffness = { per_area = 110.0 }", "stiffness = { c = 5.0, m = 0.5 }", "contact \"outer\".stiffness: m of a contact's p = c g^m is 0.5"),
+        (&many, "load = { pressure = 1.0 }", "load = \"equilibrium\"", "contact.load = \"equilibrium\" in some; allowed: \"equilibrium\" in all or in none"),
+        (&many, "load = { pressure = 1.0 }", "load = -3.0", "contact \"outer\".load: the load of a contact is -3; allowed"),
+        (&many, "load = { pressure = 1.0 }", "load = { pressures = \"none.csv\" }", "none.csv"),
+        (&many, "[all_contacts]", "[[speeds]]\nname = \"slow\"\nfrom = 1.0\nto = 2.0\n[all_contacts]", "speeds = given; allowed: cases without all_contacts.speed"),
+        (&many, "speed = \"Omega\"\nload_factor", "speed = \"Omga\"\nload_factor", "all_contacts.speed"),
+        (&many, "[all_contacts]", "[[forces]]\nname = \"x\"\n[all_contacts]", "forces = given; allowed: contacts in equilibrium"),
+        (&many, "elements = \"DISC\"", "elements = \"DISK\"", "rotation \"disc\".elements = \"DISK\"; allowed: an element set of the mesh"),
+        (&many, "density = 7.2e-9", "density = 0.0", "rotation \"disc\": the density is 0; allowed"),
+        (&many, "axis = [0.0, 0.0, 3.0]", "axis = [0.0, 0.0, 0.0]", "rotation \"disc\": the axis has the direction"),
+        (&many, "stiffness = 1e5", "stiffness = -1.0", "springs \"hub x\".stiffness = -1; allowed: a finite number >= 0"),
+        (&many, "direction = [1.0, 0.0, 0.0]", "direction = [0.0, 0.0, 0.0]", "springs \"hub x\".direction"),
+        (&many, "symmetry = \"whole\"", "symmetry = \"whole\"\nloss_factor = { value = -0.1, at_hz = 3000.0 }", "terms \"structure\".loss_factor.value = -0.1"),
+        (&balanced, "nodes = \"OUTER\"", "nodes = \"INNER\"", "nothing holds the bodies"),
+        (&balanced, "pressure = 1.5", "pressure = -1.5", "there is no equilibrium"),
+        (&balanced, "faces = \"OUTER\"", "nodes = \"OUTER\"", "forces \"OUTER\" = other fields; allowed"),
+    ];
+    let mut wrong = String::new();
+    for (text, given, changed, expected) in faults {
+        assert!(text.contains(given), "{given}");
+        let found = folder.parse(text.replacen(given, changed, if given.starts_with("nodes") { 9 } else { 1 }));
+        let found = found.err().unwrap_or("accepted".into());
+        if !found.contains(expected) || found.contains('\n') {
+            wrong += &format!("{changed}:\n{found}\n");
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn pressures_of_a_file_and_springs_between_sets() {
+    let folder = Folder::new();
+    let with_file = CASE.replacen("load = { pressure = 1.0 }", "load = { pressures = \"p.csv\" }", 1);
+    // A pressure that grows along y, at the nodes of the outer lining.
+    let case = folder.parse(CASE.into()).unwrap();
+    let mesh = case.mesh.as_ref().unwrap();
+    let on_face = |label: i64| (1001..2001).contains(&label);
+    let lines: String = mesh
+        .nodes
+        .iter()
+        .filter(|node| on_face(node.label) && node.position[2] == 0.0)
+        .map(|node| format!("{}, {:e}\n", node.label, node.position[1]))
+        .collect();
+    std::fs::write(folder.folder.path().join("p.csv"), format!("node, pressure\n{lines}")).unwrap();
+    let case = folder.parse(with_file.clone()).unwrap();
+    let patch = &case.contact.as_ref().unwrap().patches[0];
+    let total: f64 = patch.shares.iter().map(|share| share * patch.load).sum();
+    let area = 2.2674787254376315e+03 + 2.8016067404148216e+03;
+    assert!(total / area > 106.0 && total / area < 147.0, "{}", total / area);
+    std::fs::write(folder.folder.path().join("p.csv"), "3, 1.0\n").unwrap();
+    let error = folder.parse(with_file).unwrap_err();
+    assert!(error.contains("there is a pressure of node 3, which the slave lacks"), "{error}");
+
+    // A shim between the backs: K of the means, and its dashpot.
+    let shim = "[[springs]]\nname = \"shim\"\nnodes = \"OUTER\"\nto = \"INNER\"\ndirection = [0.0, 3.0, 4.0]\nstiffness = 50.0\n\
+                damping = 0.5\ncoefficient = \"2*p\"\n[all_contacts]";
+    let with_shim = folder.parse(CASE.replace("[all_contacts]", shim)).unwrap();
+    let of = |case: &FiniteElementCase| case.system.assemble(&brakes::at_medians(case).unwrap()).unwrap();
+    let (before, after) = (of(&folder.parse(CASE.into()).unwrap()), of(&with_shim));
+    let moved = DVector::from_iterator(
+        after.order(),
+        with_shim.dofs.iter().map(|dof| if (1001..2001).contains(&dof.node) && dof.direction == 3 { 1.0 } else { 0.0 }),
+    );
+    let added = |after: &CscMatrix<f64>, before: &CscMatrix<f64>| moved.dot(&((after - before) * &moved));
+    assert!((added(&after.k, &before.k) - 4.0 * 50.0 * 0.64).abs() < 1e-6);
+    assert!((added(&after.c, &before.c) - 4.0 * 0.5 * 0.64).abs() < 1e-9);
 }
 
 /// The large brake of a folder, `brake.toml` in it, and `reference.txt` with lines `Re Im` of all eigenvalues from 1 to 8 kHz by SciPy.
@@ -23,8 +332,9 @@ fn case(path: &Path) -> FiniteElementCase {
 #[ignore = "needs a folder with a brake of 5,000 degrees of freedom, named by SQUEAL_TWO_PADS"]
 fn a_large_brake_has_the_eigenvalues_of_scipy() {
     let folder = std::env::var("SQUEAL_TWO_PADS").unwrap();
-    let case = case(&Path::new(&folder).join("brake.toml"));
-    case.notes.iter().for_each(|note| println!("{note}"));
+    let path = Path::new(&folder).join("brake.toml");
+    let case = parse(&path, std::fs::read_to_string(&path).unwrap()).unwrap();
+    case.header.notes.iter().for_each(|note| println!("{note}"));
     let contact = case.contact.as_ref().unwrap();
     println!("{} channels in {} patches", case.system.channels().len(), contact.patches.len());
     let (_, still) = brakes::frictionless(&case, &[]).unwrap();

@@ -119,8 +119,8 @@ impl Interface {
         }
     }
 
-    /// Which of some faces, as all outer ones of a body, look at a master within reach with all their points of Gauss: those that are meant as the
-    /// slave where a body is named.
+    /// Which of some faces, as all outer ones of a body, look at a master within reach with any of their points of Gauss: those that are meant as
+    /// the slave where a body is named.
     ///
     /// # Errors
     /// As [`Interface::new`], but for faces that do not meet, a master that is smaller and normals that contradict.
@@ -134,7 +134,7 @@ impl Interface {
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
         let mut search = Search { grid: Grid::new(&master, pairing.reach), master: &master, pairing, projections: 0 };
         let mut looks = |face: &Face| {
-            face.kind.rule().into_iter().all(|(own, _)| {
+            face.kind.rule().into_iter().any(|(own, _)| {
                 let at = face.at(own);
                 matches!(search.opposite(&at.position, &at.area.normalize(), 0), Ok(Some(_)))
             })

@@ -44,9 +44,10 @@ const ALLOWANCE: f64 = 100.0;
 /// The least that it is taken to be, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were solved
 /// with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
-/// Columns that a basis is expected to have, before it is made: without contact, chosen, and for each closed pair of nodes, with friction along
+/// Columns that a basis is expected to have, before it is made: without contact and with one between faces, chosen, and for each closed pair of nodes, with friction along
 /// the sliding alone and across it too. Measured with cases/disc-pad (27 pairs), the latter with its refinement of 75 pairs too.
 const EXPECTED_COLUMNS: usize = 40;
+const EXPECTED_COLUMNS_OF_FACES: usize = 150;
 const EXPECTED_COLUMNS_BY_PAIR: [f64; 2] = [3.2, 4.15];
 
 /// The brake of a case in all its configurations, reduced.
@@ -132,6 +133,10 @@ impl FiniteElementBrake {
     /// Memory and processor time of the bases of a case, roughly, before any of them is made: a basis has columns by its closed pairs.
     pub fn expected_cost(case: &FiniteElementCase) -> Cost {
         let columns: Vec<usize> = case.contact.as_ref().map_or(vec![EXPECTED_COLUMNS], |contact| {
+            if contact.is_of_faces {
+                // A basis of modes, whatever the number of points.
+                return vec![EXPECTED_COLUMNS_OF_FACES; contact.panels.iter().map(|(_, all)| all.len()).sum()];
+            }
             let by_pair = EXPECTED_COLUMNS_BY_PAIR[usize::from(contact.is_lateral)];
             let arrangements = contact.panels.iter().flat_map(|(_, arrangements)| arrangements);
             let pairs =

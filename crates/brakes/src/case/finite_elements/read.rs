@@ -14,7 +14,7 @@ use super::nodes::Model;
 use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, LateralEntry, ReductionTable};
 use super::surface_contact::{SurfaceContact, Surfaces};
 use super::surface_loads::balanced;
-use super::surface_schema::ContactEntry;
+use super::surface_schema::{ContactEntry, FacesTable};
 use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
 use super::turning::{rotation_terms, spring_term};
 use super::{
@@ -148,6 +148,9 @@ impl FiniteElementCase {
                     return Err(check.value("speeds", "given", "cases without all_contacts.speed, which says the speed"));
                 }
                 let is_lateral = lateral(&check, all.lateral, speeds.is_empty() && speed.is_none());
+                if !tables.iter().any(FacesTable::is_in_equilibrium) {
+                    unused("contacts in equilibrium, load = \"equilibrium\"", &[("forces", !forces.is_empty())])?;
+                }
                 let solids = Solids::new(&model, "[[contact]]")?;
                 let mu = friction.as_ref().map_or(0.0, |friction| friction.mu.median());
                 let in_equilibrium = |contacts: &[SurfaceContact<'_>]| {

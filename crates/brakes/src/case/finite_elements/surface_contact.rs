@@ -1,5 +1,7 @@
 //! Contacts between faces that need not match: their points in patches, with springs and friction.
 
+use std::collections::BTreeSet;
+
 use contact::{ContactError, Integration, Interface, Pairing, Row, Sliding, Stiffness};
 use elements::{Axis, FaceId};
 use linsys::Channel;
@@ -12,7 +14,7 @@ use super::missing::MissingRows;
 use super::schema::SlidingEntry;
 use super::side::Side;
 use super::surface_loads::{Balanced, given_forces};
-use super::surface_schema::{FacesTable, IntegrationEntry, LoadEntry, StiffnessEntry};
+use super::surface_schema::{FacesTable, IntegrationEntry, StiffnessEntry};
 use super::Patch;
 use crate::case::CaseError;
 use crate::case::check::field;
@@ -70,16 +72,15 @@ impl<'t> SurfaceContact<'t> {
             }
         }
         let interface = Interface::new(&solids.mesh, &slave, &master, &pairing).map_err(&of_contact)?;
+        // Of a whole body those that are met.
+        let master: BTreeSet<FaceId> = interface.points().iter().map(|point| point.master_face).collect();
+        let master = master.into_iter().collect();
         Ok(Self { table, interface, law, slave, master })
     }
 
     /// The table as messages name it.
     pub fn field(&self) -> String {
         format!("contact {:?}", self.table.name)
-    }
-
-    pub fn in_equilibrium(&self) -> bool {
-        matches!(self.table.load, LoadEntry::Word(_))
     }
 
     /// The patch of each point by its place in a list of names.
@@ -138,7 +139,7 @@ impl Surfaces {
         if contacts.is_empty() {
             return Err(check.value("contact", "[]", "one table or more"));
         }
-        let count = contacts.iter().filter(|contact| contact.in_equilibrium()).count();
+        let count = tables.iter().filter(|table| table.is_in_equilibrium()).count();
         if count != 0 && count != contacts.len() {
             return Err(check.value("contact.load", "\"equilibrium\" in some", "\"equilibrium\" in all or in none"));
         }

@@ -59,6 +59,12 @@ pub(super) struct FacesTable {
     pub integration: IntegrationEntry,
 }
 
+impl FacesTable {
+    pub fn is_in_equilibrium(&self) -> bool {
+        matches!(self.load, LoadEntry::Word(LoadWord::Equilibrium))
+    }
+}
+
 /// Stiffness of a contact.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(
