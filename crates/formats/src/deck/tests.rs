@@ -341,8 +341,11 @@ fn included_files_stand_in_the_place_of_the_line_that_includes_them() {
 
 #[test]
 fn solids_keep_their_nodes_and_surfaces_their_lines() {
-    let text = BRICK.replace("*NSET,NSET=Bottom", "*Surface, name=Top, type=element\nE, s2\n1,S1\n*SURFACE, TYPE=NODE, NAME=n\n7,\n \
-        all\n*SURFACE, NAME=cut, COMBINE=UNION\nTOP, N\n*SURFACE INTERACTION, NAME=I\n1, 2\n*NSET,NSET=Bottom");
+    let text = BRICK.replace(
+        "*NSET,NSET=Bottom",
+        "*Surface, name=Top, type=element\nE, s2\n1,S1\n*SURFACE, TYPE=NODE, NAME=n\n7,\n \
+        all\n*SURFACE, NAME=cut, COMBINE=UNION\nTOP, N\n*SURFACE INTERACTION, NAME=I\n1, 2\n*NSET,NSET=Bottom",
+    );
     let found = deck(&text).unwrap();
     let nodes = (1..=8).collect();
     assert_eq!(found.solids, [Solid { label: 1, of_type: "C3D8".into(), nodes }]);

@@ -27,9 +27,7 @@ impl<'a> Solids<'a> {
         let missing = || model.check.value("brake.mesh", "missing", &format!("a mesh, as {field} needs its elements"));
         let drawn = model.mesh.as_ref().ok_or_else(missing)?;
         let nodes = drawn.nodes.iter().map(|node| (node.label, node.position)).collect();
-        let known = |solid: &formats::Solid| {
-            Some((solid.label, Kind::of_type(&solid.of_type)?, solid.nodes.clone()))
-        };
+        let known = |solid: &formats::Solid| Some((solid.label, Kind::of_type(&solid.of_type)?, solid.nodes.clone()));
         let elements: Vec<_> = model.solids.iter().filter_map(known).collect();
         if elements.is_empty() {
             let allowed = "a mesh with elements C3D4, C3D6, C3D8, C3D10, C3D15 or C3D20";

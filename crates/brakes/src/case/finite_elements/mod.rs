@@ -110,7 +110,6 @@ pub struct OwnSpeed {
 pub(crate) const LOAD_FACTOR: &str = "all_contacts.load_factor";
 pub(crate) const OWN_SPEED: &str = "all_contacts.speed";
 
-
 /// The field of [`PatchContact::stiffness_factor`].
 pub(crate) const STIFFNESS_FACTOR: &str = "contact.stiffness_factor";
 

@@ -117,7 +117,8 @@ impl FiniteElementCase {
             Some(ContactEntry::OfNodes(mut table)) => {
                 unused(of_faces, &[("all_contacts", all_contacts.is_some()), ("forces", !forces.is_empty())])?;
                 let factor = table.stiffness_factor.take();
-                let factor = factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
+                let factor =
+                    factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
                 let is_lateral = lateral(&check, table.lateral, speeds.is_empty());
                 if !is_lateral {
                     table.lateral = Some(LateralEntry::None);
@@ -145,7 +146,11 @@ impl FiniteElementCase {
                 let load_factor = taken(LOAD_FACTOR, all.load_factor.take())?;
                 let speed = taken(OWN_SPEED, all.speed.take())?;
                 if speed.is_some() && !speeds.is_empty() {
-                    return Err(check.value("speeds", "given", "cases without all_contacts.speed, which says the speed"));
+                    return Err(check.value(
+                        "speeds",
+                        "given",
+                        "cases without all_contacts.speed, which says the speed",
+                    ));
                 }
                 let is_lateral = lateral(&check, all.lateral, speeds.is_empty() && speed.is_none());
                 if !tables.iter().any(FacesTable::is_in_equilibrium) {
@@ -247,9 +252,8 @@ struct Shared {
 /// Whether friction acts across the sliding too. It depends on a speed; where nobody says which there is none, and a line that says so.
 fn lateral(check: &Check<'_>, given: Option<LateralEntry>, no_speed: bool) -> bool {
     if given.is_none() && no_speed {
-        check.note(
-            "no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)".into(),
-        );
+        check
+            .note("no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)".into());
         return false;
     }
     given != Some(LateralEntry::None)

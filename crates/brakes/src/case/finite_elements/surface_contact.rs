@@ -8,6 +8,7 @@ use linsys::Channel;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
+use super::Patch;
 use super::contact::Patches;
 use super::faces::Solids;
 use super::missing::MissingRows;
@@ -15,7 +16,6 @@ use super::schema::SlidingEntry;
 use super::side::Side;
 use super::surface_loads::{Balanced, given_forces};
 use super::surface_schema::{FacesTable, IntegrationEntry, StiffnessEntry};
-use super::Patch;
 use crate::case::CaseError;
 use crate::case::check::field;
 
@@ -165,7 +165,11 @@ impl Surfaces {
                 let own: Vec<usize> = (0..of.len()).filter(|&point| of[point] == at && forces[point] > 0.0).collect();
                 if own.is_empty() {
                     let found = format!("{name:?}, of whose points none is closed");
-                    return Err(check.value(&field("contact", &contact.table.name, "patches"), found, "patches that are pressed on"));
+                    return Err(check.value(
+                        &field("contact", &contact.table.name, "patches"),
+                        found,
+                        "patches that are pressed on",
+                    ));
                 }
                 let made = Made { solids, contact, forces, stiffness: &stiffness, is_lateral, mean_speed };
                 made.patch(name, &own, &mut out)?;
@@ -239,7 +243,8 @@ impl Made<'_> {
         let k = CscMatrix::from(&k);
         let zero = || CscMatrix::zeros(rows.order(), rows.order());
         let symmetric = (&k + k.transpose()) * 0.5;
-        let matrices = SparseSecondOrder::new(zero(), zero(), symmetric).map_err(solids.model.check.sparse("contact"))?;
+        let matrices =
+            SparseSecondOrder::new(zero(), zero(), symmetric).map_err(solids.model.check.sparse("contact"))?;
         out.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
         out.channels.extend(along);
         out.channels.extend(across);
