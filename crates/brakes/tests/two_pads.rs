@@ -396,6 +396,41 @@ fn pressures_of_a_file_and_springs_between_sets() {
     assert!((added(&after.c, &before.c) - 4.0 * 0.5 * 0.64).abs() < 1e-9);
 }
 
+#[test]
+fn loss_factors_are_dashpots_at_their_frequency_and_stress_stiffens() {
+    let folder = Folder::new();
+    let of = |text: String| {
+        let case = folder.parse(text).unwrap();
+        case.system.assemble(&brakes::at_medians(&case).unwrap()).unwrap()
+    };
+    let before = of(CASE.into());
+    let with_loss =
+        CASE.replace("symmetry = \"whole\"", "symmetry = \"whole\"\nloss_factor = { value = 0.05, at_hz = 3000.0 }");
+    // At 3 kHz i omega C is i eta K.
+    let added = of(with_loss).c - &before.c - &folder.matrices[1] * (0.05 / (TAU * 3000.0));
+    let largest = before.c.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    assert!(added.values().iter().all(|value| value.abs() < 1e-12 * largest.max(1.0)));
+
+    // The rim is pulled outwards: around it the stress is about rho Omega^2 r^2, so that bending the disc out of its plane takes more.
+    let held = "axis = [0.0, 0.0, 3.0]\nstress = { young = 1.0e5, poisson = 0.3 }";
+    let stressed = of(CASE.replace("axis = [0.0, 0.0, 3.0]", held));
+    let case = folder.parse(CASE.into()).unwrap();
+    let mesh = case.mesh.as_ref().unwrap();
+    let bent = DVector::from_iterator(
+        before.order(),
+        mesh.nodes.iter().flat_map(|node| {
+            let [x, y, _] = node.position;
+            [0.0, 0.0, if node.label < 1000 { (2.0 * y.atan2(x)).cos() } else { 0.0 }]
+        }),
+    );
+    let work = bent.dot(&((&stressed.k - &before.k) * &bent));
+    // `int sigma (w_,theta / r)^2` with sigma = rho Omega^2 r^2, and w_,theta^2 = 4 sin^2: 2 rho Omega^2 V, a ring's.
+    let volume = std::f64::consts::PI * (150.0_f64.powi(2) - 80.0_f64.powi(2)) * 24.0;
+    let ring = 2.0 * 7.2e-9 * 25.0 * volume;
+    println!("{work:e}, as of a ring {ring:e}");
+    assert!(work > 0.7 * ring && work < 1.3 * ring, "{work:e} {ring:e}");
+}
+
 /// The large brake of a folder, `brake.toml` in it, and `reference.txt` with lines `Re Im` of all eigenvalues from 1 to 8 kHz by SciPy.
 #[test]
 #[ignore = "needs a folder with a brake of 5,000 degrees of freedom, named by SQUEAL_TWO_PADS"]
