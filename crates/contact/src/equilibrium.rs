@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::complementarity::{Complementary, Unsolved, all_solutions, lemke};
+use crate::complementarity::{Complementary, Unsolved, active_set, all_solutions, lemke};
 use crate::sliding::value;
 use crate::uniqueness::{Uniqueness, has_none, is_monotone, uniqueness};
 use crate::{Condensed, ContactError};
@@ -58,7 +58,7 @@ impl Condensed {
     /// enumerated; friction that locks; a search that did not end.
     pub fn equilibrium(&self, balance: &Balance) -> Result<Equilibrium, ContactError> {
         let (q, m) = self.problem(balance)?;
-        let found = match lemke(&q, &m) {
+        let found = match active_set(&q, &m).map_or_else(|| lemke(&q, &m), Ok) {
             Ok(found) => found,
             Err(unsolved) => otherwise(&q, &m, unsolved)?,
         };

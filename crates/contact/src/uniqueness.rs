@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::complementarity::all_solutions;
 
 /// Unknowns up to which all 2^n principal minors and sets are looked at; chosen: 2 million eliminations of a row.
 const MOST_ENUMERATED: usize = 14;
-/// An eigenvalue of this part of the largest is zero; chosen, above rounding.
+/// An eigenvalue of this part of the norm is zero; chosen, above rounding.
 const ZERO: f64 = 1e-11;
 
 /// Whether the forces of an equilibrium are the only ones, and how this is known.
@@ -42,9 +42,7 @@ impl fmt::Display for Uniqueness {
 pub(crate) fn uniqueness(q: &DVector<f64>, m: &DMatrix<f64>) -> Uniqueness {
     let symmetric = (m + m.transpose()) * 0.5;
     let is_symmetric = (m - &symmetric).amax() <= ZERO * m.amax();
-    let values = SymmetricEigen::new(symmetric).eigenvalues;
-    let floor = ZERO * values.amax() * if is_symmetric { -1.0 } else { 1.0 };
-    if values.min() > floor {
+    if is_above(symmetric, if is_symmetric { -ZERO } else { ZERO }) {
         return Uniqueness::Definite;
     }
     if m.nrows() > MOST_ENUMERATED {
@@ -71,8 +69,14 @@ pub(crate) fn has_none(q: &DVector<f64>, m: &DMatrix<f64>) -> Option<bool> {
 
 /// Whether the symmetric part is positive semi-definite, where a ray of Lemke's method means that there is no solution.
 pub(crate) fn is_monotone(m: &DMatrix<f64>) -> bool {
-    let values = SymmetricEigen::new((m + m.transpose()) * 0.5).eigenvalues;
-    values.min() >= -ZERO * values.amax()
+    is_above((m + m.transpose()) * 0.5, -ZERO)
+}
+
+/// Whether all eigenvalues of a symmetric matrix are above this part of its norm, by a Cholesky decomposition.
+fn is_above(mut symmetric: DMatrix<f64>, part: f64) -> bool {
+    let norm = symmetric.row_iter().map(|row| row.iter().map(|value| value.abs()).sum::<f64>()).fold(0.0, f64::max);
+    (0..symmetric.nrows()).for_each(|at| symmetric[(at, at)] -= part * norm);
+    Cholesky::new(symmetric).is_some()
 }
 
 #[cfg(test)]

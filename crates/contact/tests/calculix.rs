@@ -87,7 +87,9 @@ fn a_block_that_parts_is_that_of_calculix() {
         ("fine", fine, [8, 3, 2], [6, 4, 2], 50.0, [1e-3, 1e-4]),
         ("stiff", stiff, [8, 3, 2], [6, 4, 2], 500.0, [3e-3, 3e-4]),
     ] {
-        for integration in [Integration::GaussPoints, Integration::Segments] {
+        // Thousands of pieces take half a minute: 4.0e-5 and 1.3e-4 of the finer ones.
+        let of_pieces = (name == "coarse").then_some(Integration::Segments);
+        for integration in [Integration::GaussPoints].into_iter().chain(of_pieces) {
             let (found, [closed, all]) = pressed(upper, lower, slope, integration);
             assert!(closed < all, "it parts");
             let (mut worst, mut largest, mut nodes) = (0.0_f64, 0.0_f64, 0);
