@@ -12,6 +12,12 @@ pub enum Error {
     /// What would take more memory than there is.
     #[error("{0}: --memory where there is more")]
     TooLarge(squeal::study::Error),
+    /// Folders of which none has a complete part.
+    #[error("{part}: no part given is complete; allowed: folders of `squeal run --shard` that have ended")]
+    NoPart {
+        /// First folder that was given.
+        part: String,
+    },
     /// A case file, or the brake that it makes.
     #[error(transparent)]
     Brake(brakes::Error),
@@ -153,6 +159,9 @@ impl From<squeal::Error> for Error {
         match error {
             squeal::Error::Argument { argument: "over", value, allowed } => {
                 Self::Option { option: "--over", value, allowed }
+            }
+            squeal::Error::Argument { argument: "shard", value, allowed } => {
+                Self::Option { option: "--shard", value, allowed }
             }
             squeal::Error::Argument { argument: "total", value, allowed } => {
                 Self::Option { option: "--total", value, allowed }

@@ -5,7 +5,9 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
-use squeal_cli::{CeaArgs, CheckArgs, EigArgs, Error, InfluenceArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse};
+use squeal_cli::{
+    CeaArgs, CheckArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse,
+};
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
 #[derive(Debug, Parser)]
@@ -25,6 +27,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(RunArgs),
+    Merge(MergeArgs),
     Cea(CeaArgs),
     Check(CheckArgs),
     Eig(EigArgs),
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
     let mut out = std::io::stdout().lock();
     let result = match &cli.command {
         Command::Run(args) => args.run(&mut out),
+        Command::Merge(args) => args.run(&mut out),
         Command::Cea(args) => args.run(&mut out),
         Command::Check(args) => args.run(&mut out),
         Command::Eig(args) => args.run(&mut out),

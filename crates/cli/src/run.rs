@@ -1,15 +1,16 @@
 //! `squeal run`: the study of a case, from its file to tables and figures.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use brakes::case::{HALF_WIDTHS, is_half_width};
 use brakes::{CaseBrake, Purpose};
 use output::printable;
 use report::{draw_occurrence, write_page};
 use squeal::influence::write_kept_samples;
+use squeal::parts::{Shard, merge_parts, run_part};
 use squeal::results::{Estimates, Results, Stopped};
-use squeal::study::FullChecks;
+use squeal::study::{FullChecks, Study};
 use squeal::{RunOptions, run_study_with};
 
 use super::mesh_shapes::{geometry, write_mesh_shapes};
@@ -48,12 +49,29 @@ pub struct RunArgs {
     /// Keep the samples: samples.csv has what was drawn and what grew, influence.csv which input makes squeal vary
     #[arg(long)]
     pub keep_samples: bool,
+    /// Only part I of N of the samples, from 1, into a folder of its own, for `squeal merge`; docs/clusters.md
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width"])]
+    pub shard: Option<(u64, u64)>,
+    /// With --shard: the first sample of all parts, where those before it are a study or parts already
+    #[arg(long, value_name = "K", default_value_t = 0, requires = "shard", value_parser = whole_number)]
+    pub from: u64,
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
     /// Memory that may be taken
     #[command(flatten)]
     pub memory: MemoryArgs,
+}
+
+/// `I/N`.
+fn shard(text: &str) -> Result<(u64, u64), String> {
+    let parts = || {
+        let (number, of) = text.split_once('/')?;
+        Some((number.parse().ok()?, of.parse().ok()?))
+    };
+    parts()
+        .filter(|(number, of)| (1..=*of).contains(number))
+        .ok_or_else(|| "allowed: I/N with I from 1 to N, as 3/8".into())
 }
 
 impl RunArgs {
@@ -65,6 +83,10 @@ impl RunArgs {
         let mut case = case_file::read(&self.case)?;
         override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
         let half_width = self.half_width.or(case.header().half_width);
+        if self.shard.is_some() {
+            // A part has no report: what draws of the full model say belongs to the whole.
+            return self.part(&sized::brake(case, Purpose::Study, self.memory, self.threads)?, out);
+        }
         self.run_brake(&sized::brake(case, Purpose::Study, self.memory, self.threads)?, half_width, out)
     }
 
@@ -77,6 +99,27 @@ impl RunArgs {
         (2 * failed > evaluations).then(|| Error::MostFailed { path: self.out.clone(), failed, evaluations, first })
     }
 
+    /// Samples a part of the study of a brake.
+    fn part<B: CaseBrake>(&self, brake: &B, out: &mut dyn Write) -> Result<(), Error> {
+        let Some((number, of)) = self.shard else { return Ok(()) };
+        let bars = RunBars::default();
+        let options = RunOptions::default().with_threads(self.threads).with_progress(bars.progress());
+        let shard = Shard { number, of, from: self.from };
+        let done = run_part(brake, shard, &self.out, options.keeping_samples(self.keep_samples))?;
+        writeln!(
+            out,
+            "samples {}..{} of {}: {} evaluations in {:.2} s, {} failures; part {number} of {of} is complete in {}",
+            done.from,
+            done.to,
+            done.of,
+            done.evaluations,
+            done.seconds,
+            done.failures,
+            printable(&self.out.display().to_string())
+        )
+        .map_err(Error::StandardOutput)
+    }
+
     /// Runs the study of a brake, which need not be one of a case file.
     ///
     /// # Errors
@@ -85,6 +128,17 @@ impl RunArgs {
         &self,
         brake: &B,
         half_width: Option<f64>,
+        out: &mut dyn Write,
+    ) -> Result<(), Error> {
+        self.study(brake, half_width, None, out)
+    }
+
+    /// Runs the study of a brake, or puts it together from parts, mixed ones or not.
+    pub(super) fn study<B: CaseBrake>(
+        &self,
+        brake: &B,
+        half_width: Option<f64>,
+        parts: Option<(&[PathBuf], bool)>,
         out: &mut dyn Write,
     ) -> Result<(), Error> {
         for (option, given) in [("--half-width", half_width), ("--until-half-width", self.until_half_width)] {
@@ -100,7 +154,7 @@ impl RunArgs {
         let progress = bars.progress();
         let options = RunOptions::default().with_threads(self.threads).with_progress(progress);
         let options = options.until_half_width(self.until_half_width).keeping_samples(self.keep_samples);
-        let manifest = run_study_with::<_, Error>(brake, &self.out, options, &mut |study, results, dir| {
+        let mut draw = |study: &Study<'_, B>, results: &Results, dir: &Path| -> Result<(), Error> {
             draw_occurrence(results, dir)?;
             write_kept_samples(brake, &results.summary, dir)?;
             if let Some(brake) = brake.finite_elements() {
@@ -120,7 +174,11 @@ impl RunArgs {
                 _ => results.in_short(),
             };
             Ok(())
-        })?;
+        };
+        let manifest = match parts {
+            None => run_study_with(brake, &self.out, options, &mut draw)?,
+            Some((parts, mixed)) => merge_parts(brake, parts, mixed, &self.out, options, &mut draw)?,
+        };
         write!(out, "{doubts}").map_err(Error::StandardOutput)?;
         let checked = manifest.full_checks.as_ref().map_or_else(String::new, checks_in_words);
         let stopped = manifest.stopped.as_ref().map_or_else(String::new, |stopped| in_words(stopped, manifest.samples));

@@ -189,6 +189,8 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         half_width: Some(0.05),
         until_half_width: None,
         keep_samples: true,
+        shard: None,
+        from: 0,
         threads: None,
         memory,
     };
@@ -230,9 +232,9 @@ fn a_brake_of_ones_own_goes_through_every_command() {
     };
     let said = influence.influence(&both).unwrap();
     assert!(["mu", "kc", "beta"].iter().all(|name| said.contains(name)), "{said}");
-    let check = CheckArgs { case, samples: None, memory };
+    let check = CheckArgs { case, samples: None, shards: Some(4), memory };
     let said = check.check(&both).unwrap();
-    assert!(said.contains("pad1 (friction)") && said.contains("vd, lugre"), "{said}");
+    assert!(said.contains("pad1 (friction)") && said.contains("vd, lugre") && said.contains("4: each"), "{said}");
 }
 
 /// The folder of a study is not continued by another distribution about the same median.

@@ -48,6 +48,30 @@ struct Identity {
     scenes: usize,
 }
 
+impl Checkpoint {
+    /// The state in the file, wherever its samples begin: a part of a run, to be put together with others by [`tiled`](crate::tiled). It must
+    /// be one of this experiment, seed and number of scenes.
+    ///
+    /// # Errors
+    /// A file that is not there or cannot be read, is damaged, or of another run.
+    pub fn state<S: Experiment, T: Tally<S>>(&self, seed: u64, scenes: usize) -> Result<Summary<T>, MonteCarloError> {
+        let failed = |source| MonteCarloError::CheckpointIo { action: "read", path: self.path.clone(), source };
+        let identity = Store::identity_in(&self.path, &fs::read(&self.path).map_err(failed)?)?;
+        let sampling = Sampling { first: identity.first, ..Sampling::new(seed, u64::MAX - identity.first) };
+        let state = Store::new(self, &sampling, scenes).load::<S, T>()?;
+        state.ok_or_else(|| failed(io::Error::from(io::ErrorKind::NotFound)))
+    }
+
+    /// Writes a state as a run leaves it that has come so far.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or is the checkpoint of another run.
+    pub fn write<T: Serialize + DeserializeOwned>(&self, state: &Summary<T>) -> Result<(), MonteCarloError> {
+        let sampling = Sampling { first: state.first, ..Sampling::new(state.seed, state.samples) };
+        Store::new(self, &sampling, state.failures.by_scene().len()).save(state)
+    }
+}
+
 /// A checkpoint in use by one run.
 pub(crate) struct Store<'a> {
     checkpoint: &'a Checkpoint,
@@ -62,6 +86,14 @@ impl<'a> Store<'a> {
         let Sampling { seed, first, samples, .. } = *sampling;
         let identity = Identity { fingerprint: checkpoint.fingerprint.clone(), seed, first, scenes };
         Self { checkpoint, identity, samples, saved: Instant::now() }
+    }
+
+    /// The identity that a file announces.
+    fn identity_in(path: &Path, bytes: &[u8]) -> Result<Identity, MonteCarloError> {
+        let damaged = |damage| MonteCarloError::CheckpointDamaged { path: path.to_owned(), damage };
+        let body = FORMAT.open(bytes).map_err(damaged)?;
+        let cut = body.iter().position(|&byte| byte == b'\n').unwrap_or(body.len());
+        serde_json::from_slice(&body[..cut]).map_err(|error| damaged(Damage::Content(error)))
     }
 
     /// The state in the file, or `None` if there is no file.

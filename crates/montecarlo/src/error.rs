@@ -49,6 +49,28 @@ pub enum MonteCarloError {
         /// The number of the later summary.
         found: u64,
     },
+    /// Parts of a run that lack samples.
+    #[error("no part has the samples {from}..{to}; allowed: parts that have all samples 0..{samples} once")]
+    PartsMissing {
+        /// Global index of the first sample that is missing.
+        from: u64,
+        /// Global index after the last of them.
+        to: u64,
+        /// Number of samples of the run.
+        samples: u64,
+    },
+    /// Parts of a run that have samples in common.
+    #[error("{part} and {other}: both have the samples {from}..{to}; allowed: parts that have each sample once")]
+    PartsOverlap {
+        /// Name of a part.
+        part: String,
+        /// Name of the other.
+        other: String,
+        /// Global index of the first sample that both have.
+        from: u64,
+        /// Global index after the last of them.
+        to: u64,
+    },
     /// A checkpoint could not be read or written. A previous checkpoint, if any, is still there.
     #[error("cannot {action} checkpoint {}: {source}", path.display())]
     CheckpointIo {

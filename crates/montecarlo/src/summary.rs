@@ -1,5 +1,7 @@
 //! The result of a run, or of a part of one.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::MonteCarloError;
@@ -45,6 +47,12 @@ impl<T: Merge> Summary<T> {
         }
         self.append(later);
         Ok(self)
+    }
+
+    /// Range of the global indices of the samples.
+    #[must_use]
+    pub fn range(&self) -> Range<u64> {
+        self.first..self.next()
     }
 
     pub(crate) fn append(&mut self, later: Self) {

@@ -78,6 +78,28 @@ pub enum Error {
         /// Identity of the study to be run.
         wanted: String,
     },
+    /// A part of a study that is not complete.
+    #[error("{}: {found}; allowed: complete parts; the command that made it goes on", path.display())]
+    PartIncomplete {
+        /// Folder of the part.
+        path: PathBuf,
+        /// Samples that it has, in words.
+        found: String,
+    },
+    /// A part of a study that was made by another program, or where numbers are rounded otherwise.
+    #[error("{}: {what} {found}, {other} {expected}; allowed: parts that agree, or mixed ones where that is asked for", path.display())]
+    PartDiffers {
+        /// Folder of the part.
+        path: PathBuf,
+        /// Property that differs, as a verb.
+        what: &'static str,
+        /// Property of the part.
+        found: String,
+        /// Part, or machine, that it is compared with.
+        other: String,
+        /// Property of that.
+        expected: String,
+    },
     /// Estimates in a folder that are truncated or altered, or of another version of the program.
     #[error(
         "estimates {} are damaged: {damage}; put back an intact copy, or delete them to estimate anew",

@@ -38,6 +38,7 @@
 mod error;
 pub mod folder;
 pub mod influence;
+pub mod parts;
 pub mod results;
 mod run;
 pub mod screen;
@@ -45,7 +46,7 @@ pub mod sweep;
 pub mod why;
 
 pub use error::Error;
-pub use run::{DrawResults, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
+pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
 pub use study::{estimators, fingerprint, identity, memory};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, tracking, work};
 

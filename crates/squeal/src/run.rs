@@ -1,5 +1,6 @@
 //! Running the study of a case from beginning to end, or from where it was stopped.
 
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -10,6 +11,7 @@ use study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake, samples_togethe
 
 use crate::Error;
 use crate::folder::RunFolder;
+use crate::parts::PartManifest;
 use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reasons, write_tables};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
@@ -125,12 +127,48 @@ impl<'a> RunOptions<'a> {
 pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     brake: &B,
     dir: &Path,
-    RunOptions { solver, threads, until_half_width, keeps_samples, progress }: RunOptions<'_>,
+    options: RunOptions<'_>,
     draw: &mut DrawResults<'_, B, E>,
 ) -> Result<Manifest, E> {
-    let plan = brake.plan();
+    run_from(brake, dir, options, &mut |_, _| Ok(Vec::new()), draw)
+}
+
+/// Identity of the counts of a study.
+pub(crate) fn identity<B: UncertainBrake>(brake: &B, keeps_samples: bool) -> String {
     let identity = of_study(brake).given("format", TALLY_VERSION);
-    let identity = if keeps_samples { identity.given("samples", "kept") } else { identity }.into_line();
+    if keeps_samples { identity.given("samples", "kept") } else { identity }.into_line()
+}
+
+/// Checkpoint in a folder.
+pub(crate) fn checkpoint(dir: &Path, identity: String) -> Checkpoint {
+    Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity }
+}
+
+/// Samples of a range of global indices, continued from a checkpoint.
+pub(crate) fn sampled<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    range: Range<u64>,
+    options: &RunOptions<'_>,
+    checkpoint: &Checkpoint,
+) -> Result<Summary<StudyTally>, MonteCarloError> {
+    let (plan, samples) = (study.plan(), range.end - range.start);
+    let mut sampling = montecarlo::Sampling::new(plan.seed, samples);
+    (sampling.first, sampling.threads, sampling.block) = (range.start, options.threads, samples_together(samples));
+    let empty = || if options.keeps_samples { StudyTally::keeping_samples(plan) } else { StudyTally::empty(plan) };
+    run_with(study, &sampling, empty, Some(checkpoint), options.progress.evaluation)
+}
+
+/// A run of which `begin` may write the checkpoint, with samples that were taken elsewhere; the manifest lists the parts that it returns.
+pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
+    brake: &B,
+    dir: &Path,
+    options: RunOptions<'_>,
+    begin: &mut dyn FnMut(&Study<'_, B>, &Checkpoint) -> Result<Vec<PartManifest>, Error>,
+    draw: &mut DrawResults<'_, B, E>,
+) -> Result<Manifest, E> {
+    let RunOptions { solver, threads, until_half_width, keeps_samples, progress } = options;
+    let plan = brake.plan();
+    let identity = identity(brake, keeps_samples);
     RunFolder::check(dir, &identity)?;
     let mut seconds = Times::default();
 
@@ -142,14 +180,9 @@ pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
     let folder = RunFolder::take(dir, &identity)?;
     let start = Instant::now();
-    let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
-    let sampled = |samples: u64| {
-        let mut sampling = montecarlo::Sampling::new(plan.seed, samples);
-        sampling.threads = threads;
-        sampling.block = samples_together(samples);
-        let empty = || if keeps_samples { StudyTally::keeping_samples(plan) } else { StudyTally::empty(plan) };
-        run_with(&study, &sampling, empty, Some(&checkpoint), progress.evaluation)
-    };
+    let checkpoint = checkpoint(dir, identity);
+    let parts = begin(&study, &checkpoint)?;
+    let sampled = |samples: u64| sampled(&study, 0..samples, &options, &checkpoint);
     let (summary, stopped) = match until_half_width {
         None => (sampled(plan.samples).map_err(Error::from)?, None),
         Some(half_width) => {
@@ -168,7 +201,7 @@ pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
         pool.install(|| draw(&study, &results, stage))
     })?;
     seconds.report = start.elapsed().as_secs_f64();
-    let manifest = Manifest { stopped, ..Manifest::new(&results, threads, seconds) };
+    let manifest = Manifest { stopped, parts, ..Manifest::new(&results, threads, seconds) };
     folder.write("manifest.json", manifest.json().as_bytes())?;
     Ok(manifest)
 }
@@ -205,7 +238,26 @@ pub fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }
 
-/// Time, roughly, that a study takes, its report included: some samples are timed, and the reasons of one mode.
+/// Time that a study takes, roughly, by its stages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ExpectedTime {
+    /// Time of what all samples share; each part of a study takes it anew.
+    pub preparation: Duration,
+    /// Time of the samples.
+    pub samples: Duration,
+    /// Time of the report.
+    pub report: Duration,
+}
+
+impl ExpectedTime {
+    /// Time of all stages.
+    #[must_use]
+    pub fn total(&self) -> Duration {
+        self.preparation + self.samples + self.report
+    }
+}
+
+/// Time, roughly, that a study takes: some samples are timed, and the reasons of one mode.
 ///
 /// # Errors
 /// Those of the study.
@@ -213,14 +265,14 @@ pub fn estimate<B: UncertainBrake>(
     brake: &B,
     preparation: &dyn Progress,
     evaluation: &dyn Progress,
-) -> Result<Duration, Error> {
+) -> Result<ExpectedTime, Error> {
     let (plan, start, pool) = (brake.plan(), Instant::now(), workers(None)?);
     let study = pool.install(|| Study::with_progress(brake, &cea::BatchSolver, preparation))?;
-    let references = start.elapsed();
+    let preparation = start.elapsed();
     let few = 2 * 8;
     let samples = few.min(plan.samples);
     let start = Instant::now();
     run_with(&study, &montecarlo::Sampling::new(plan.seed, samples), || StudyTally::empty(plan), None, evaluation)?;
-    let sampling = start.elapsed().mul_f64(plan.samples as f64 / samples as f64);
-    Ok(references + sampling + time_for_reasons(&study, pool.current_num_threads()))
+    let samples = start.elapsed().mul_f64(plan.samples as f64 / samples as f64);
+    Ok(ExpectedTime { preparation, samples, report: time_for_reasons(&study, pool.current_num_threads()) })
 }

@@ -77,7 +77,8 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> IndependentB
         Self::with_plan(Plan::single(name, brake, naming_point, 1_000, 1), drawn, at)
     }
 
-    /// A brake with a plan of its own: several sets of constraints, laws or ranges of speed.
+    /// A brake with a plan of its own: several sets of constraints, a band, a threshold. Its configurations are named at the operating point
+    /// of the medians, as [`Plan::is_named_at_medians`] says, which a study checks.
     ///
     /// # Errors
     /// [`Contradiction::Distribution`] for parameters that are no distribution, [`Contradiction::NameTwice`] for two of one name.
@@ -107,16 +108,31 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> IndependentB
     /// As [`Plan::with_laws`].
     pub fn with_laws(mut self, laws: &[(&str, &str)]) -> Result<Self, Error> {
         self.plan = self.plan.with_laws(laws)?;
-        Ok(self)
+        self.named_anew()
     }
 
     /// The brake in several ranges of sliding speed by name and description, in whose order
-    /// [`SceneKey::speed`](crate::SceneKey::speed) counts them.
+    /// [`SceneKey::speed`](crate::SceneKey::speed) counts them. Before this the range is `None`, with which the function was called when the
+    /// brake was made. A speed in a range is a parameter that is drawn, such as a number from 0 to 1 that the function takes to it.
     ///
     /// # Errors
     /// As [`Plan::with_speeds`].
     pub fn with_speeds(mut self, speeds: &[(&str, &str)]) -> Result<Self, Error> {
         self.plan = self.plan.with_speeds(speeds)?;
+        self.named_anew()
+    }
+
+    /// The brake with its modes named at the medians of the first scene of each configuration.
+    fn named_anew(mut self) -> Result<Self, Error> {
+        let median = self.median();
+        for place in 0..self.plan.configurations.len() {
+            let Some(scene) = self.plan.scenes.iter().find(|scene| scene.configuration == place) else { continue };
+            let failed = |source| Error::Median { study: self.plan.name.clone(), source: Box::new(source) };
+            let point = (self.at)(scene, &median).map_err(failed)?;
+            let origin = self.plan.configurations[place].origin;
+            self.plan.origins[origin].naming_point.clone_from(&point);
+            self.plan.configurations[place].naming_point = point;
+        }
         Ok(self)
     }
 

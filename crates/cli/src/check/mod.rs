@@ -10,8 +10,8 @@ use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
 use brakes::{CaseBrake, FiniteElementBrake, Part, Purpose};
 use montecarlo::Progress;
 use output::{bytes_in_words, in_words, printable};
-use squeal::estimate;
 use squeal::study::{Cost, UncertainBrake};
+use squeal::{ExpectedTime, estimate};
 
 use super::options::{MemoryArgs, override_run, whole_number};
 use super::sized;
@@ -30,6 +30,9 @@ pub struct CheckArgs {
     /// Samples per scene, instead of the case's
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub samples: Option<u64>,
+    /// Also what so many shards of the study take, and how much of that is done by each of them anew
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    pub shards: Option<u64>,
     /// Memory that may be taken
     #[command(flatten)]
     pub memory: MemoryArgs,
@@ -56,12 +59,15 @@ impl CheckArgs {
     /// As [`CheckArgs::run`].
     pub fn check<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
         let plan = brake.plan();
-        let (mut text, bytes_of_bases) = match brake.finite_elements() {
-            Some(brake) => (reduction(brake), brake.cost_of_bases().bytes),
+        let (mut text, of_bases) = match brake.finite_elements() {
+            Some(brake) => {
+                let cost = brake.cost_of_bases();
+                (reduction(brake), (cost.bytes, cost.seconds))
+            }
             None => {
                 let lines: String = brake.contents().iter().map(|(name, value)| line(name, value)).collect();
                 let heading = format!("{}: valid\n\n{}", self.file(), line("study", &plan.name));
-                (heading + &lines + &health::of_plan(plan)?, 0.0)
+                (heading + &lines + &health::of_plan(plan)?, (0.0, 0.0))
             }
         };
         let analyses = plan.analyses_per_sample() * plan.samples;
@@ -72,7 +78,7 @@ impl CheckArgs {
             let classes = "one per symmetry class; laws without speed in them once for all speeds";
             text += &line("to be solved", &format!("{solved} ({classes})"));
         }
-        text += &cost(brake, bytes_of_bases)?;
+        text += &cost(brake, of_bases, self.shards)?;
         Ok(if brake.finite_elements().is_some() { text + &format!("\n{}: valid\n", self.file()) } else { text })
     }
 
@@ -145,16 +151,38 @@ fn listed(items: impl Iterator<Item = String>) -> String {
 
 /// What the study takes: memory and preparation by their rates, the time in all by some samples, unless the preparation alone
 /// takes too long for a check.
-fn cost<B: UncertainBrake>(brake: &B, bytes_of_bases: f64) -> Result<String, Error> {
+fn cost<B: UncertainBrake>(
+    brake: &B,
+    (bytes_of_bases, bases): (f64, f64),
+    shards: Option<u64>,
+) -> Result<String, Error> {
     let cost = Cost::of(brake.plan());
+    let mut of_shards = String::new();
     let seconds = match cost.seconds {
         long if long > LONGEST_PREPARATION => {
             format!("more than {}: not measured, its preparation alone takes that", in_words(long))
         }
-        _ => format!(
-            "roughly {} on this machine",
-            in_words(estimate(brake, &Bar::of(PREPARED), &Bar::of(EVALUATED))?.as_secs_f64())
-        ),
+        _ => {
+            let expected = estimate(brake, &Bar::of(PREPARED), &Bar::of(EVALUATED))?;
+            if let Some(shards) = shards {
+                of_shards = line("shards", &shards_in_words(shards, bases, &expected));
+            }
+            format!("roughly {} on this machine", in_words(expected.total().as_secs_f64()))
+        }
     };
-    Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes + bytes_of_bases))) + &line("time", &seconds))
+    Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes + bytes_of_bases)))
+        + &line("time", &seconds)
+        + &of_shards)
+}
+
+/// What each of some shards takes, and which part of all their time is preparation that one run would do once.
+fn shards_in_words(shards: u64, bases: f64, expected: &ExpectedTime) -> String {
+    let (preparation, samples) = (expected.preparation.as_secs_f64() + bases, expected.samples.as_secs_f64());
+    let lost = shards.saturating_sub(1) as f64 * preparation / (shards as f64 * preparation + samples);
+    format!(
+        "{shards}: each {} of preparation and {} of samples, {:.0} % lost",
+        in_words(preparation),
+        in_words(samples / shards.max(1) as f64),
+        100.0 * lost
+    )
 }

@@ -19,6 +19,7 @@ mod rectangle;
 mod report_page;
 mod same_bytes;
 mod screen;
+mod shards;
 mod sizes;
 mod study_tables;
 mod sweep;

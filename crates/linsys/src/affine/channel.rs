@@ -8,8 +8,9 @@ use crate::{LinsysError, SecondOrder};
 
 /// The direction b of the friction force of one contact and the reading r of its normal force, both sparse.
 ///
-/// Friction adds `b (mu r^T + lambda s(lambda) b^T)` to the dynamic stiffness: a force along b that grows with the normal
-/// force `r^T u` and with the sliding velocity `b^T u'`.
+/// Friction adds `b (mu r^T + lambda s(lambda) b^T)` to the dynamic stiffness, which stands on the left of the equations of motion: the
+/// force on the brake is `-b (mu r^T u + s b^T u')`, in N. With a positive mu and a normal force `r^T u` that grows it acts against b; a negative
+/// slope s, Ns/m, feeds a motion along b.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// The contact's name.

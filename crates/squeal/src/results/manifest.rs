@@ -5,6 +5,7 @@ use study::fingerprint;
 use study::{FullChecks, Plan};
 
 use super::Results;
+use crate::parts::PartManifest;
 
 /// Wall-clock times of the stages, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -116,6 +117,9 @@ pub struct Manifest {
     /// Stop of a run that had to know every occurrence to a half width.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
+    /// Parts of the study that were sampled elsewhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartManifest>,
     /// Wall-clock times, s.
     pub seconds: Times,
 }
@@ -150,6 +154,7 @@ impl Manifest {
             full_checks: results.full_checks,
             notes: results.notes(),
             stopped: None,
+            parts: Vec::new(),
             seconds,
         }
     }

@@ -1,0 +1,76 @@
+//! `squeal merge`: a study from the parts that `squeal run --shard` has sampled.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use brakes::Purpose;
+use output::printable;
+use squeal::parts::{PartManifest, complete};
+
+use super::options::{MemoryArgs, number, override_run, threads};
+use super::run::RunArgs;
+use super::sized;
+use crate::Error;
+use crate::case_file;
+
+/// Put the shards of a study together: the same tables, figures and page as those of one run, byte for byte.
+///
+/// Parts are folders of `squeal run --shard`, in any order; a part that is there twice counts once. What is missing is said.
+#[derive(Debug, clap::Args)]
+pub struct MergeArgs {
+    /// The case file (TOML) of the parts
+    pub case: PathBuf,
+    /// Folders of the parts
+    #[arg(required = true, value_name = "PART")]
+    pub parts: Vec<PathBuf>,
+    /// Folder for the results: new, empty, or that of the same study
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Also every occurrence to this half width at 95 %, by the cheapest estimator, in estimates.csv
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = number)]
+    pub half_width: Option<f64>,
+    /// Let parts of other programs, and of processors that round differently, pass; manifest.json lists what made them
+    #[arg(long)]
+    pub mixed: bool,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+impl MergeArgs {
+    /// Runs the command; `out` gets a summary for people.
+    ///
+    /// # Errors
+    /// One line for the user each.
+    pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        let mut case = case_file::read(&self.case)?;
+        // The study has the seed of its parts, and as many samples as the longest of them is a part of.
+        let mut known: Option<PartManifest> = None;
+        for part in &self.parts {
+            known = match (known, complete(part)?) {
+                (Some(known), Some(part)) => Some(PartManifest { of: known.of.max(part.of), ..known }),
+                (known, part) => known.or(part),
+            };
+        }
+        let known = known.ok_or_else(|| Error::NoPart { part: printable(&self.parts[0].display().to_string()) })?;
+        override_run(case.header_mut(), Some(known.of), Some(known.seed), self.threads)?;
+        let run = RunArgs {
+            case: self.case.clone(),
+            out: self.out.clone(),
+            samples: None,
+            seed: None,
+            half_width: self.half_width.or(case.header().half_width),
+            until_half_width: None,
+            keep_samples: known.identity.contains(" samples=kept"),
+            shard: None,
+            from: 0,
+            threads: self.threads,
+            memory: self.memory,
+        };
+        let brake = sized::brake(case, Purpose::Study, self.memory, self.threads)?;
+        run.study(&brake, run.half_width, Some((&self.parts, self.mixed)), out)
+    }
+}

@@ -1,0 +1,246 @@
+//! A study in parts: ranges of its samples, each in a folder of its own, by whatever starts processes, and put together to the bytes of
+//! one run.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use montecarlo::{Checkpoint, part_of, tiled};
+use serde::{Deserialize, Serialize};
+use study::identity::{Identity, Written};
+use study::{Study, StudyTally, UncertainBrake};
+
+use crate::Error;
+use crate::folder::RunFolder;
+use crate::results::{Manifest, VERSION};
+use crate::run::{DrawResults, RunOptions, checkpoint, identity, run_from, sampled, workers};
+
+/// Name of the file that is written last: a part that has it is complete.
+const DONE: &str = "shard.json";
+
+/// One of several parts of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Number of the part, from 1.
+    pub number: u64,
+    /// Number of parts.
+    pub of: u64,
+    /// Global index of the first sample of all parts: those before it are elsewhere.
+    pub from: u64,
+}
+
+/// What a complete part says of itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PartManifest {
+    /// Version of the program.
+    pub version: String,
+    /// Commit of the program, where it is known.
+    pub commit: Option<String>,
+    /// Class of processors and libraries on which numbers are rounded alike.
+    pub rounding: String,
+    /// Identity of the study.
+    pub identity: String,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Global index of the first sample.
+    pub from: u64,
+    /// Global index after the last sample.
+    pub to: u64,
+    /// Number of samples of the study.
+    pub of: u64,
+    /// Digest of what all samples share: the reference modes and their systems, to the last bit.
+    pub prepared: String,
+    /// Number of worker threads; `None` is one per core.
+    pub threads: Option<usize>,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+    /// Number of evaluations.
+    pub evaluations: u64,
+    /// Number of draws and evaluations that failed.
+    pub failures: u64,
+}
+
+/// Class of processors and libraries on which the results of a study are the same bytes.
+#[must_use]
+pub fn rounding_class() -> String {
+    #[cfg(target_arch = "x86_64")]
+    let products = if is_x86_feature_detected!("fma") { "AVX2 FMA" } else { "without FMA" };
+    #[cfg(not(target_arch = "x86_64"))]
+    let products = "baseline";
+    let library = if cfg!(target_env = "gnu") { "glibc" } else { "another C library" };
+    format!("{} {products}, {} {library}", std::env::consts::ARCH, std::env::consts::OS)
+}
+
+/// Digest of what all samples of a study share.
+fn prepared<B: UncertainBrake>(study: &Study<'_, B>) -> String {
+    let digest = Identity::named("prepared").part("references", |to| {
+        to.list(study.references(), |to, reference| {
+            for matrix in [&reference.system.m, &reference.system.c, &reference.system.k] {
+                to.list(matrix.as_slice(), |to, &entry| to.number(entry));
+            }
+            to.list(&reference.modes, |to, mode| {
+                [mode.lambda.re, mode.lambda.im].into_iter().for_each(|part| to.number(part));
+                to.list(mode.shape.as_slice(), |to: &mut Written, entry| {
+                    to.number(entry.re);
+                    to.number(entry.im);
+                });
+            });
+        });
+    });
+    digest.into_line()
+}
+
+/// Samples one part of a study in a folder of its own. The same command continues a part that was stopped, and returns at once for one
+/// that is complete.
+///
+/// # Errors
+/// As [`run_study`](crate::run_study); a part that has no sample.
+pub fn run_part<B: UncertainBrake>(
+    brake: &B,
+    Shard { number, of, from }: Shard,
+    dir: &Path,
+    options: RunOptions<'_>,
+) -> Result<PartManifest, Error> {
+    let plan = brake.plan();
+    // With more parts than samples some would be empty, and nobody would know which.
+    let fits = of <= plan.samples.saturating_sub(from);
+    let range = part_of(from..plan.samples, number, of).filter(|_| fits).ok_or_else(|| Error::Argument {
+        argument: "shard",
+        value: format!("{number}/{of}"),
+        allowed: format!(
+            "1/N to N/N, N at most {}, of the samples {from}..{}",
+            plan.samples.saturating_sub(from),
+            plan.samples
+        ),
+    })?;
+    let identity = identity(brake, options.keeps_samples);
+    let part = format!("{}..{}/{}", range.start, range.end, plan.samples);
+    let of_folder = Identity::read(&plan.name, &identity).given("part", part).into_line();
+    RunFolder::check(dir, &of_folder)?;
+    if let Some(done) = complete(dir)? {
+        return Ok(done);
+    }
+    let start = Instant::now();
+    let pool = workers(options.threads)?;
+    let study = pool.install(|| Study::with_progress(brake, options.solver, options.progress.preparation))?;
+    let folder = RunFolder::take(dir, &of_folder)?;
+    let summary = sampled(&study, range.clone(), &options, &checkpoint(dir, identity.clone()))?;
+    let done = PartManifest {
+        version: VERSION.into(),
+        commit: plan.commit.map(Into::into),
+        rounding: rounding_class(),
+        identity,
+        seed: plan.seed,
+        from: range.start,
+        to: range.end,
+        of: plan.samples,
+        prepared: prepared(&study),
+        threads: options.threads,
+        seconds: start.elapsed().as_secs_f64(),
+        evaluations: summary.samples * plan.scenes.len() as u64,
+        failures: summary.failures.total(),
+    };
+    // Plain numbers and strings: there is nothing that could fail to serialise.
+    folder.write(DONE, (serde_json::to_string_pretty(&done).unwrap_or_default() + "\n").as_bytes())?;
+    Ok(done)
+}
+
+/// What a folder says of the part that is complete in it; `None` where none is.
+///
+/// # Errors
+/// A file that cannot be read, or says something else.
+pub fn complete(dir: &Path) -> Result<Option<PartManifest>, Error> {
+    let path = dir.join(DONE);
+    let unreadable = |source| Error::Read { path: path.clone(), source };
+    match fs::read(&path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(unreadable(source)),
+        Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|error| unreadable(error.into())),
+    }
+}
+
+/// Puts parts of a study together in `dir`, in any order, and finishes it there: every file but the manifest and the lock has the bytes of
+/// one run. The plan has as many samples as all parts together. With `mixed`, parts of other programs and processors pass, and the manifest
+/// says so.
+///
+/// # Errors
+/// A part that is not complete, or of another study, program or processor; samples that no part has, or two have; as [`run_study`](crate::run_study).
+pub fn merge_parts<B: UncertainBrake, E: From<Error> + Send>(
+    brake: &B,
+    parts: &[PathBuf],
+    mixed: bool,
+    dir: &Path,
+    options: RunOptions<'_>,
+    draw: &mut DrawResults<'_, B, E>,
+) -> Result<Manifest, E> {
+    let identity = identity(brake, options.keeps_samples);
+    let manifests = parts.iter().map(|part| checked(part, &identity)).collect::<Result<Vec<_>, _>>()?;
+    let mut begin = |study: &Study<'_, B>, merged: &Checkpoint| {
+        if !mixed {
+            alike(parts, &manifests, &prepared(study))?;
+        }
+        let scenes = study.plan().scenes.len();
+        let read = |(part, manifest): (&PathBuf, &PartManifest)| {
+            let state = checkpoint(part, identity.clone()).state::<Study<'_, B>, StudyTally>(manifest.seed, scenes)?;
+            match state.range() == (manifest.from..manifest.to) {
+                true => Ok((part.display().to_string(), state)),
+                false => Err(incomplete(part)),
+            }
+        };
+        let states = parts.iter().zip(&manifests).map(read).collect::<Result<Vec<_>, Error>>()?;
+        merged.write(&tiled(states, study.plan().samples)?)?;
+        Ok(manifests.clone())
+    };
+    run_from(brake, dir, options, &mut begin, draw)
+}
+
+/// The manifest of a part that is complete and of this study.
+fn checked(part: &Path, identity: &str) -> Result<PartManifest, Error> {
+    let Some(manifest) = complete(part)? else { return Err(incomplete(part)) };
+    match manifest.identity == identity {
+        true => Ok(manifest),
+        false => {
+            let (path, found, wanted) = (part.to_owned(), manifest.identity, identity.to_owned());
+            Err(Error::OtherStudy { path, found, wanted })
+        }
+    }
+}
+
+fn incomplete(part: &Path) -> Error {
+    let text = fs::read_to_string(part.join("study.txt")).unwrap_or_default();
+    let range = text.split(" part=").nth(1).and_then(|rest| rest.split('/').next()).unwrap_or_default();
+    let state = fs::read_to_string(part.join("checkpoint.json")).unwrap_or_default();
+    let state: Option<serde_json::Value> = state.lines().nth(2).and_then(|line| serde_json::from_str(line).ok());
+    let found = match (state.and_then(|state| state["samples"].as_u64()), range) {
+        (_, "") => "is no part of a study".to_owned(),
+        (None, range) => format!("holds none of its samples {range}"),
+        (Some(samples), range) => format!("holds {samples} of its samples {range}"),
+    };
+    Error::PartIncomplete { path: part.to_owned(), found }
+}
+
+/// An error unless all parts are of this program and of processors that round as this one does.
+fn alike(parts: &[PathBuf], manifests: &[PartManifest], prepared: &str) -> Result<(), Error> {
+    let (Some(first), Some(first_part)) = (manifests.first(), parts.first()) else { return Ok(()) };
+    let made_by = |manifest: &PartManifest| {
+        format!("squeal {} ({})", manifest.version, manifest.commit.as_deref().unwrap_or("commit not known"))
+    };
+    for (part, manifest) in parts.iter().zip(manifests) {
+        let differs = |what, found: String, other: String, expected: String| {
+            Err(Error::PartDiffers { path: part.clone(), what, found, other, expected })
+        };
+        let other = first_part.display().to_string();
+        if made_by(manifest) != made_by(first) {
+            return differs("was made by", made_by(manifest), other, made_by(first));
+        }
+        if manifest.rounding != rounding_class() {
+            return differs("was sampled on", manifest.rounding.clone(), "this machine".into(), rounding_class());
+        }
+        if manifest.prepared != prepared {
+            let found = "reference modes that differ in their last bits".into();
+            return differs("rests on", found, "this machine".into(), "others".into());
+        }
+    }
+    Ok(())
+}
