@@ -198,6 +198,33 @@ fn a_case_file_is_the_matrices_of_numpy() {
     close(&system.c * &probe, of("lateral") * 0.45 + of("gyroscopic") * 10.0, "C");
 }
 
+/// Rough faces: where the pressure is the same everywhere, `k_t = m c^(1/m) p^(1 - 1/m)` follows it, and so does what friction reads.
+#[test]
+fn pressure_stiffens_rough_faces() {
+    let folder = Folder::new();
+    let rough = CASE.replace("stiffness = { per_area = 110.0 }", "stiffness = { c = 6e3, m = 2.5 }");
+    let at = |text: &str, p: &str| {
+        let text = text.replace("from = 1.0\nto = 3.0", &format!("from = {p}\nto = {p}"));
+        let text = text.replace("distribution = \"uniform\"\nfrom = ", "distribution = \"constant\"\nvalue = ");
+        let case = folder.parse(text.replace(&format!("to = {p}\n"), "")).unwrap();
+        case.system.assemble(&brakes::at_medians(&case).unwrap()).unwrap()
+    };
+    for p in ["1.0", "2.0"] {
+        let pressure: f64 = p.parse().unwrap();
+        let per_area = 2.5 * 6e3_f64.powf(0.4) * pressure.powf(0.6);
+        let even = CASE.replace("per_area = 110.0", &format!("per_area = {per_area:e}"));
+        let (found, expected) = (at(&rough, p), at(&even, p));
+        let largest = expected.k.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let difference = &found.k - &expected.k;
+        assert!(difference.values().iter().all(|value| value.abs() < 1e-13 * largest), "{p}");
+        let damping = &found.c - &expected.c;
+        assert!(damping.values().iter().all(|value| value.abs() < 1e-13), "{p}");
+    }
+    let mixed = rough.replacen("m = 2.5", "m = 2.0", 1);
+    let error = folder.parse(mixed).unwrap_err();
+    assert!(error.contains("all_contacts.load_factor = given; allowed: contacts of one law"), "{error}");
+}
+
 /// Pressed by fluid on both backs, held along and across the sliding by springs, and along the axis by the contact alone.
 fn in_equilibrium() -> String {
     let springs: String = [("out", "OUTER"), ("in", "INNER")]
@@ -380,6 +407,27 @@ fn pressures_of_a_file_and_springs_between_sets() {
     std::fs::write(folder.folder.path().join("p.csv"), "3, 1.0\n").unwrap();
     let error = folder.parse(with_file).unwrap_err();
     assert!(error.contains("there is a pressure of node 3, which the slave lacks"), "{error}");
+
+    // A column of fluid on the back: the mean by area of a motion that is linear along y is that at the middle of the area.
+    let fluid = "[[springs]]\nname = \"fluid\"\nnodes = \"OUTER\"\nacts = \"area\"\ndirection = [0.0, 0.0, 1.0]\nstiffness = 1e3\n\
+                 [all_contacts]";
+    let with_fluid = folder.parse(CASE.replace("[all_contacts]", fluid)).unwrap();
+    let k = |case: &FiniteElementCase| case.system.assemble(&brakes::at_medians(case).unwrap()).unwrap().k;
+    let added = k(&with_fluid) - k(&folder.parse(CASE.into()).unwrap());
+    let along_y = DVector::from_iterator(
+        added.nrows(),
+        mesh.nodes.iter().flat_map(|node| [0.0, 0.0, if node.label > 1000 { node.position[1] } else { 0.0 }]),
+    );
+    // A sector of 106 to 147 mm and 56 degrees about y: quadratic edges depart from its arcs by a few 1e-5.
+    let (half, cubes, squares) =
+        (28.0_f64.to_radians(), 147.0_f64.powi(3) - 106.0_f64.powi(3), 147.0_f64.powi(2) - 106.0_f64.powi(2));
+    let middle = 2.0 / 3.0 * cubes / squares * half.sin() / half;
+    let mean = (along_y.dot(&(&added * &along_y)) / 1e3).sqrt();
+    assert!((mean / middle - 1.0).abs() < 1e-3, "{mean} {middle}");
+    // One motion alone: rank one.
+    let force = &added * &along_y;
+    let other = &added * &force;
+    assert!((other.normalize() - force.normalize()).amax() < 1e-6);
 
     // A shim between the backs: K of the means, and its dashpot.
     let shim = "[[springs]]\nname = \"shim\"\nnodes = \"OUTER\"\nto = \"INNER\"\ndirection = [0.0, 3.0, 4.0]\nstiffness = 50.0\n\

@@ -264,6 +264,7 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
         is_lateral,
         stiffness_factor,
         load_factor,
+        load_exponent,
         own_speed,
         is_of_faces: _,
     } = contact;
@@ -289,6 +290,7 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
     to.option(stiffness_factor.as_ref(), expression);
     if load_factor.is_some() || own_speed.is_some() {
         to.option(load_factor.as_ref(), expression);
+        to.number(*load_exponent);
         to.option(own_speed.as_ref(), |to, OwnSpeed { speed, factor }| {
             expression(to, speed);
             to.number(*factor);

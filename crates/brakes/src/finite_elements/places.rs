@@ -18,7 +18,7 @@ pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeCo
         let channels = (channel..channel + patch.channels.len()).collect();
         channel += patch.channels.len();
         // A stiffness that is drawn is not the same in every sample.
-        let structure = contact.stiffness_factor.is_none().then(|| terms[first + number].matrices().clone());
+        let structure = (!contact.has_drawn_stiffness()).then(|| terms[first + number].matrices().clone());
         WholeContact { number, name: patch.name.clone(), channels, structure }
     };
     brake.closed(scene).iter().map(whole).collect()

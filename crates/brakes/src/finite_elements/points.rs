@@ -78,7 +78,7 @@ pub(super) fn scene_point(
     let values = sample;
     if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
         let speed = own_speed(case, values)?.unwrap_or(speed);
-        let load_factor = positive(case, contact.load_factor.as_ref(), LOAD_FACTOR, values)?.unwrap_or(1.0);
+        let load_factor = load_factor(case, contact, values)?;
         for &number in closed {
             let patch = &contact.patches[number];
             let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(patch.pairs.len());
@@ -126,7 +126,7 @@ pub(super) enum ConstantTerm {
 pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = ConstantTerm> + use<> {
     let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let has_holders = case.system.terms().len() > case.coefficients.len() + patches;
-    let is_drawn = case.contact.as_ref().is_some_and(|contact| contact.stiffness_factor.is_some());
+    let is_drawn = case.contact.as_ref().is_some_and(PatchContact::has_drawn_stiffness);
     let terms = match (is_drawn, has_holders || patches > 0) {
         (true, _) => [has_holders.then_some(ConstantTerm::Holders), Some(ConstantTerm::Contact)],
         (false, true) => [Some(ConstantTerm::HoldersAndContact), None],
@@ -137,8 +137,19 @@ pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = C
 
 /// What multiplies the stiffness of all pairs in a sample.
 fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> Result<f64, CaseError> {
-    let factor = case.contact.as_ref().and_then(|contact| contact.stiffness_factor.as_ref());
-    Ok(positive(case, factor, STIFFNESS_FACTOR, sample)?.unwrap_or(1.0))
+    let Some(contact) = &case.contact else { return Ok(1.0) };
+    let own = positive(case, contact.stiffness_factor.as_ref(), STIFFNESS_FACTOR, sample)?.unwrap_or(1.0);
+    // Rough faces are stiffer the more they are pressed on each other.
+    Ok(own * load_factor(case, contact, sample)?.powf(contact.load_exponent))
+}
+
+/// What multiplies the load of all pairs in a sample.
+fn load_factor(
+    case: &FiniteElementCase,
+    contact: &PatchContact,
+    sample: &FiniteElementSample,
+) -> Result<f64, CaseError> {
+    Ok(positive(case, contact.load_factor.as_ref(), LOAD_FACTOR, sample)?.unwrap_or(1.0))
 }
 
 /// The sliding speed as the parameters of a sample say it, m/s; `None` where a range does.

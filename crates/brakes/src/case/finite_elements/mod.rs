@@ -91,10 +91,19 @@ pub struct PatchContact {
     pub stiffness_factor: Option<Expression>,
     /// What multiplies the load of all pairs, where it depends on parameters.
     pub load_factor: Option<Expression>,
+    /// By which power of that the stiffness of all pairs grows: `1 - 1/m` of faces whose pressure is `c g^m`, else 0.
+    pub load_exponent: f64,
     /// The speed, where the parameters say it and no range of speeds.
     pub own_speed: Option<OwnSpeed>,
     /// Whether pairs are points between faces, of which there are many more than of nodes.
     pub is_of_faces: bool,
+}
+
+impl PatchContact {
+    /// Whether the stiffness of the pairs is not the same in every sample.
+    pub(crate) fn has_drawn_stiffness(&self) -> bool {
+        self.stiffness_factor.is_some() || (self.load_factor.is_some() && self.load_exponent != 0.0)
+    }
 }
 
 /// The sliding speed of a case as its parameters say it.

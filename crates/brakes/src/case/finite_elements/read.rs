@@ -119,7 +119,7 @@ impl FiniteElementCase {
                 let factor = table.stiffness_factor.take();
                 let factor =
                     factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
-                let is_lateral = lateral(&check, table.lateral, speeds.is_empty());
+                let is_lateral = lateral(&check, "contact", table.lateral, speeds.is_empty());
                 if !is_lateral {
                     table.lateral = Some(LateralEntry::None);
                 }
@@ -132,6 +132,7 @@ impl FiniteElementCase {
                     is_lateral,
                     stiffness_factor: factor,
                     load_factor: None,
+                    load_exponent: 0.0,
                     own_speed: None,
                     is_of_faces: false,
                 };
@@ -152,7 +153,8 @@ impl FiniteElementCase {
                         "cases without all_contacts.speed, which says the speed",
                     ));
                 }
-                let is_lateral = lateral(&check, all.lateral, speeds.is_empty() && speed.is_none());
+                let no_speed = speeds.is_empty() && speed.is_none();
+                let is_lateral = lateral(&check, "all_contacts", all.lateral, no_speed);
                 if !tables.iter().any(FacesTable::is_in_equilibrium) {
                     unused("contacts in equilibrium, load = \"equilibrium\"", &[("forces", !forces.is_empty())])?;
                 }
@@ -173,6 +175,7 @@ impl FiniteElementCase {
                     bristle_damping: all.bristle_damping.unwrap_or(BristleDampingEntry::Constant),
                     is_lateral,
                     stiffness_factor,
+                    load_exponent: load_exponent(&check, &tables, load_factor.is_some())?,
                     load_factor,
                     own_speed: speed.map(|speed| OwnSpeed { speed, factor: mean_speed }),
                     is_of_faces: true,
@@ -245,15 +248,32 @@ struct Shared {
     is_lateral: bool,
     stiffness_factor: Option<Expression>,
     load_factor: Option<Expression>,
+    load_exponent: f64,
     own_speed: Option<OwnSpeed>,
     is_of_faces: bool,
 }
 
+/// By which power of the load factor the contacts' stiffness grows, `1 - 1/m` of all of them.
+fn load_exponent(check: &Check<'_>, tables: &[FacesTable], is_drawn: bool) -> Result<f64, CaseError> {
+    let mut exponents = tables.iter().map(FacesTable::load_exponent);
+    let first = exponents.next().unwrap_or_default();
+    if is_drawn && exponents.any(|other| other != first) {
+        let allowed = "contacts of one law: { c, m } with the same m in all, or in none";
+        return Err(check.value(LOAD_FACTOR, "given", allowed));
+    }
+    if is_drawn && first != 0.0 && tables.iter().any(FacesTable::is_in_equilibrium) {
+        let allowed = "contacts in equilibrium of a constant stiffness, or loads that are given: which points are open depends on it here";
+        return Err(check.value(LOAD_FACTOR, "given", allowed));
+    }
+    Ok(first)
+}
+
 /// Whether friction acts across the sliding too. It depends on a speed; where nobody says which there is none, and a line that says so.
-fn lateral(check: &Check<'_>, given: Option<LateralEntry>, no_speed: bool) -> bool {
+fn lateral(check: &Check<'_>, table: &str, given: Option<LateralEntry>, no_speed: bool) -> bool {
     if given.is_none() && no_speed {
-        check
-            .note("no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)".into());
+        check.note(format!(
+            "no [[speeds]], so no friction across the sliding: its damping is left out ({table}.lateral)"
+        ));
         return false;
     }
     given != Some(LateralEntry::None)
@@ -310,6 +330,7 @@ fn patch_contact(
         is_lateral,
         stiffness_factor: shared.stiffness_factor,
         load_factor: shared.load_factor,
+        load_exponent: shared.load_exponent,
         own_speed,
         is_of_faces: shared.is_of_faces,
     })

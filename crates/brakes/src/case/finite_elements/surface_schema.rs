@@ -63,6 +63,14 @@ impl FacesTable {
     pub fn is_in_equilibrium(&self) -> bool {
         matches!(self.load, LoadEntry::Word(LoadWord::Equilibrium))
     }
+
+    /// By which power of the load its stiffness grows.
+    pub fn load_exponent(&self) -> f64 {
+        match self.stiffness {
+            StiffnessEntry::Power(table) => 1.0 - 1.0 / table.m,
+            StiffnessEntry::PerArea(_) | StiffnessEntry::InAll(_) => 0.0,
+        }
+    }
 }
 
 /// Stiffness of a contact.
@@ -207,4 +215,6 @@ pub(super) enum ActsEntry {
     Each,
     /// On the mean motion of the nodes.
     Mean,
+    /// On the mean motion of the faces that the names are of, by their area: what a column of fluid sees.
+    Area,
 }

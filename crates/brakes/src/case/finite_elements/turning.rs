@@ -1,5 +1,7 @@
 //! Bodies that turn, and springs in any direction: terms of a case that are made here and not read.
 
+use std::collections::BTreeMap;
+
 use elements::{Axis, Body, ElementsError, Material};
 use nalgebra::{DMatrix, DVector, Vector3};
 use nalgebra_sparse::{CooMatrix, CscMatrix};
@@ -9,6 +11,7 @@ use sparse::{Problem, SparseSecondOrder, SparseTerm};
 use super::faces::Solids;
 use super::missing::MissingRows;
 use super::nodes::Model;
+use super::schema::Nodes;
 use super::surface_schema::{ActsEntry, RotationTable, SpringTable};
 use crate::case::check::field;
 use crate::case::matrices::formulas::Formulas;
@@ -75,7 +78,8 @@ fn statics(structure: &CscMatrix<f64>, load: &DVector<f64>) -> Result<DVector<f6
     Ok(DVector::from_iterator(load.len(), solution.iter().map(|z| z.re)))
 }
 
-/// A spring with a dashpot as a term: of each node to ground, shared equally, or of the mean of the nodes, to ground or to the mean of others.
+/// A spring with a dashpot as a term: of each node to ground, shared equally, or of the mean of the nodes, to ground or to the mean of others;
+/// means by area need the mesh.
 pub(super) fn spring_term(
     model: &Model<'_>,
     formulas: &mut Formulas<'_>,
@@ -97,29 +101,35 @@ pub(super) fn spring_term(
     if table.stiffness == 0.0 && table.damping == 0.0 {
         return Err(check.value(&format!("springs {:?}", table.name), "nothing", "a stiffness or a damping > 0"));
     }
-    let mut of_nodes = |name: &str, nodes: &super::schema::Nodes| {
-        let found = model.nodes(&key(name), nodes.items())?;
+    // Nodes with what part of the motion each has.
+    let mut weighed = |name: &str, nodes: &Nodes| {
+        let found = match table.acts {
+            ActsEntry::Each | ActsEntry::Mean => {
+                let found = model.nodes(&key(name), nodes.items())?;
+                let share = 1.0 / found.len() as f64;
+                found.into_iter().map(|node| (node, share)).collect::<Vec<_>>()
+            }
+            ActsEntry::Area => by_area(&Solids::new(model, &key("acts"))?, &key(name), nodes)?,
+        };
+        let labels: Vec<i64> = found.iter().map(|(node, _)| *node).collect();
         let directions: Vec<u32> = (1..=3).filter(|&d| direction[d as usize - 1] != 0.0).collect();
-        missing.extend(MissingRows::of(model, &key(name), &found, &directions)?);
+        missing.extend(MissingRows::of(model, &key(name), &labels, &directions)?);
         Ok::<_, CaseError>(found)
     };
-    let from = of_nodes("nodes", &table.nodes)?;
-    let to = table.to.as_ref().map(|nodes| of_nodes("to", nodes)).transpose()?;
-    // Rows, each a motion that the spring sees, and what part of it acts there.
+    let from = weighed("nodes", &table.nodes)?;
+    let to = table.to.as_ref().map(|nodes| weighed("to", nodes)).transpose()?;
     let entry = |node: i64, share: f64| {
         (1..=3).filter_map(move |d| Some((model.row(node, d)?, share * direction[d as usize - 1])))
     };
-    let mean = |nodes: &[i64], sign: f64| {
-        let share = sign / nodes.len() as f64;
-        nodes.iter().flat_map(|&node| entry(node, share)).filter(|(_, value)| *value != 0.0).collect::<Vec<_>>()
+    let motion = |nodes: &[(i64, f64)], sign: f64| {
+        let entries = nodes.iter().flat_map(|&(node, share)| entry(node, sign * share));
+        entries.filter(|(_, value)| *value != 0.0).collect::<Vec<_>>()
     };
+    // Rows, each a motion that the spring sees, and what part of it acts there.
     let rows: Vec<(Vec<(usize, f64)>, f64)> = match (&to, table.acts) {
-        (None, ActsEntry::Each) => {
-            let share = 1.0 / from.len() as f64;
-            from.iter().map(|node| (mean(std::slice::from_ref(node), 1.0), share)).collect()
-        }
-        (None, ActsEntry::Mean) => vec![(mean(&from, 1.0), 1.0)],
-        (Some(to), _) => vec![([mean(&from, 1.0), mean(to, -1.0)].concat(), 1.0)],
+        (None, ActsEntry::Each) => from.iter().map(|&(node, share)| (motion(&[(node, 1.0)], 1.0), share)).collect(),
+        (None, ActsEntry::Mean | ActsEntry::Area) => vec![(motion(&from, 1.0), 1.0)],
+        (Some(to), _) => vec![([motion(&from, 1.0), motion(to, -1.0)].concat(), 1.0)],
     };
     let sum = |value: f64| {
         let mut sum = CooMatrix::new(order, order);
@@ -136,4 +146,21 @@ pub(super) fn spring_term(
     let matrices = matrices.map_err(check.sparse(&format!("springs {:?}", table.name)))?;
     let coefficient = formulas.expression(&key("coefficient"), table.coefficient.clone(), 1.0)?;
     Ok((SparseTerm { name: table.name.clone(), family: table.name.clone(), matrices }, coefficient))
+}
+
+/// The nodes of faces with `int N dA / A` of each.
+fn by_area(solids: &Solids<'_>, field: &str, names: &Nodes) -> Result<Vec<(i64, f64)>, CaseError> {
+    let (mut of_node, mut whole) = (BTreeMap::<i64, f64>::new(), 0.0);
+    for id in solids.faces(field, names)? {
+        let face = solids.mesh.face(id).map_err(solids.model.check.contact(field))?;
+        for (own, weight) in face.kind.rule() {
+            let at = face.at(own);
+            let area = weight * at.area.norm();
+            whole += area;
+            for (&node, n) in face.nodes.iter().zip(at.shape.values()) {
+                *of_node.entry(solids.mesh.labels()[node]).or_default() += n * area;
+            }
+        }
+    }
+    Ok(of_node.into_iter().map(|(node, area)| (node, area / whole)).collect())
 }
