@@ -10,6 +10,7 @@ use contact::{
 use elements::{Axis, Body, FaceId, Kind, Material, Mesh, Rows};
 use nalgebra::{DMatrix, DVector, Vector3};
 use nalgebra_sparse::CscMatrix;
+use proptest::prelude::*;
 
 use self::making::{Making, faces};
 
@@ -316,5 +317,45 @@ fn dashpots_across_are_the_plane_less_the_sliding() {
         let (n, t) = (Vector3::z(), Vector3::new(0.6, 0.8, 0.0));
         let expected = 10.0 / 5.0 * (v.norm_squared() - v.dot(&n).powi(2) - v.dot(&t).powi(2));
         assert!((u.dot(&(&damping * &u)) - expected).abs() < 1e-12, "{v:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Whatever the meshes: points have the area, shape functions add up to one on both sides, forces and their moments are in balance.
+    #[test]
+    fn points_of_any_two_meshes(
+        kinds in prop::array::uniform2(0..6_usize),
+        cells in prop::array::uniform4(1..4_usize),
+        by_pieces in any::<bool>(),
+        motion in prop::array::uniform6(-1.0..1.0_f64),
+        sliding in prop::array::uniform2(0.1..1.0_f64),
+    ) {
+        let [upper, lower] = kinds.map(|kind| Kind::ALL[kind]);
+        let (mesh, slave, master) = two_blocks((upper, [cells[0], cells[1], 1]), (lower, [cells[2], cells[3], 1]));
+        let integration = if by_pieces { Integration::Segments } else { Integration::GaussPoints };
+        let velocity = Sliding::Along([sliding[0], sliding[1], 0.3]);
+        let pairing = Pairing { sliding: velocity, ..along_x(integration) };
+        let interface = Interface::new(&mesh, &slave, &master, &pairing).unwrap();
+        prop_assert!((interface.area() - 1.0).abs() < 1e-12);
+        let rows = Rows::all(&mesh);
+        // A rigid motion of both.
+        let (shift, spin) = (Vector3::new(motion[0], motion[1], motion[2]), Vector3::new(motion[3], motion[4], motion[5]));
+        let moved = mesh.positions().iter().flat_map(|p| <[f64; 3]>::from(shift + spin.cross(p)));
+        let moved = DVector::from_iterator(rows.order(), moved);
+        for point in interface.points() {
+            for side in [&point.slave, &point.master] {
+                prop_assert!((side.iter().map(|(_, n)| n).sum::<f64>() - 1.0).abs() < 1e-12);
+                let at: Vector3<f64> = side.iter().map(|&(node, n)| mesh.positions()[node] * n).sum();
+                prop_assert!((at - point.position).norm() < 1e-12);
+            }
+            prop_assert_eq!(point.normal, Vector3::z());
+            prop_assert!((point.speed - sliding[0].hypot(sliding[1])).abs() < 1e-14);
+            for row in [point.gap_row(&rows), point.slip_row(&rows), point.across_row(&rows)] {
+                prop_assert!(row.iter().map(|&(dof, value)| value * moved[dof]).sum::<f64>().abs() < 1e-12);
+                prop_assert!(row.windows(2).all(|pair| pair[0].0 < pair[1].0));
+            }
+        }
     }
 }

@@ -53,10 +53,11 @@ pub struct FiniteElementCase {
     pub files: Vec<TakenMatrix>,
     /// Degrees of freedom that the matrices hold by huge entries; they have no row.
     pub held: Vec<Dof>,
-    /// The terms of the file, then the holders as one term, where there are any, then one term for each patch; patch by patch one channel
-    /// for each pair of nodes in contact, along the sliding, then one for each across it, where friction acts there.
+    /// The terms of the file, then its springs, then two of each body that turns, then the holders as one term, where there are any, then one term
+    /// for each patch; patch by patch one channel for each pair in contact, along the sliding, then one for each across it, where friction
+    /// acts there.
     pub system: SparseAffineSystem,
-    /// The coefficients of the terms of the file.
+    /// The coefficients of the terms of the file, of springs and of what turns.
     pub coefficients: Vec<Expression>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
@@ -68,7 +69,7 @@ pub struct FiniteElementCase {
     pub reduction: ReductionGoal,
 }
 
-/// Contact in patches, each of pairs of nodes.
+/// Contact in patches, each of pairs: of nodes, or of points between faces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PatchContact {
     /// The patches.
