@@ -2,12 +2,14 @@
 //! contact in patches that are in or out of contact: between matching nodes, or between faces that need not match.
 
 mod contact;
+mod contacts;
 mod faces;
 mod missing;
 mod nodes;
 mod read;
 mod schema;
 mod side;
+mod structure;
 mod surface_contact;
 mod surface_loads;
 mod surface_schema;
