@@ -32,7 +32,7 @@ pub(super) fn given_forces(solids: &Solids<'_>, contact: &SurfaceContact<'_>) ->
             })?;
             let pressures = pressures(&text).map_err(|(line, found)| {
                 let found = format!("{:?}, line {line}: {found:?}", table.pressures.display());
-                check.value(&key, found, "lines with the number of a node and its pressure, with a comma between them")
+                check.value(&key, found, "lines with the number of a node and its pressure")
             })?;
             contact.interface.of_pressures(&solids.mesh, &pressures)
         }
@@ -41,21 +41,21 @@ pub(super) fn given_forces(solids: &Solids<'_>, contact: &SurfaceContact<'_>) ->
     forces.map_err(check.contact::<ContactError>(&key))
 }
 
-/// Nodes with their pressures from lines `node, pressure`; a first line of words, empty lines and those that begin with `#` are passed over.
-/// The line that is none, from 1, as an error.
+/// Nodes with their pressures from lines of a node and its pressure, with a comma, a semicolon or blanks between: csv, and the columns of a report
+/// of Abaqus (`CPRESS`) or of Ansys (`PRNSOL, CONT, PRES`). Lines that do not begin with a number are passed over: heads, remarks and
+/// totals. The line that is none, from 1, as an error.
 fn pressures(text: &str) -> Result<Vec<(i64, f64)>, (usize, String)> {
     let mut all = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let plain = line.trim();
-        if plain.is_empty() || plain.starts_with('#') {
+        if !plain.starts_with(|c: char| c.is_ascii_digit()) {
             continue;
         }
-        let mut fields = plain.split([',', ';', '\t']).map(str::trim);
+        let mut fields = plain.split(|c: char| c.is_whitespace() || ",;".contains(c)).filter(|field| !field.is_empty());
         let node = fields.next().and_then(|field| field.parse().ok());
         let pressure = fields.next().and_then(|field| field.parse().ok());
         match (node, pressure, fields.next()) {
             (Some(node), Some(pressure), None) => all.push((node, pressure)),
-            _ if number == 0 => {}
             _ => return Err((number + 1, plain.chars().take(40).collect())),
         }
     }
@@ -170,9 +170,11 @@ mod tests {
     use super::pressures;
 
     #[test]
-    fn files_of_pressures_may_have_a_head_and_remarks() {
-        let text = "node, pressure\n# by CalculiX\n\n12, 1.5e6\n13;2e6\n14\t0\n";
+    fn files_of_pressures_may_have_heads_and_totals() {
+        let text = "node, pressure\n# by hand\n\n12, 1.5e6\n13;2e6\n14\t0\n";
         assert_eq!(pressures(text), Ok(vec![(12, 1.5e6), (13, 2e6), (14, 0.0)]));
+        let report = "   Node Label          CPRESS\n         @Loc 1\n-----\n     12   1.5E+06\n     13   0.\n\n  Minimum   0.\n  At Node  13\n";
+        assert_eq!(pressures(report), Ok(vec![(12, 1.5e6), (13, 0.0)]));
         assert_eq!(pressures("12, 1\n13, x\n"), Err((2, "13, x".to_owned())));
         assert_eq!(pressures("12, 1\n13, 1, 2\n"), Err((2, "13, 1, 2".to_owned())));
     }
