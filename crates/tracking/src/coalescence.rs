@@ -8,7 +8,8 @@ use num_complex::Complex;
 
 use crate::corrector::pairs_on_paths;
 use crate::path::{Path, PathPoint};
-use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
+use crate::step_control::{PredictorErrors, StepControl};
+use crate::tuning::tuning;
 
 /// The first step, as a part of the path; chosen: steps next to a coalescence are about as short.
 const FIRST_PAIR_STEP: f64 = 0.01;
@@ -96,12 +97,12 @@ impl<'a> PairContinuation<'a> {
 
     /// The error ratio of a step: the larger of those of the mean and of s.
     fn ratio(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> f64 {
-        let size = self.here.mean.norm();
+        let (size, negligible) = (self.here.mean.norm(), tuning().negligible_error);
         let distance = self.here.half_gap_squared.norm().max(there.half_gap_squared.norm()).sqrt();
         let mean = PredictorErrors::new([self.here.mean, there.mean], [self.rate.mean, rate.mean], step);
         let squares = [self.here.half_gap_squared, there.half_gap_squared];
         let square = PredictorErrors::new(squares, [self.rate.half_gap_squared, rate.half_gap_squared], step);
-        mean.ratio(NEGLIGIBLE_ERROR * size).max(square.ratio(NEGLIGIBLE_ERROR * (size * distance)))
+        mean.ratio(negligible * size).max(square.ratio(negligible * (size * distance)))
     }
 
     /// The root at the end of a step, with s interpolated by a cubic polynomial; `None` where s comes too near to 0.

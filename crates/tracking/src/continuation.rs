@@ -15,18 +15,13 @@ use crate::coalescence::{ACCEPTANCE_RADIUS, PastCoalescence, continue_pairs};
 use crate::corrector::{ModeOnPath, modes_on_paths};
 use crate::mac::Match;
 use crate::path::{Path, PathPoint};
-use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
+use crate::step_control::{PredictorErrors, StepControl};
+use crate::tuning::tuning;
 
-/// The first step, as a part of the path; chosen: most continued modes allow long steps.
-const FIRST_MODE_STEP: f64 = 0.2;
-/// Least MAC of the shapes before and after a step; chosen.
-const LEAST_MAC_OF_STEP: f64 = 0.8;
-/// Shortest step, as a part of the path; chosen: a mode that needs a shorter one is next to a coalescence.
-const SHORTEST_MODE_STEP: f64 = 1.0 / 512.0;
 /// Most coalescences that one mode is continued past; chosen.
 const MOST_COALESCENCES: usize = 6;
 /// Least distance of the second nearest known eigenvalue from the end of a continuation, as a multiple of the distance
-/// `NEGLIGIBLE_ERROR` within which the nearest must lie; chosen.
+/// `negligible_error` within which the nearest must lie; chosen.
 const LEAST_SEPARATION: f64 = 10.0;
 
 /// A mode that is being continued.
@@ -126,18 +121,18 @@ fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let &(best, j) = order.first()?;
     let second = order.get(1).map_or(f64::INFINITY, |&(distance, _)| distance);
-    let negligible = NEGLIGIBLE_ERROR * lambda.norm();
-    (best <= negligible && second >= LEAST_SEPARATION * NEGLIGIBLE_ERROR * lambda.norm()).then_some(j)
+    let negligible = tuning().negligible_error;
+    (best <= negligible * lambda.norm() && second >= LEAST_SEPARATION * negligible * lambda.norm()).then_some(j)
 }
 
 impl<'a> Continuation<'a> {
     /// A continuation that begins at a point where the corrector found `here`; `None` where that is another mode.
     fn new(PathPoint { path, t, lambda }: PathPoint<'a>, near: bool, here: ModeOnPath) -> Option<Self> {
-        let is_same = (here.mode.lambda - lambda).norm() <= NEGLIGIBLE_ERROR * lambda.norm();
+        let is_same = (here.mode.lambda - lambda).norm() <= tuning().negligible_error * lambda.norm();
         is_same.then_some(Self {
             path,
             near,
-            steps: StepControl::new(t, FIRST_MODE_STEP),
+            steps: StepControl::new(t, tuning().first_step),
             here,
             curvature: Complex::default(),
         })
@@ -162,7 +157,7 @@ impl<'a> Continuation<'a> {
                 return Advance::Arrived(to);
             }
         }
-        if self.steps.is_over(SHORTEST_MODE_STEP) { Advance::Lost } else { Advance::UnderWay }
+        if self.steps.is_over(tuning().shortest_step) { Advance::Lost } else { Advance::UnderWay }
     }
 
     /// The known mode at the end of the path that this mode is (at the end) or becomes (by a clear MAC).
@@ -178,8 +173,8 @@ impl<'a> Continuation<'a> {
     fn error_ratio(&self, there: &ModeOnPath, step: f64) -> f64 {
         let ModeOnPath { mode: Mode { lambda, .. }, rate, .. } = &self.here;
         let errors = PredictorErrors::new([*lambda, there.mode.lambda], [*rate, there.rate], step);
-        if there.weighted.dotc(&self.here.mode.shape).norm_sqr() >= LEAST_MAC_OF_STEP {
-            errors.ratio(NEGLIGIBLE_ERROR * lambda.norm())
+        if there.weighted.dotc(&self.here.mode.shape).norm_sqr() >= tuning().least_mac {
+            errors.ratio(tuning().negligible_error * lambda.norm())
         } else {
             f64::INFINITY
         }
@@ -202,4 +197,4 @@ impl<'a> Continuation<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

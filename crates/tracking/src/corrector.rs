@@ -13,12 +13,7 @@ use num_complex::Complex;
 use crate::evaluator::{Guess, PairGuess, PathEvaluator, Shape};
 use crate::mac::{Match, match_weighted};
 use crate::path::{Path, PathPoint};
-
-/// Relative correction at or below which an eigenvalue counts as converged; chosen: the error left is of the order of the
-/// square of the correction, 2.5e-9.
-const CONVERGED_CORRECTION: f64 = 5e-5;
-/// Most corrections of one guess; chosen: a guess that needs more is near another mode.
-const MOST_CORRECTIONS: usize = 4;
+use crate::tuning::tuning;
 
 /// A mode at a point of its path.
 #[derive(Debug, Clone)]
@@ -80,7 +75,8 @@ pub(crate) fn pairs_on_paths(at: &[PairGuess<Path<'_>>], work: &mut Workspace) -
 fn converged<P: PathEvaluator>(mut at: Vec<Guess<P>>, work: &mut Workspace) -> Vec<Option<(NewtonStep, Shape)>> {
     let mut found: Vec<Option<(NewtonStep, P::Vector)>> = vec![None; at.len()];
     let mut open: Vec<usize> = (0..at.len()).collect();
-    for _ in 0..MOST_CORRECTIONS {
+    let tuning = tuning();
+    for _ in 0..tuning.most_corrections {
         if open.is_empty() {
             break;
         }
@@ -90,7 +86,7 @@ fn converged<P: PathEvaluator>(mut at: Vec<Guess<P>>, work: &mut Workspace) -> V
             let Some((step, vector)) = corrected.next().flatten() else { return false };
             let correction = (step.lambda - at[i].2).norm();
             at[i].2 = step.lambda;
-            let has_converged = P::CONVERGES_AT_ONCE || correction <= CONVERGED_CORRECTION * step.lambda.norm();
+            let has_converged = P::CONVERGES_AT_ONCE || correction <= tuning.converged * step.lambda.norm();
             if has_converged {
                 found[i] = Some((step, vector));
             }

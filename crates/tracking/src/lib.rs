@@ -78,6 +78,7 @@ mod step_control;
 mod subdivision;
 #[cfg(test)]
 mod test_modes;
+mod tuning;
 
 pub use branch::{BranchLink, BranchPoint, Branches, OrderedParameter, RefinedPoint, follow_branch, link, link_error};
 pub use error::TrackingError;

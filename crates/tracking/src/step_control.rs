@@ -6,21 +6,7 @@
 
 use num_complex::Complex;
 
-/// Largest ratio of the error of the trapezoidal rule to that of the tangent in a step that is taken; chosen: such a step is
-/// 1.2 times the distance to the next branch point.
-const LARGEST_ERROR_RATIO: f64 = 0.3;
-/// Safety factor: the next step is chosen for a ratio of the largest divided by this; chosen, so that most steps are taken at
-/// the first attempt.
-const RATIO_SAFETY: f64 = 1.5;
-/// Least and largest factor between a step that was taken and the next; chosen.
-const GROWTH: (f64, f64) = (0.6, 2.0);
-/// Least and largest factor between a step that was refused and the next; chosen.
-const REDUCTION: (f64, f64) = (0.25, 0.6);
-/// Least error of the tangent in the ratio, relative to the eigenvalue; chosen, above the errors that the corrector leaves,
-/// whose ratio has no meaning.
-pub(crate) const NEGLIGIBLE_ERROR: f64 = 1e-5;
-/// Most attempts at a step, taken or refused; chosen, far more than any path needs that is followed to its end.
-const MOST_ATTEMPTS: usize = 48;
+use crate::tuning::tuning;
 
 /// A point of a path, and the step that is tried next.
 #[derive(Debug, Clone, Copy)]
@@ -43,29 +29,30 @@ impl StepControl {
 
     /// True if a step with this ratio of errors is taken.
     pub fn accepts(ratio: f64) -> bool {
-        ratio <= LARGEST_ERROR_RATIO
+        ratio <= tuning().largest_error_ratio
     }
 
     /// Takes the next step if its error ratio is known and small, and makes the step shorter if not.
     pub fn advance(&mut self, ratio: Option<f64>) {
         self.attempts += 1;
-        let step = self.step();
+        let (step, tuning) = (self.step(), tuning());
+        let next = |ratio: f64| tuning.largest_error_ratio / (tuning.ratio_safety * ratio);
         match ratio {
             Some(ratio) if Self::accepts(ratio) => {
                 self.t += step;
-                self.step = step * (LARGEST_ERROR_RATIO / (RATIO_SAFETY * ratio)).clamp(GROWTH.0, GROWTH.1);
+                self.step = step * next(ratio).clamp(tuning.reduction, tuning.growth);
             }
             other => {
                 // `f64::max` of a NaN and a number is the number.
-                let ratio = other.unwrap_or(f64::INFINITY).max(LARGEST_ERROR_RATIO);
-                self.step = step * (LARGEST_ERROR_RATIO / (RATIO_SAFETY * ratio)).clamp(REDUCTION.0, REDUCTION.1);
+                let ratio = other.unwrap_or(f64::INFINITY).max(tuning.largest_error_ratio);
+                self.step = step * next(ratio).clamp(tuning.least_reduction, tuning.reduction);
             }
         }
     }
 
     /// True if no step follows: t = 1, the step is below `shortest`, or the attempts are used up.
     pub fn is_over(&self, shortest: f64) -> bool {
-        self.t == 1.0 || self.step < shortest || self.attempts >= MOST_ATTEMPTS
+        self.t == 1.0 || self.step < shortest || self.attempts >= tuning().most_attempts
     }
 }
 

@@ -16,17 +16,16 @@ fn continued(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
 }
 
 /// The eigenvalue at the end of a path whose end modes are not known; `None` where the continuation does not reach it.
-fn end_of(path: Path<'_>, mode: &Mode) -> Option<Complex<f64>> {
-    let mut work = Workspace::default();
-    let here = modes_on_paths(&[PathPoint { path, t: 0.0, lambda: mode.lambda }], &mut work).remove(0)?;
+pub(crate) fn end_of(path: Path<'_>, mode: &Mode, work: &mut Workspace) -> Option<Complex<f64>> {
+    let here = modes_on_paths(&[PathPoint { path, t: 0.0, lambda: mode.lambda }], work).remove(0)?;
     let mut mode = Continuation::new(PathPoint { path, t: 0.0, lambda: mode.lambda }, false, here)?;
-    while let Advance::UnderWay = mode.advance(modes_on_paths(&[mode.predict()], &mut work).remove(0)) {}
+    while let Advance::UnderWay = mode.advance(modes_on_paths(&[mode.predict()], work).remove(0)) {}
     (mode.steps.t == 1.0).then_some(mode.here.mode.lambda)
 }
 
 /// Modes followed to the nearest eigenvalue over 4000 steps: of each the eigenvalue at the end, and the least ratio, over all
 /// steps, of the distance of the second nearest eigenvalue to that of the nearest.
-fn by_small_steps(path: Path<'_>) -> Vec<(Complex<f64>, f64)> {
+pub(crate) fn by_small_steps(path: Path<'_>) -> Vec<(Complex<f64>, f64)> {
     const STEPS: u32 = 4000;
     let lambdas = |t: f64| {
         let spectrum = QrSolver.eigenvalues(&path.system_at(t).unwrap(), &mut Workspace::default()).unwrap();
@@ -114,7 +113,7 @@ proptest! {
         for (mode, (end, margin)) in start.iter().zip(by_small_steps(path)) {
             // Small steps are a reference only where no other eigenvalue comes near.
             if margin > 1000.0 {
-                let found = end_of(path, mode);
+                let found = end_of(path, mode, &mut Workspace::default());
                 prop_assert!(found.is_none_or(|l| (l - end).norm() < 1e-4 * end.norm()), "{found:?} {end} {margin}");
             }
         }
