@@ -16,6 +16,8 @@ pub struct Counters {
     pub eigenvectors: u64,
     /// Values of secular equations.
     pub secular_values: u64,
+    /// Gains whose growing modes secular equations found; those left open cost a spectrum each.
+    pub secular_answers: u64,
     /// Modes that were followed by continuation, because MAC left a doubt.
     pub continuations: u64,
 }
@@ -23,13 +25,21 @@ pub struct Counters {
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         // By its fields, so that a new one is not forgotten.
-        let Self { eigenvalue_solves, certified_solves, factorisations, eigenvectors, secular_values, continuations } =
-            other;
+        let Self {
+            eigenvalue_solves,
+            certified_solves,
+            factorisations,
+            eigenvectors,
+            secular_values,
+            secular_answers,
+            continuations,
+        } = other;
         self.eigenvalue_solves += eigenvalue_solves;
         self.certified_solves += certified_solves;
         self.factorisations += factorisations;
         self.eigenvectors += eigenvectors;
         self.secular_values += secular_values;
+        self.secular_answers += secular_answers;
         self.continuations += continuations;
     }
 }
@@ -97,6 +107,7 @@ mod tests {
             factorisations: 2,
             eigenvectors: 3,
             secular_values: 4,
+            secular_answers: 7,
             continuations: 5,
         };
         let three = Counters {
@@ -105,6 +116,7 @@ mod tests {
             factorisations: 6,
             eigenvectors: 9,
             secular_values: 12,
+            secular_answers: 21,
             continuations: 15,
         };
         assert_eq!([one; 3].into_iter().sum::<Counters>(), three);

@@ -1,6 +1,7 @@
 //! How the modes at a point were found, and how many were found how.
 
-use std::ops::AddAssign;
+use std::iter::Sum;
+use std::ops::{Add, Sub};
 
 use crate::Doubt;
 
@@ -51,14 +52,36 @@ impl RouteCounts {
         };
         *of_route += 1;
     }
+
+    fn with(self, other: Self, of: fn(u64, u64) -> u64) -> Self {
+        Self {
+            discs: of(self.discs, other.discs),
+            guesses: of(self.guesses, other.guesses),
+            followed: of(self.followed, other.followed),
+            spectra: of(self.spectra, other.spectra),
+        }
+    }
 }
 
-impl AddAssign for RouteCounts {
-    fn add_assign(&mut self, other: Self) {
-        let Self { discs, guesses, followed, spectra } = other;
-        self.discs += discs;
-        self.guesses += guesses;
-        self.followed += followed;
-        self.spectra += spectra;
+impl Add for RouteCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        self.with(other, u64::add)
+    }
+}
+
+impl Sub for RouteCounts {
+    type Output = Self;
+
+    /// What was counted since `other` was.
+    fn sub(self, other: Self) -> Self {
+        self.with(other, u64::sub)
+    }
+}
+
+impl Sum for RouteCounts {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), Self::add)
     }
 }

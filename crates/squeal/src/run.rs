@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use cea::EigenSolver;
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, run_with};
 use study::identity::of_study;
-use study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake, samples_together};
+use study::{ModeNaming, Plan, Study, StudyOptions, StudyTally, UncertainBrake, samples_together};
 
 use crate::Error;
 use crate::folder::RunFolder;
@@ -71,6 +71,8 @@ pub struct RunOptions<'a> {
     pub until_half_width: Option<f64>,
     /// Samples are kept, in [`StudyTally::kept`]. A folder has them from its first sample on or never.
     pub keeps_samples: bool,
+    /// Options of the preparation.
+    pub study: StudyOptions,
     /// Receivers of the progress.
     pub progress: RunProgress<'a>,
 }
@@ -83,6 +85,7 @@ impl Default for RunOptions<'_> {
             threads: None,
             until_half_width: None,
             keeps_samples: false,
+            study: StudyOptions::default(),
             progress: RunProgress::default(),
         }
     }
@@ -99,6 +102,12 @@ impl<'a> RunOptions<'a> {
     #[must_use]
     pub fn with_threads(self, threads: Option<usize>) -> Self {
         Self { threads, ..self }
+    }
+
+    /// The options with a study that is prepared in another way.
+    #[must_use]
+    pub fn with_study(self, study: StudyOptions) -> Self {
+        Self { study, ..self }
     }
 
     /// The options with receivers of the progress, which can [cancel](Progress::is_cancelled) the run.
@@ -127,7 +136,7 @@ impl<'a> RunOptions<'a> {
 pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     brake: &B,
     dir: &Path,
-    options: RunOptions<'_>,
+    RunOptions { solver, threads, until_half_width, keeps_samples, study: options, progress }: RunOptions<'_>,
     draw: &mut DrawResults<'_, B, E>,
 ) -> Result<Manifest, E> {
     run_from(brake, dir, options, &mut |_, _| Ok(Vec::new()), draw)
@@ -174,7 +183,8 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
 
     let start = Instant::now();
     let pool = workers(threads)?;
-    let study = pool.install(|| Study::with_progress(brake, solver, progress.preparation)).map_err(Error::from)?;
+    let study =
+        pool.install(|| Study::with_options(brake, solver, options, progress.preparation)).map_err(Error::from)?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.

@@ -58,20 +58,23 @@ pub struct UnstableMode {
     pub residual: Option<ModeResidual>,
 }
 
-/// Options of the preparation of a study. None of them changes a verdict or a name.
+/// Options of the preparation of a study. None of them changes a verdict, or a name but to an open one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct StudyOptions {
     /// Regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
     /// searched. That takes three norm bounds for each configuration, which few samples do not earn back.
     pub certificates: bool,
+    /// Growing modes are found, and names continued, by secular equations where friction is alike in all channels. Without, spectra and
+    /// matrices take their place, which leave some more names next to coalescences open.
+    pub secular: bool,
     /// Modes that are known by continuation are named by MAC too ([`ModeIdentity::Mac`]).
     pub likeness_too: bool,
 }
 
 impl Default for StudyOptions {
     fn default() -> Self {
-        Self { certificates: true, likeness_too: false }
+        Self { certificates: true, secular: true, likeness_too: false }
     }
 }
 
@@ -108,23 +111,28 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         Self::with_progress(brake, solver, &())
     }
 
-    /// Study as by [`Study::new`], prepared with `options`.
-    ///
-    /// # Errors
-    /// As [`Study::new`].
-    pub fn with_options(brake: &'a B, solver: &'a dyn EigenSolver, options: StudyOptions) -> Result<Self, Error> {
-        Self::prepared(brake, solver, options, &())
-    }
-
     /// Study as by [`Study::new`], with its progress reported.
     ///
     /// # Errors
     /// As [`Study::new`].
     pub fn with_progress(brake: &'a B, solver: &'a dyn EigenSolver, progress: &dyn Progress) -> Result<Self, Error> {
+        Self::with_options(brake, solver, StudyOptions::default(), progress)
+    }
+
+    /// Study as by [`Study::with_progress`], prepared with `options`.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn with_options(
+        brake: &'a B,
+        solver: &'a dyn EigenSolver,
+        options: StudyOptions,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
         let plan = brake.plan();
         // One step for each configuration, two for each scene: its reference and its anchors.
         progress.begin((plan.configurations.len() + 2 * plan.scenes.len()) as u64, 0);
-        let study = Self::prepared(brake, solver, StudyOptions::default(), progress);
+        let study = Self::prepared(brake, solver, options, progress);
         progress.end();
         study
     }
@@ -158,9 +166,9 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             true => certificates(brake)?,
             false => vec![Certificate::default(); plan.configurations.len()],
         };
-        let equations = match source {
-            Some(_) => plan.configurations.iter().map(SecularEquations::none).collect(),
-            None => equations(&plan.configurations)?,
+        let equations = match options.secular && source.is_none() {
+            true => equations(&plan.configurations)?,
+            false => plan.configurations.iter().map(SecularEquations::none).collect(),
         };
         let anchors = anchors(brake, &equations, &certificates, &solver, progress)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);

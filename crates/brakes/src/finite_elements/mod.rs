@@ -15,13 +15,14 @@ pub use points::{at_medians, frictionless};
 pub use reduce::{BESIDE, Bases, Part, ReducedSet};
 
 use std::f64::consts::TAU;
+use std::sync::PoisonError;
 
 use cea::{Mode, Spectrum};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, Rung};
+use reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, RouteCounts, Rung, Ways};
 use squeal::sweep::Over;
 use study::{
     BandMode, Bridge, Cost, DrawnInputs, FullChecks, Input, KnownMode, ModeResidual, ModeSource, Modifiable,
@@ -91,6 +92,20 @@ impl FiniteElementBrake {
     /// What the reduction refuses; [`study::Error::Median`] where the medians of the parameters have no operating point.
     pub fn new(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
         Self::on(case, Bases::OfEach, progress)
+    }
+
+    /// Takes these ways to the modes of samples alone.
+    pub fn set_ways(&mut self, ways: Ways) {
+        for part in &mut self.parts {
+            part.reduced = part.reduced.clone().with_ways(ways);
+        }
+    }
+
+    /// How many samples each way has found so far, in all scenes.
+    #[must_use]
+    pub fn routes(&self) -> RouteCounts {
+        // What a panic of another thread left is a count all the same.
+        self.parts.iter().map(|part| *part.routes.lock().unwrap_or_else(PoisonError::into_inner)).sum()
     }
 
     /// Reduces the brake as [`FiniteElementBrake::new`] does, but for its first scene so that the basis holds the modes over ranges of
@@ -381,6 +396,11 @@ impl ModeSource for FiniteElementBrake {
             Some(friction) => friction.search().modes(&part.reduced, &points, error, &may_grow),
             None => points.iter().map(among).collect(),
         };
+        let mut counts = RouteCounts::default();
+        found.iter().flatten().for_each(|(found, _)| counts.record(found.route));
+        let mut routes = part.routes.lock().unwrap_or_else(PoisonError::into_inner);
+        *routes = *routes + counts;
+        drop(routes);
         let modes = |(found, amplitudes): (ReducedModes, Vec<Amplitudes>)| {
             let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).enumerate();
             let mode = |(place, ((&lambda, shape), &value)): (usize, ((&Complex<f64>, DVectorView<'_, _>), &f64))| {

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::iter::repeat_n;
+use std::sync::Mutex;
 
 use cea::{ROUNDED_DATA, Threshold, Verdict, real_count};
 use linsys::{AffineSystem, DofMap, OperatingPoint};
@@ -11,8 +12,8 @@ use num_complex::Complex;
 use osc_model::ContactArrangement;
 use rayon::prelude::*;
 use reduction::{
-    Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis,
-    rungs, within,
+    Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, RouteCounts, Rung, Wanted, Within, compared,
+    response_basis, rungs, within,
 };
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
@@ -92,6 +93,8 @@ pub struct Part {
     pub reduced: Reduced,
     /// Its growing modes where samples differ in friction alone.
     pub friction: Option<FrictionModes>,
+    /// How many samples each way found.
+    pub routes: Mutex<RouteCounts>,
 }
 
 /// Which arrangements have a basis of their own.
@@ -360,7 +363,7 @@ fn part(
     if friction.is_none() {
         anchors(MOST_ANCHORS)[reduced.anchors()..].iter().try_for_each(|point| reduced.add_anchor(point))?;
     }
-    Ok(Part { set: asked.set, within, reduced, friction })
+    Ok(Part { set: asked.set, within, reduced, friction, routes: Mutex::default() })
 }
 
 /// What fewer columns of the basis of a set of constraints with all patches closed hold.

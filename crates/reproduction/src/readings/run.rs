@@ -68,7 +68,7 @@ fn rows(family: &Family, stage: Stage) -> Result<Vec<Row>, Error> {
     let mut options = StudyOptions::default();
     options.certificates = stage == Stage::Full;
     options.likeness_too = plan.mode_identity == ModeIdentity::Continuation;
-    let study = Study::with_options(family, &squeal::cea::BatchSolver, options)?;
+    let study = Study::with_options(family, &squeal::cea::BatchSolver, options, &())?;
     let threads = (stage != Stage::Full).then_some(1);
     let sampling = Sampling { block: 16, threads, ..Sampling::new(plan.seed, plan.samples) };
     let Summary { seed, first, samples, failures, tally } =

@@ -160,7 +160,9 @@ impl Secular {
         gains: &[(Gain, &[f64])],
         work: &mut Workspace,
     ) -> Vec<Result<Growing, LeftOpen>> {
-        search::search(&self.resolvent, anchors, Wanted::Growing, gains, work)
+        let found = search::search(&self.resolvent, anchors, Wanted::Growing, gains, work);
+        work.counters.secular_answers += found.iter().flatten().count() as u64;
+        found
     }
 
     /// With each of the gains, the eigenvalues with Im > 0 and `Re lambda > -part |lambda|`, rad/s; or the reason to compute a
