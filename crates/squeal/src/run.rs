@@ -136,7 +136,7 @@ impl<'a> RunOptions<'a> {
 pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     brake: &B,
     dir: &Path,
-    RunOptions { solver, threads, until_half_width, keeps_samples, study: options, progress }: RunOptions<'_>,
+    options: RunOptions<'_>,
     draw: &mut DrawResults<'_, B, E>,
 ) -> Result<Manifest, E> {
     run_from(brake, dir, options, &mut |_, _| Ok(Vec::new()), draw)
@@ -175,7 +175,7 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
     begin: &mut dyn FnMut(&Study<'_, B>, &Checkpoint) -> Result<Vec<PartManifest>, Error>,
     draw: &mut DrawResults<'_, B, E>,
 ) -> Result<Manifest, E> {
-    let RunOptions { solver, threads, until_half_width, keeps_samples, progress } = options;
+    let RunOptions { solver, threads, until_half_width, keeps_samples, study: prepared, progress } = options;
     let plan = brake.plan();
     let identity = identity(brake, keeps_samples);
     RunFolder::check(dir, &identity)?;
@@ -184,7 +184,7 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
     let start = Instant::now();
     let pool = workers(threads)?;
     let study =
-        pool.install(|| Study::with_options(brake, solver, options, progress.preparation)).map_err(Error::from)?;
+        pool.install(|| Study::with_options(brake, solver, prepared, progress.preparation)).map_err(Error::from)?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.

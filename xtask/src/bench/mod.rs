@@ -1,5 +1,6 @@
 //! `cargo xtask bench`: the time of every route to eigenvalues, and of the study by stages and as a whole.
 
+mod ablation;
 mod machine;
 mod problems;
 mod python;
@@ -46,6 +47,9 @@ pub struct BenchArgs {
     /// A single round, and the study of cases/two-by-two.toml, to check that everything works
     #[arg(long)]
     quick: bool,
+    /// What each accelerator gains instead: the studies of shipped cases, or of some, with it and without
+    #[arg(long, value_name = "CASE,...", num_args = 0.., value_delimiter = ',', conflicts_with_all = ["features", "json", "samples", "quick"])]
+    ablation: Option<Vec<String>>,
 }
 
 impl BenchArgs {
@@ -69,8 +73,11 @@ struct BenchReport {
 
 /// Runs the task.
 pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
-    run_again(args.features.as_deref(), &args.words())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    if let Some(cases) = &args.ablation {
+        return ablation::run(&root, cases);
+    }
+    run_again(args.features.as_deref(), &args.words())?;
     let read = |name: &str| LatticeCase::read(&root.join("cases").join(name)).map_err(brakes::Error::from);
     let case = read("paper.toml")?;
     let mut studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
@@ -129,8 +136,13 @@ mod tests {
 
     #[test]
     fn the_options_but_features_are_told_again() {
-        let args =
-            BenchArgs { features: Some("faer".into()), json: Some("a b.json".into()), samples: Some(5), quick: true };
+        let args = BenchArgs {
+            features: Some("faer".into()),
+            json: Some("a b.json".into()),
+            samples: Some(5),
+            quick: true,
+            ablation: None,
+        };
         assert_eq!(args.words(), ["bench", "--quick", "--samples=5", "--json", "a b.json"]);
     }
 

@@ -1,0 +1,138 @@
+//! What each accelerator gains: processor seconds of the studies of shipped cases, as shipped, with it and without.
+
+use std::path::{Path, PathBuf};
+
+use brakes::case::CaseFile;
+use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use cpu_time::ProcessTime;
+use reduction::Ways;
+use report::{Geometry, draw_occurrence, write_page};
+use squeal::study::{StudyOptions, UncertainBrake};
+use squeal::{RunOptions, run_study_with};
+use squeal_cli::terminal::{note, say};
+
+use crate::error::TaskError;
+
+/// Cases, of which the last two take most of the time.
+const CASES: [&str; 6] = [
+    "two-by-two.toml",
+    "hoffmann.toml",
+    "wobbling-disc.toml",
+    "paper.toml",
+    "disk-brake100.toml",
+    "disc-pad/disc-pad.toml",
+];
+/// The table that may not depend on the way to do a study.
+const COUNTS: &str = "occurrence.csv";
+
+/// Runs the cases whose names contain one of `names`, all where there are none, in all ways, and prints a table.
+///
+/// # Errors
+/// Those of the cases and their studies.
+pub fn run(root: &Path, names: &[String]) -> Result<(), TaskError> {
+    say("| case | way | s | times | samples by | counts |\n| --- | --- | --: | --: | --- | --- |\n")?;
+    let is_asked = |case: &&str| names.is_empty() || names.iter().any(|name| case.contains(name.as_str()));
+    for case in CASES.into_iter().filter(is_asked) {
+        note(case);
+        let start = ProcessTime::now();
+        let file = CaseFile::read(&root.join("cases").join(case)).map_err(brakes::Error::from)?;
+        let mut command = Command { case, folder: root.join("target/bench/ablation"), brake_seconds: 0.0, first: None };
+        let mut with_options = |brake: &dyn Fn(&mut Command, StudyOptions, &str) -> Result<(), TaskError>| {
+            command.brake_seconds = start.elapsed().as_secs_f64();
+            let ways = [
+                (true, true, "as shipped"),
+                (false, true, "without certificates"),
+                (true, false, "without secular equations"),
+                (false, false, "spectra alone"),
+            ];
+            ways.into_iter().try_for_each(|(certificates, secular, way)| {
+                let mut options = StudyOptions::default();
+                (options.certificates, options.secular) = (certificates, secular);
+                brake(&mut command, options, way)
+            })
+        };
+        match file {
+            CaseFile::Lattice(file) => {
+                let brake = LatticeBrake::new(*file)?;
+                with_options(&|command, options, way| command.study(&brake, options, way, None))?;
+            }
+            CaseFile::Matrices(file) => {
+                let brake = MatricesBrake::new(*file)?;
+                with_options(&|command, options, way| command.study(&brake, options, way, None))?;
+            }
+            CaseFile::FiniteElements(file) => {
+                let brake = FiniteElementBrake::checked(*file, &())?;
+                command.brake_seconds = start.elapsed().as_secs_f64();
+                command.by_ways(brake)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The command that runs the study of a case.
+struct Command {
+    case: &'static str,
+    folder: PathBuf,
+    /// Processor time that the brake itself takes, s, which is made once.
+    brake_seconds: f64,
+    /// Of the study as shipped: processor time of the whole command, s, and its counts.
+    first: Option<(f64, Vec<u8>)>,
+}
+
+impl Command {
+    /// A reduced brake with and without ways to the modes of its samples.
+    fn by_ways(&mut self, mut brake: FiniteElementBrake) -> Result<(), TaskError> {
+        let all = Ways::default();
+        let ways = [
+            ("as shipped", all),
+            ("without discs", Ways { discs: false, ..all }),
+            ("following alone", Ways { following: true, ..Ways::SPECTRA }),
+            ("spectra alone", Ways::SPECTRA),
+            ("spectra alone, in batches", Ways { batches: true, ..Ways::SPECTRA }),
+        ];
+        for (way, ways) in ways {
+            brake.set_ways(ways);
+            let before = brake.routes();
+            let routes = || {
+                let found = brake.routes() - before;
+                let parts = [(found.discs, "discs"), (found.guesses, "guesses"), (found.followed, "following")];
+                let parts = parts.into_iter().chain([(found.spectra, "spectra")]).filter(|(count, _)| *count > 0);
+                parts.map(|(count, by)| format!("{count} by {by}")).collect::<Vec<_>>().join(", ")
+            };
+            self.study(&brake, StudyOptions::default(), way, Some(&routes))?;
+        }
+        Ok(())
+    }
+
+    /// Runs the study of a brake in a folder, which is emptied first, with its tables, figures and page, and prints its row.
+    fn study<B: UncertainBrake>(
+        &mut self,
+        brake: &B,
+        study: StudyOptions,
+        way: &str,
+        routes: Option<&dyn Fn() -> String>,
+    ) -> Result<(), TaskError> {
+        if self.folder.exists() {
+            let failed = |source| TaskError::Remove { path: self.folder.clone(), source };
+            std::fs::remove_dir_all(&self.folder).map_err(failed)?;
+        }
+        let start = ProcessTime::now();
+        let options = RunOptions::default().with_study(study);
+        let manifest = run_study_with::<_, TaskError>(brake, &self.folder, options, &mut |_, results, dir| {
+            draw_occurrence(results, dir)?;
+            Ok(write_page(results, &Geometry::bodies(brake.plan()), dir)?)
+        })?;
+        let seconds = self.brake_seconds + start.elapsed().as_secs_f64();
+        let counts = std::fs::read(self.folder.join(COUNTS)).map_err(TaskError::Start)?;
+        let by = match routes {
+            Some(routes) => routes(),
+            None => format!("{} of {} by certificates", manifest.certified, manifest.solved),
+        };
+        let (first, expected) = self.first.get_or_insert_with(|| (seconds, counts.clone()));
+        let said = if *expected == counts { "same" } else { "OTHER" };
+        let case = self.case;
+        say(&format!("| {case} | {way} | {seconds:.2} | {:.2} | {by} | {said} |\n", seconds / *first))?;
+        Ok(())
+    }
+}
