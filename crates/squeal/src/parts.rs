@@ -123,7 +123,8 @@ pub fn run_part<B: UncertainBrake>(
     }
     let start = Instant::now();
     let pool = workers(options.threads)?;
-    let study = pool.install(|| Study::with_options(brake, options.solver, options.study, options.progress.preparation))?;
+    let study =
+        pool.install(|| Study::with_options(brake, options.solver, options.study, options.progress.preparation))?;
     let folder = RunFolder::take(dir, &of_folder)?;
     let summary = sampled(&study, range.clone(), &options, &checkpoint(dir, identity.clone()))?;
     let done = PartManifest {

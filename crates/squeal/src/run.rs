@@ -211,7 +211,8 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
         pool.install(|| draw(&study, &results, stage))
     })?;
     seconds.report = start.elapsed().as_secs_f64();
-    let manifest = Manifest { stopped, parts, ..Manifest::new(&results, threads, seconds) };
+    let routes = study.routes().into_iter().collect();
+    let manifest = Manifest { stopped, parts, routes, ..Manifest::new(&results, threads, seconds) };
     folder.write("manifest.json", manifest.json().as_bytes())?;
     Ok(manifest)
 }

@@ -3,6 +3,7 @@
 mod samples;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use cea::{Anchors, EigenSolver, Gain, Mode, WholeSpectra};
 use linsys::OperatingPoint;
@@ -98,6 +99,8 @@ pub struct Study<'a, B: UncertainBrake> {
     /// Gain of each scene at its reference point; `None` where the channels have none in common.
     reference_gains: Vec<Option<Gain>>,
     options: StudyOptions,
+    /// Number of gains that secular equations answered, and of spectra, of all samples so far.
+    answered: [AtomicU64; 2],
 }
 
 impl<'a, B: UncertainBrake> Study<'a, B> {
@@ -184,9 +187,22 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             reference_points: points,
             reference_gains,
             options,
+            answered: Default::default(),
             brake,
             solver,
         })
+    }
+
+    /// Number of answers by the route on which the modes of samples were found so far, by its name: of the equations of all sectors, of
+    /// spectra, of samples of a brake that finds its modes itself.
+    pub fn routes(&self) -> Vec<(&'static str, u64)> {
+        match self.brake.mode_source() {
+            Some(source) => source.routes(),
+            None => ["secular equations", "spectra"]
+                .into_iter()
+                .zip(self.answered.iter().map(|count| count.load(Ordering::Relaxed)))
+                .collect(),
+        }
     }
 
     /// The brake.
@@ -304,7 +320,14 @@ impl<B: UncertainBrake> montecarlo::Experiment for Study<'_, B> {
         });
         let found = match self.brake.mode_source() {
             Some(source) => self.band_samples(source, scene, &points, scratch),
-            None => self.open_samples(scene, &points, scratch),
+            None => {
+                let before = scratch.memory.work.counters;
+                let found = self.open_samples(scene, &points, scratch);
+                let after = scratch.memory.work.counters;
+                self.answered[0].fetch_add(after.secular_answers - before.secular_answers, Ordering::Relaxed);
+                self.answered[1].fetch_add(after.eigenvalue_solves - before.eigenvalue_solves, Ordering::Relaxed);
+                found
+            }
         };
         for (at, outcome) in open.into_iter().zip(found) {
             outcomes[at] = outcome;

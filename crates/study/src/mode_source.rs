@@ -106,6 +106,9 @@ pub trait ModeSource: Sync {
         near: Complex<f64>,
     ) -> Result<WholeEigenvalue, Error>;
 
+    /// Number of samples by the route on which their modes were found since the brake was made, by its name.
+    fn routes(&self) -> Vec<(&'static str, u64)>;
+
     /// Results of the draws checked against the full model; `None` where none was checked.
     fn full_checks(&self) -> Option<FullChecks>;
 }

@@ -449,6 +449,11 @@ impl ModeSource for FiniteElementBrake {
         whole::eigenvalue(self.part(scene), &self.sets, &parameters::point(&self.scene_of(scene), values)?, near)
     }
 
+    fn routes(&self) -> Vec<(&'static str, u64)> {
+        let RouteCounts { discs, guesses, followed, spectra } = FiniteElementBrake::routes(self);
+        vec![("discs", discs), ("guesses", guesses), ("followed", followed), ("spectra", spectra)]
+    }
+
     fn full_checks(&self) -> Option<FullChecks> {
         self.full_checks
     }

@@ -1,5 +1,7 @@
 //! Manifest: the origin of results, enough to make them again.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use study::fingerprint;
 use study::{FullChecks, Plan};
@@ -117,6 +119,8 @@ pub struct Manifest {
     /// Stop of a run that had to know every occurrence to a half width.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
+    /// Number of answers by the route on which they were found in this process: what a resumed run or parts had is not in it.
+    pub routes: BTreeMap<&'static str, u64>,
     /// Parts of the study that were sampled elsewhere.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartManifest>,
@@ -154,6 +158,7 @@ impl Manifest {
             full_checks: results.full_checks,
             notes: results.notes(),
             stopped: None,
+            routes: BTreeMap::new(),
             parts: Vec::new(),
             seconds,
         }
