@@ -11,9 +11,9 @@ use squeal::RunProgress;
 
 use crate::log_lines::LogLines;
 
-/// What is counted while a study is prepared.
+/// Name of the things that a bar counts while a study is prepared, in the plural.
 pub(crate) const PREPARED: &str = "steps of preparation";
-/// What is counted while it is sampled.
+/// Name of the things that a bar counts while a study is sampled, in the plural.
 pub(crate) const EVALUATED: &str = "evaluations";
 /// Time between two looks whether a line is due; chosen.
 const LOOK: Duration = Duration::from_millis(500);
@@ -22,7 +22,7 @@ const LOOK: Duration = Duration::from_millis(500);
 /// said for ten seconds.
 #[derive(Debug)]
 pub struct Bar {
-    /// What is counted.
+    /// Name of the things that are counted, in the plural.
     what: &'static str,
     bar: OnceLock<ProgressBar>,
     log: Mutex<Option<Log>>,
@@ -86,7 +86,7 @@ impl Default for RunBars {
 }
 
 impl RunBars {
-    /// As a run asks for them.
+    /// Bars as a run asks for them: for its preparation, its evaluations and its reasons.
     #[must_use]
     pub fn progress(&self) -> RunProgress<'_> {
         RunProgress { preparation: &self.preparation, evaluation: &self.evaluation, reasons: &self.reasons }

@@ -53,21 +53,21 @@ pub struct CeaArgs {
 /// The shape of a mode over all degrees of freedom, and its work.
 type ShapeAndWork = (Vec<Complex<f64>>, ModeWork);
 
-/// One mode of the table.
+/// Mode of the table that the command prints.
 struct Row {
     lambda: Complex<f64>,
     rank: usize,
-    /// In words.
+    /// Verdict in words.
     verdict: &'static str,
-    /// Over all degrees of freedom, with the work on each body.
+    /// Shape over all degrees of freedom, with the work on each body; `None` where shapes are not wanted.
     shape: Option<ShapeAndWork>,
 }
 
 /// A real eigenvalue of the structure, or one of an internal state that grows.
 struct RealRow {
-    /// 1/s.
+    /// Growth rate Re lambda, 1/s.
     growth: f64,
-    /// In words.
+    /// Verdict in words.
     verdict: &'static str,
 }
 
@@ -203,7 +203,8 @@ fn growing_beside(brake: &FiniteElementBrake, scene: &Scene, reduced: &Spectrum)
     beside
 }
 
-/// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.
+/// Modes of a brake at an operating point: the oscillating ones ascending in frequency, with shapes and work where `wants_shapes` says so,
+/// then the real and growing internal ones.
 fn analyse(
     brake: &Brake,
     at: &OperatingPoint,
@@ -314,7 +315,7 @@ fn bodies(shape: &[Complex<f64>], energy: &ModeWork, brake: &Brake) -> String {
     text
 }
 
-/// What the table of a brake that diverges begins with.
+/// First lines of the table of a brake that diverges: number of the real eigenvalues and the largest growth rate, 1/s; empty where none does.
 fn diverging_in_words(diverging: &[f64]) -> String {
     let greatest = diverging.iter().copied().fold(0.0, f64::max);
     match diverging.len() {
@@ -344,7 +345,8 @@ fn on_rows(
     modes.lambdas.iter().zip(modes.shapes.column_iter()).map(on_rows).collect()
 }
 
-/// Where a mode of a finite element brake is largest, and the work of each family over the largest of them.
+/// Line on a mode of a finite element brake: the degree of freedom at which it is largest, and the work of each family over that of the
+/// family with the largest.
 fn largest_and_work(shape: &[Complex<f64>], energy: &ModeWork, case: &FiniteElementCase) -> String {
     let largest = (0..shape.len()).max_by(|&a, &b| shape[a].norm().total_cmp(&shape[b].norm())).unwrap_or(0);
     let of = |family: &work::FamilyWork| (family.name.clone(), family.bodies.iter().sum::<f64>());

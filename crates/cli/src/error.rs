@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-/// What can go wrong between a command line and its results.
+/// Error between a command line and its results.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A study, or what is asked of it.
     #[error(transparent)]
     Study(squeal::Error),
-    /// What would take more memory than there is.
+    /// A study that would take more memory than there is.
     #[error("{0}: --memory where there is more")]
     TooLarge(squeal::study::Error),
     /// Folders of which none has a complete part.
@@ -53,9 +53,9 @@ pub enum Error {
     Option {
         /// The option.
         option: &'static str,
-        /// What was given.
+        /// Value that was given.
         value: String,
-        /// What is allowed.
+        /// Values that are allowed, in words.
         allowed: String,
     },
     /// Standard output that cannot be written.
@@ -70,9 +70,9 @@ pub enum Error {
     MostFailed {
         /// The folder with the results.
         path: PathBuf,
-        /// How many failed.
+        /// Number of evaluations that failed.
         failed: u64,
-        /// Of how many.
+        /// Number of evaluations in all.
         evaluations: u64,
         /// The first of them.
         first: String,
@@ -87,7 +87,7 @@ pub enum Error {
         path: PathBuf,
         /// Draws that diverge.
         diverging: u64,
-        /// Of how many.
+        /// Number of draws of the whole brake that were looked at.
         samples: u64,
     },
     /// A reduced brake that is not the whole one.
@@ -105,7 +105,7 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason why it cannot be read.
         source: std::io::Error,
     },
     /// A mode that does not fit the mesh.
@@ -126,13 +126,13 @@ pub enum Error {
         path: PathBuf,
         /// mass, damping or stiffness.
         name: &'static str,
-        /// Its rows.
+        /// Number of its rows.
         rows: usize,
-        /// Its columns.
+        /// Number of its columns.
         columns: usize,
         /// The most rows that are allowed.
         most: usize,
-        /// What is possible beyond that, beginning with a comma, or nothing.
+        /// Words to end the message with: what else is possible, beginning with a comma, or nothing.
         beyond: &'static str,
     },
     /// A matrix that does not fit the others.
@@ -142,13 +142,13 @@ pub enum Error {
         path: PathBuf,
         /// mass, damping or stiffness.
         name: &'static str,
-        /// Its rows.
+        /// Number of its rows.
         rows: usize,
-        /// Its columns.
+        /// Number of its columns.
         columns: usize,
-        /// What is expected.
+        /// Order, number of rows and of columns, that is expected.
         order: usize,
-        /// Why.
+        /// Reason why that order is expected.
         reason: &'static str,
     },
 }

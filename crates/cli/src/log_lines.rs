@@ -8,10 +8,10 @@ pub(crate) const LONGEST_SILENCE: Duration = Duration::from_secs(10);
 /// Progress of a work, and when it was last said. Instants are times since its beginning.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LogLines {
-    /// What is counted.
+    /// Name of the things that are counted, in the plural.
     pub what: &'static str,
     pub total: u64,
-    /// By an earlier run.
+    /// Number of them that an earlier run did.
     pub before: u64,
     pub done: u64,
     pub told: Duration,

@@ -11,7 +11,7 @@ use squeal::results::Results;
 
 use crate::Error;
 
-/// How a page shows the modes of a brake: on its mesh, as a lattice, or by its bodies.
+/// Geometry by which a page shows the modes of a brake: on its mesh, as a lattice, or by its bodies.
 pub(super) fn geometry<B: CaseBrake>(brake: &B) -> Geometry<'_> {
     match (brake.finite_elements(), brake.grid()) {
         (Some(brake), _) => mesh_geometry(brake),
@@ -20,7 +20,7 @@ pub(super) fn geometry<B: CaseBrake>(brake: &B) -> Geometry<'_> {
     }
 }
 
-/// How a page shows modes on the mesh of the case, if it names one.
+/// Geometry by which a page shows modes on the mesh of the case, if it names one.
 fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
     let Some(mesh) = &brake.case.mesh else {
         return Geometry::none(

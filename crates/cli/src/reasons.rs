@@ -1,4 +1,4 @@
-//! Why modes grow, in words and tables: what `squeal cea --why` prints.
+//! Reasons why modes grow, in words and tables: the text of `squeal cea --why`.
 
 use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
 use num_complex::Complex;
@@ -14,16 +14,17 @@ const MOST_INFLUENCES: usize = 16;
 const MOST_IN_A_LINE: usize = 6;
 /// Least part of a mode of the structure that is listed; chosen: half of a digit shown.
 const LEAST_PART: f64 = 0.0005;
-/// What the columns of an answer mean.
+/// Note on the columns of an answer, printed below the last one.
 const NOTE: &str = "\nholds to: change of the value up to which that of the growth is linear to a tenth; in parentheses where 1 % is beyond \
      it\ngrowth of a family, contact, term or body: the part of the growth that the work of its forces makes; docs/why.md\n";
 
-/// Why the unstable modes of the first scene of a brake grow, or the least damped one does not.
+/// Reasons why the unstable modes of the first scene of a brake grow, or why the least damped one does not.
 pub(super) fn first_scene<B: UncertainBrake>(brake: &B) -> Result<Vec<Why>, Error> {
     whys(brake, &brake.plan().scenes[0], None)
 }
 
-/// The same of a scene; where modes are given, of those alone: other modes of a reduction mean nothing.
+/// Reasons why the unstable modes of a scene grow, or why the least damped one does not; where eigenvalues are given, of these alone: other
+/// modes of a reduction mean nothing.
 pub(super) fn whys<B: UncertainBrake>(
     brake: &B,
     scene: &Scene,
@@ -38,7 +39,7 @@ pub(super) fn whys<B: UncertainBrake>(
     Ok(explainer.why(&modes, &mut work)?)
 }
 
-/// Whether an answer is that of the mode with this eigenvalue.
+/// True if an answer is that of the mode with this eigenvalue.
 pub(super) fn is_of(lambda: Complex<f64>, why: &Why) -> bool {
     is_same(lambda, why.lambda)
 }
@@ -66,7 +67,7 @@ pub(super) fn reasons(whys: &[Why], name: impl Fn(&Why) -> String) -> String {
     }
 }
 
-/// One answer.
+/// Text of one answer, without its heading.
 fn text_of(why: &Why) -> String {
     let mut text =
         format!("  the next eigenvalue is {:.4} rad/s away, condition number {:.1e}\n\n", why.nearest, why.condition);
@@ -120,7 +121,7 @@ fn influences(why: &Why) -> String {
     text + "\n"
 }
 
-/// Who feeds a mode, and where its energy is.
+/// Balance of a mode as text: what feeds it, and where its energy is.
 fn balance(growth: f64, balance: &Balance) -> String {
     let one = |part: &Contribution| format!("{} {:+.4}", part.name, part.growth);
     let families: Vec<String> = balance.families.iter().map(one).collect();

@@ -1,4 +1,4 @@
-//! How the program ends: with a command line that cannot be understood, an error, or well.
+//! Ends of the program: with a command line that cannot be understood, an error, or well.
 
 use std::process::ExitCode;
 
@@ -21,8 +21,8 @@ pub fn refuse(error: &clap::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// How a command ends: an error is one line on standard error and exit code 2, or 1 where results are written that may be wrong. A reader that has closed its end of standard
-/// output, as `head` does, has what it wants.
+/// Exit code of a command that has ended: an error is one line on standard error and exit code 2, or 1 where results are written that may
+/// be wrong. A reader that has closed its end of standard output, as `head` does, has what it wants.
 pub fn finish(result: Result<(), Error>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,

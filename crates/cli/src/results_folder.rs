@@ -1,4 +1,4 @@
-//! What commands that leave results in a folder say alike: where these come from, and where they are.
+//! Words that commands which leave results in a folder have in common: where these come from, and where they are.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub(super) fn write_manifest(
     Ok(folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?)
 }
 
-/// Where the results are, to end a line with; nothing where there is no folder.
+/// Words on where the results are, to end a line with; empty where there is no folder.
 pub(super) fn place(dir: Option<&Path>) -> String {
     dir.map_or_else(String::new, |dir| format!("; results in {}", printable(&dir.display().to_string())))
 }

@@ -204,7 +204,7 @@ impl RunArgs {
     }
 }
 
-/// What draws against the whole brake found, in a line.
+/// Line on the draws of the whole brake: how far the reduced one agrees with it.
 fn checks_in_words(found: &FullChecks) -> String {
     let FullChecks { samples, modes, missing, invented, other_verdicts, largest_distance, trained_on, .. } = *found;
     let divergence = match found.diverging {
@@ -219,7 +219,7 @@ fn checks_in_words(found: &FullChecks) -> String {
     )
 }
 
-/// Where a run stopped, in a line.
+/// Line on where a run stopped.
 fn in_words(stopped: &Stopped, samples: u64) -> String {
     let Stopped { half_width, reached, look, looks } = *stopped;
     let verb = if reached <= half_width { "is within" } else { "is NOT within" };

@@ -1,4 +1,4 @@
-//! Which scene of a case a command is about.
+//! Choice of the scene of a case that a command is about.
 
 use brakes::case::{CaseError, CaseFile, ChosenSpeed, SceneChoice};
 use cea::Threshold;
@@ -49,7 +49,7 @@ fn option(field: &str) -> &'static str {
     }
 }
 
-/// From where on a mode counts as unstable, to end a heading with, where that is not the bare sign of Re lambda.
+/// Threshold from which on a mode counts as unstable, to end a heading with; empty where that is the bare sign of Re lambda.
 pub(super) fn counts_from(threshold: &Threshold) -> String {
     if threshold.is_axis() { String::new() } else { format!("; unstable: with {threshold}") }
 }

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::bar::Bar;
 use crate::terminal::note;
 
-/// From how many seconds of preparation on it is announced; chosen.
+/// Time of preparation, s, above which it is announced; chosen.
 const ANNOUNCED: f64 = 5.0;
 
 /// The brake of a case, made for a purpose on some worker threads. Its size is counted before anything of it is made, and again after.

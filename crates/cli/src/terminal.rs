@@ -1,4 +1,4 @@
-//! What is said to people who run the program.
+//! Lines and texts for people who run the program.
 
 use std::io::{self, Write};
 

@@ -1,4 +1,4 @@
-//! Whether the model of a case is sound: its matrices, what makes them singular, and how well it is solved with.
+//! Check whether the model of a case is sound: its matrices, what makes them singular, and how well it is solved with.
 
 use std::f64::consts::TAU;
 
@@ -16,13 +16,13 @@ use crate::Error;
 
 /// An asymmetry that is rounding of an export; chosen.
 const ROUNDING: f64 = 1e-12;
-/// From this relative error of a known solution on a model is called singular at a point; chosen.
+/// Relative error of a known solution from which on a model is called singular at a point; chosen.
 const SINGULAR: f64 = 1e-3;
 /// Rows that are listed of null vectors.
 const ROWS_LISTED: usize = 5;
 /// A row that a null vector moves less than this, squared, is not listed; chosen.
 const LEAST_MOVED: f64 = 1e-6;
-/// Where in the rectangle of growth and frequency the model is solved with, as parts of its sides: chosen to be irregular.
+/// Points in the rectangle of growth and frequency at which the model is solved with, as fractions of its sides; chosen to be irregular.
 const POINTS: [[f64; 2]; 5] = [[0.21, 0.08], [0.67, 0.31], [0.43, 0.52], [0.88, 0.74], [0.13, 0.93]];
 
 /// The lines of a check on the model of a finite element case with a set of constraints.
@@ -75,11 +75,11 @@ struct Model<'a> {
     set: &'a str,
     /// The name of a row.
     name: &'a dyn Fn(usize) -> String,
-    /// What is said of the mass.
+    /// Line on the mass that a translation moves; empty where it is not known.
     mass: String,
-    /// Re lambda and Im lambda between which it is solved with, rad/s.
+    /// Borders of Re lambda and Im lambda, rad/s, of the rectangle in which it is solved with.
     rectangle: [[f64; 2]; 2],
-    /// What that is called.
+    /// Name of that rectangle in the lines of the check.
     region: String,
     system: &'a SparseSecondOrder,
 }
@@ -135,7 +135,7 @@ fn what_it_is(health: &MatrixHealth, order: usize) -> String {
     format!("{} entries, {symmetry}, {of}{signs}; nearest to zero {:.1e} of its norm", health.entries, health.smallest)
 }
 
-/// What a translation of all free rows in x, y or z moves, for matrices with names of their rows.
+/// Line on the mass, kg, that a translation of all free rows in x, y or z moves, for matrices with names of their rows; else empty.
 fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -> String {
     let direction = |row: usize| case.dofs[free[row]].direction;
     let mut sums = [0.0; 3];

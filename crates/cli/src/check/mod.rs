@@ -53,7 +53,7 @@ impl CheckArgs {
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
-    /// What the study of a brake, which need not be one of a case file, computes and takes.
+    /// Lines on the study of a brake, which need not be one of a case file: what it computes and what it takes.
     ///
     /// # Errors
     /// As [`CheckArgs::run`].
@@ -82,7 +82,7 @@ impl CheckArgs {
         Ok(if brake.finite_elements().is_some() { text + &format!("\n{}: valid\n", self.file()) } else { text })
     }
 
-    /// What a finite element case is made of, and whether its matrices are sound.
+    /// Lines on a finite element case: what it is made of, and whether its matrices are sound.
     fn model(&self, case: &FiniteElementCase) -> Result<String, Error> {
         let terms = listed(case.system.terms().iter().take(case.coefficients.len()).map(|term| term.name.clone()));
         let patches = case.contact.as_ref().map_or("none".into(), |contact| {
@@ -112,7 +112,7 @@ impl CheckArgs {
     }
 }
 
-/// What the reduction of a finite element brake took.
+/// Lines on the reduction of a finite element brake, one for each set of constraints: columns, residuals and comparison with the whole brake.
 fn reduction(brake: &FiniteElementBrake) -> String {
     let (plan, asked) = (&brake.plan, brake.case.reduction.residual);
     let mut text = String::new();
@@ -149,7 +149,7 @@ fn listed(items: impl Iterator<Item = String>) -> String {
     items.collect::<Vec<_>>().join(", ")
 }
 
-/// What the study takes: memory and preparation by their rates, the time in all by some samples, unless the preparation alone
+/// Cost of a study in two lines: memory and preparation by their rates, the time in all by some samples, unless the preparation alone
 /// takes too long for a check.
 fn cost<B: UncertainBrake>(
     brake: &B,

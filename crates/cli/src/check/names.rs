@@ -1,4 +1,4 @@
-//! How the names of a finite element case belong together: nodes of the mesh with rows of the matrices, the normal with the bodies.
+//! Check how the names of a finite element case belong together: nodes of the mesh with rows of the matrices, the normal with the bodies.
 
 use brakes::case::{FiniteElementCase, NamesOnMesh, Side};
 

@@ -23,7 +23,7 @@ const SECONDS: f64 = 1e-7;
 const SECONDS_EXTENDED: f64 = 3e-7;
 /// Memory, bytes, by the square of the degrees of freedom. Measured with the same: 13 MB for n = 200.
 const BYTES: f64 = 200.0;
-/// From how many seconds on a problem is announced; chosen.
+/// Processor time, s, above which a problem is announced; chosen.
 const ANNOUNCED: f64 = 1.0;
 
 /// The spectrum as text.

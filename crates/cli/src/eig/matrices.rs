@@ -11,14 +11,14 @@ use super::symmetry::wanted;
 use crate::Error;
 use crate::terminal::note;
 
-/// What may be read.
+/// Limits of what may be read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sizes {
     /// Most bytes of a file, and of its contents after decompression.
     pub(super) bytes: u64,
     /// Most degrees of freedom.
     pub(super) order: usize,
-    /// What else is possible above that many degrees of freedom, to be added to the refusal.
+    /// Words to end the refusal of more degrees of freedom with: what else is possible, beginning with a comma.
     pub(super) beyond: &'static str,
 }
 
@@ -27,20 +27,20 @@ pub(super) struct Matrices {
     pub(super) mass: Matrix,
     pub(super) damping: Option<Matrix>,
     pub(super) stiffness: Matrix,
-    /// How each file was taken.
+    /// Files that were read, and how each was taken.
     pub(super) files: Vec<TakenFile>,
     /// The degrees of freedom that were taken out.
     pub(super) held: Vec<String>,
 }
 
-/// How a file was taken.
+/// File that was read, and how it was taken.
 pub(super) struct TakenFile {
     pub(super) kind: Kind,
     /// The file, as it was given.
     pub(super) path: PathBuf,
     /// The matrix in it.
     pub(super) name: String,
-    /// How its entries were taken.
+    /// Way in which its entries were taken, in words.
     pub(super) taken: String,
 }
 

@@ -31,7 +31,7 @@ const FACTOR_BYTES: f64 = 800.0;
 const PART_OF_VECTORS: f64 = 0.25;
 /// Processor time, s, at one shift, by the square of the degrees of freedom.
 const SECONDS: f64 = 2e-8;
-/// From how many degrees of freedom on a problem is announced; chosen: a second or so in all.
+/// Number of degrees of freedom above which a problem is announced; chosen: a second or so in all.
 const ANNOUNCED: usize = 3000;
 const HUNDRED: f64 = 100.0;
 

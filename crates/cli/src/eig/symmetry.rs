@@ -2,16 +2,16 @@
 
 use formats::{Kind, Symmetry, Wanted};
 
-/// What a user says of how files store M, C and K.
+/// Statement of a user on how files store M, C and K.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SaidSymmetry {
-    /// Of which matrix; `None`: of all whose files do not say so themselves.
+    /// Matrix that the statement is on; `None`: all whose files do not say so themselves.
     pub of: Option<Kind>,
-    /// What.
+    /// Symmetry that the user states.
     pub symmetry: Symmetry,
 }
 
-/// One of the values.
+/// Parses one of the values of the option.
 ///
 /// # Errors
 /// What is allowed.

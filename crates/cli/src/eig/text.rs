@@ -32,7 +32,7 @@ pub(super) fn finite_json(l: Complex<f64>, [backward_error, condition, bound]: [
     )
 }
 
-/// Both vectors in JSON, to follow other members.
+/// Right and left eigenvector as members of JSON, to follow other members.
 pub(super) fn vectors_json(right: &DVector<Complex<f64>>, left: &DVector<Complex<f64>>) -> String {
     format!(", \"right\": [{}], \"left\": [{}]", vector_json(right), vector_json(left))
 }
@@ -71,7 +71,7 @@ pub(super) fn row(number: usize, l: Complex<f64>, backward_error: f64, condition
     )
 }
 
-/// How each file was taken, and what was taken out, as lines below a table.
+/// Lines below a table: how each file was taken, and which degrees of freedom were taken out.
 pub(super) fn taken(files: &[TakenFile], held: &[String]) -> String {
     let line = |file: &TakenFile| {
         let TakenFile { kind, path, name, taken } = file;
@@ -81,7 +81,7 @@ pub(super) fn taken(files: &[TakenFile], held: &[String]) -> String {
     files.iter().map(line).collect::<String>() + &held
 }
 
-/// The same as keys of JSON.
+/// Keys of JSON: how each file was taken, and which degrees of freedom were taken out.
 pub(super) fn taken_json(files: &[TakenFile], held: &[String]) -> String {
     let text = |text: &str| serde_json::Value::from(text).to_string();
     let files = list(files, |TakenFile { kind, path, name, taken }| {
