@@ -11,13 +11,13 @@ use squeal_cli::terminal::{note, say};
 
 use crate::error::TaskError;
 
-/// One command; `{out}` stands for a folder of its own.
+/// Command that is run for both commits; `{out}` stands for a folder of its own.
 struct Run {
-    /// Its name, and that of its folder.
+    /// Name of the command, and of its folder.
     name: &'static str,
     /// `squeal` or `xtask`.
     program: &'static str,
-    /// Its arguments, separated by spaces.
+    /// Arguments, separated by spaces.
     arguments: &'static str,
 }
 
@@ -215,7 +215,7 @@ impl Tree<'_> {
     }
 }
 
-/// What a command says, without the last line's end.
+/// Standard output of a program that is run in a folder, without white space at its ends.
 fn said<'a>(program: &str, folder: &Path, arguments: impl IntoIterator<Item = &'a OsStr>) -> Result<String, TaskError> {
     let output = Command::new(program).args(arguments).current_dir(folder).output().map_err(TaskError::Start)?;
     if !output.status.success() {

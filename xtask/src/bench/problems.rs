@@ -14,7 +14,7 @@ use squeal::study::ANCHORS_PER_SCENE;
 
 use super::secular::SecularRoute;
 
-/// One size of problem: a lattice with every oscillator in contact. It has 3 (rows x columns) + 3 degrees of freedom.
+/// Size of problem: a lattice with every oscillator in contact. It has 3 (rows x columns) + 3 degrees of freedom, less those held.
 pub struct Size {
     rows: usize,
     columns: usize,
@@ -48,11 +48,11 @@ pub struct Problem {
     pub n: usize,
     /// Internal states.
     pub states: usize,
-    /// One system per draw.
+    /// Systems, one per draw.
     pub systems: Vec<SecondOrder>,
-    /// All eigenvalues of the first systems, refined in double-double, rad/s.
+    /// Eigenvalues of the first systems, all of each, refined in double-double, rad/s.
     pub references: Vec<Vec<Complex<f64>>>,
-    /// The same draws for the secular equation.
+    /// Route by the secular equation for the same draws; `None` where it cannot be taken.
     pub growing: Option<SecularRoute>,
 }
 
@@ -91,7 +91,7 @@ impl Problem {
     }
 }
 
-/// All eigenvalues, refined.
+/// Eigenvalues of a system, all of them, refined in double-double, rad/s.
 fn reference(system: &SecondOrder) -> Result<Vec<Complex<f64>>, ValidationError> {
     let mut found = QrSolver.eigenvalues(system, &mut Workspace::default())?.eigenvalues;
     let mut exact = Vec::new();

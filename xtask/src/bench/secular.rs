@@ -9,7 +9,7 @@ use validation::Spectra;
 /// Name of the route.
 pub const SECULAR_ROUTE_NAME: &str = "secular equation, growing modes";
 
-/// One lattice and its draws.
+/// Secular equation of a lattice, with its anchors and the gains of its draws.
 pub struct SecularRoute {
     secular: Secular,
     anchors: Anchors,

@@ -13,7 +13,7 @@ use crate::error::TaskError;
 /// Number of samples, evaluated together as in a run; chosen.
 const SAMPLES_TIMED: u64 = 128;
 
-/// One stage of a study.
+/// Stage of a study, with its time.
 #[derive(Debug, Clone, Serialize)]
 pub struct Stage {
     /// Name of the stage.
