@@ -138,7 +138,7 @@ impl<B: CaseBrake<Sample: 'static>> CaseBrake for Erased<B> {
 pub enum Purpose<'a> {
     /// A study or influence: a reduced brake is checked against the full model.
     Study,
-    /// One analysis, or what a study would take: a reduced brake is not checked.
+    /// Analysis of one point, or the cost of a study: a reduced brake is not checked.
     Analysis,
     /// A sweep: the reduced brake of the first scene holds the modes over these ranges.
     Sweep(&'a [Over]),

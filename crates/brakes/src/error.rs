@@ -1,6 +1,6 @@
 //! Errors of case files and of the brakes that they make, each one line for its user.
 
-/// What can go wrong between a case file and its brake.
+/// Error between a case file and its brake.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -24,13 +24,13 @@ pub enum Error {
     /// The model, its friction or a study of it.
     #[error(transparent)]
     Study(#[from] study::Error),
-    /// What is asked of a study.
+    /// An error of what is asked of a study: a sweep, a screen and the like.
     #[error(transparent)]
     Asked(#[from] squeal::Error),
 }
 
 impl Error {
-    /// Whether this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
+    /// True if this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         match self {
@@ -42,7 +42,7 @@ impl Error {
 }
 
 impl From<Error> for study::Error {
-    /// What a study knows by itself stays what it is; the rest is of the brake.
+    /// The error of the study where it is one; every other becomes an error of the brake.
     fn from(error: Error) -> Self {
         match error {
             Error::Study(error) | Error::Asked(squeal::Error::Study(error)) => error,

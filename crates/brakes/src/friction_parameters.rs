@@ -3,24 +3,24 @@
 use super::FrictionDraw;
 use crate::case::Law;
 
-/// What of a brake decides on which parameters of friction its systems depend.
+/// Properties of a brake that decide on which parameters of friction its systems depend.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrictionUse {
     pub law: Law,
-    /// Whether friction acts across the sliding with a coefficient of its own.
+    /// True if friction acts across the sliding with a coefficient of its own.
     pub has_lateral_mu: bool,
-    /// Whether LuGre bristles have damping.
+    /// True if LuGre bristles have damping.
     pub has_bristle_damping: bool,
 }
 
-/// One parameter of friction.
+/// Parameter of friction: name, unit, and how a draw holds it.
 #[derive(Debug)]
 pub(super) struct FrictionParameter {
     pub name: &'static str,
     pub unit: &'static str,
     pub get: fn(&FrictionDraw) -> f64,
     pub set: fn(&mut FrictionDraw, f64),
-    /// Whether systems depend on it.
+    /// True if the systems of such a brake depend on the parameter.
     pub matters: fn(&FrictionUse) -> bool,
 }
 

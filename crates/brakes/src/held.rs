@@ -8,10 +8,10 @@ use std::fmt;
 
 use formats::Entry;
 
-/// From how many times the largest of all other rows on a row is huge. Chosen: without it the others change by 1e-8 at most (measured: 6e-10 at
+/// Ratio to the largest of all other rows from which on a row is huge. Chosen: without it the others change by 1e-8 at most (measured: 6e-10 at
 /// 2.5e8), and with it the bounds on their errors are larger.
 const GAP: f64 = 1e8;
-/// From how many times on a stiff tie is refused; chosen: four digits of the others are left beside it.
+/// Ratio to the largest of all other rows from which on a stiff tie is refused; chosen: four digits of the others are left beside it.
 const TIED: f64 = 1e12;
 /// Least entry that may be huge, in the units of the file. Chosen: no stiffness of a part comes near it in SI or mm-t-s, and no mass;
 /// it keeps a row of rounding errors from making all others huge.
@@ -20,11 +20,11 @@ const LEAST: f64 = 1e14;
 /// Rows that are huge and tied to others, so that they are not held but cannot be computed with either.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tied {
-    /// The first of them, from 1.
+    /// Number of the first of these rows, from 1.
     pub row: usize,
-    /// Its largest entry.
+    /// Largest entry of that row off the diagonal, absolute, in the unit of the file.
     pub entry: f64,
-    /// The largest of all rows that are not huge.
+    /// Largest entry of all rows that are not huge, absolute, in the unit of the file.
     pub others: f64,
 }
 
@@ -65,7 +65,7 @@ pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<V
     }
 }
 
-/// What is said of degrees of freedom that were taken out, by their names.
+/// Sentence on degrees of freedom that were taken out, by their names.
 pub struct Held<'a>(pub &'a [String]);
 
 impl fmt::Display for Held<'_> {

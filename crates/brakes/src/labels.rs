@@ -1,11 +1,11 @@
-//! What laws, ranges of speed and arrangements are called in tables and figures.
+//! Labels of laws, ranges of speed and arrangements in tables and figures.
 
 use osc_model::ContactArrangement;
 use study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel};
 
 use crate::case::{Law, SpeedRange};
 
-/// The labels of these, without those of constraints, degrees of freedom and the point of naming.
+/// Labels of laws, ranges of speed and arrangements, without those of constraints, degrees of freedom and the point of naming.
 pub(super) fn friction_labels(
     laws: &[Law],
     speeds: &[SpeedRange],

@@ -14,7 +14,7 @@ use super::CaseError;
 /// larger ones an interval has no information.
 pub const HALF_WIDTHS: &str = "0.00001 to 0.25";
 
-/// Whether a half width lies in [`HALF_WIDTHS`].
+/// True if a half width lies in [`HALF_WIDTHS`].
 pub fn is_half_width(half_width: f64) -> bool {
     (1e-5..=0.25).contains(&half_width)
 }
@@ -26,7 +26,7 @@ pub(super) struct Accuracy {
     half_width: f64,
 }
 
-/// How the file of a matrix was taken.
+/// File of a matrix, and how it was taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TakenMatrix {
     /// The field, as `table "name".key`.
@@ -35,12 +35,12 @@ pub struct TakenMatrix {
     pub file: PathBuf,
     /// The matrix in it.
     pub name: String,
-    /// How its entries were taken, in words.
+    /// Way in which its entries were taken, in words.
     pub taken: String,
 }
 
 impl TakenMatrix {
-    /// How the file of each matrix was taken: files that were taken alike in one line.
+    /// Lines on how the file of each matrix was taken: files that were taken alike in one line.
     #[must_use]
     pub fn in_words(files: &[Self]) -> Vec<String> {
         let mut alike: Vec<(&str, Vec<String>)> = Vec::new();
@@ -59,10 +59,10 @@ impl TakenMatrix {
 /// Most characters of a name; chosen: a table with longer ones cannot be read, nor a file have it.
 const LONGEST_NAME: usize = 60;
 
-/// What names and lines must not have, in words.
+/// Characters that names and lines must not have, in words.
 const UNSEEN: &str = "control characters, marks of direction and separators of lines";
 
-/// Whether a character must not stand in a name: it is not seen, and moves what is.
+/// True if a character must not stand in a name: it is not seen, and moves what is.
 fn is_unseen(c: char) -> bool {
     c.is_control() || moves_others(c)
 }
@@ -224,7 +224,7 @@ impl Check<'_> {
         self.no_repeats(field, names.cloned())
     }
 
-    /// As [`Check::names`] for the names of force families, of which tables may share one.
+    /// An error unless the names of force families can be used as those of [`Check::names`]; tables may share one.
     pub fn names_of_families<'n>(
         &self,
         table: &str,
@@ -242,7 +242,7 @@ pub(super) fn field(table: &str, name: &str, key: &str) -> String {
     format!("{table} {name:?}.{key}")
 }
 
-/// What the parser calls by the names of Rust and its own, and a user of case files by others; replaced in this order.
+/// Replacements in messages of the parser: a word of Rust or its own, and the word for a user of case files; made in this order.
 const PARSER_WORDS: [(&str, &str); 19] = [
     ("expected usize", "expected a whole number >= 0"),
     ("expected u64", "expected a whole number >= 0"),
@@ -268,7 +268,7 @@ const PARSER_WORDS: [(&str, &str); 19] = [
     (" as i128", ""),
 ];
 
-/// What the parser says of a text, with the line.
+/// Error of the parser on the text of a case file, in words for its user, with the line.
 pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseError {
     let at = error.span().map_or(0, |span| span.start.min(text.len()));
     let line = text[..at].matches('\n').count() + 1;

@@ -1,4 +1,4 @@
-//! One scene of a case, by what a user calls it.
+//! Choice of one scene of a case, by what a user calls it.
 
 use osc_model::ContactArrangement;
 
@@ -23,7 +23,7 @@ pub enum ChosenSpeed {
     /// The median of the first range of the case.
     #[default]
     Median,
-    /// One speed, m/s, > 0.
+    /// A given speed, m/s, > 0.
     Fixed(f64),
     /// A range of the case from which speeds are drawn, by its name; the first without one.
     Range(Option<String>),
@@ -117,7 +117,7 @@ fn speeds(choice: &ChosenSpeed, ranges: &[SpeedRange]) -> Result<Option<SpeedRan
     }
 }
 
-/// What is chosen of friction in a contact, refused for a case in which it means nothing.
+/// Speeds of a choice for a case without contact; an error where it names a law, a contact or a speed, which mean nothing there.
 fn nothing_of_contact(choice: &SceneChoice, allowed: &str) -> Result<(), CaseError> {
     let SceneChoice { law, contact, constraints: _, speed } = choice;
     let given =

@@ -18,7 +18,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// All laws.
+    /// Laws, all of them, in the order of the variants.
     pub const ALL: [Self; 4] = [Self::AmontonsCoulomb, Self::VelocityDependent, Self::LuGre, Self::Stribeck];
 
     /// Name of the law in a case file.
@@ -48,11 +48,11 @@ impl std::fmt::Display for Law {
     }
 }
 
-/// How the friction parameters of a sample are drawn.
+/// Draws of the friction parameters of a sample: shared by all contacts, or one for each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Draws {
-    /// One draw for all oscillators, so that the lattice keeps its symmetry.
+    /// A draw shared by all contacts, so that the lattice keeps its symmetry.
     Shared,
     /// A draw for each oscillator.
     Each,

@@ -25,7 +25,7 @@ struct FieldTable {
     length: f64,
 }
 
-/// How the correlation of two contacts falls with their distance d, in units of the correlation length.
+/// Kernel of the correlation field: the correlation of two contacts over their distance d in units of the correlation length.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Kernel {
@@ -44,7 +44,7 @@ impl Kernel {
     }
 }
 
-/// Which of the parameters of a draw depend on each other, and how, in one contact or in several with a draw each.
+/// Correlation of the parameters of a draw: which of them depend on each other, and how, in one contact or in several with a draw each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
     /// Places in the list of parameters.
@@ -53,11 +53,11 @@ pub struct Correlation {
     copula: GaussianCopula,
 }
 
-/// What can be correlated in a case.
+/// Parameters and contacts of a case that can be correlated.
 pub(super) struct Correlated<'a> {
-    /// Its parameters: name and distribution.
+    /// Parameters: name and distribution.
     pub parameters: Vec<(&'a str, &'a Distribution)>,
-    /// Where its contacts are, each with a draw of its own; one where all share a draw.
+    /// Positions of the contacts that have a draw of their own; one where all share a draw.
     pub contacts: &'a [[f64; 3]],
 }
 
@@ -176,7 +176,7 @@ impl Correlation {
         self.copula.factor()
     }
 
-    /// Whether a parameter, by its place, depends on others.
+    /// True if a parameter, by its index, depends on others.
     pub fn holds(&self, parameter: usize) -> bool {
         self.parameters.contains(&parameter)
     }

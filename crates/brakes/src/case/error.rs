@@ -19,9 +19,9 @@ pub enum CaseError {
     Choice {
         /// Field of [`SceneChoice`](super::SceneChoice).
         what: &'static str,
-        /// What was asked for.
+        /// Value that was asked for.
         value: String,
-        /// What the case has.
+        /// Values that the case has, in words.
         allowed: String,
     },
     /// Not TOML, an unknown or missing field, a wrong type.
@@ -53,7 +53,7 @@ pub enum CaseError {
         path: PathBuf,
         /// The table, as `table "name"`.
         field: String,
-        /// What is wrong with it.
+        /// Error of the contact, the body or the balance.
         source: Box<contact::ContactError>,
     },
     /// An expression that cannot be read, or whose value is not a finite number.

@@ -44,7 +44,7 @@ impl CaseHeader {
         plan
     }
 
-    /// Where the case is, for messages.
+    /// Path of the case file, for messages.
     #[must_use]
     pub fn source(&self) -> String {
         self.path.display().to_string()

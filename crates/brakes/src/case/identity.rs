@@ -1,4 +1,4 @@
-//! What tells a case from another: its parts written out field by field, with matrices in other files as they were read.
+//! Identity that tells a case from another: its parts written out field by field, with matrices in other files as they were read.
 
 use friction::BristleDamping;
 use nalgebra_sparse::CscMatrix;
@@ -227,7 +227,7 @@ fn parameter(to: &mut Written, Parameter { name, unit: _, distribution: drawn }:
     to.distribution(drawn);
 }
 
-/// What an expression is: its text, with names of parameters that stand in the list of parameters.
+/// Identity of an expression: its text, with names of parameters that stand in the list of parameters.
 fn expression(to: &mut Written, expression: &Expression) {
     to.text(expression.text());
 }

@@ -49,7 +49,7 @@ pub(super) struct StudyTable {
     pub seed: u64,
 }
 
-/// One value for all, one value for each, or the values of outer and inner springs of each chain.
+/// Values of a field: one for all, one for each, or those of outer and inner springs of each chain.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]
 pub(super) enum Values {

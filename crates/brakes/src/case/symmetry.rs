@@ -1,9 +1,9 @@
-//! How the files of a term store its matrices.
+//! Symmetry entry of a term: how its files store its matrices.
 
 use formats::{Kind, Symmetry, Wanted};
 use serde::Deserialize;
 
-/// One word for all matrices of a term, or one for each.
+/// Entry on how the matrices of a term are stored: one word for all of them, or one for each.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(
     untagged,

@@ -27,7 +27,7 @@ pub struct LatticeCase {
     pub speeds: Vec<SpeedRange>,
     /// Distributions of the friction parameters.
     pub friction: FrictionDistributions,
-    /// Which of them depend on each other.
+    /// Correlation of the friction parameters; `None` where they are independent.
     pub correlation: Option<Correlation>,
     /// Other readings for comparison.
     pub alternatives: Vec<Alternative>,
@@ -40,11 +40,11 @@ pub struct LatticeCase {
 pub struct LatticeReadings {
     /// Friction in y.
     pub lateral: Lateral,
-    /// One draw for all contacts or one for each.
+    /// Draws of the friction parameters: one for all contacts or one for each.
     pub draws: Draws,
-    /// How modes are named.
+    /// Naming of the modes.
     pub labels: ModeNaming,
-    /// How a tracked mode is known again.
+    /// Identity by which a tracked mode is known again.
     pub identity: ModeIdentity,
     /// The force that presses the oscillators on the plate.
     pub preload: Preload,
@@ -102,7 +102,7 @@ pub struct FrictionDistributions {
 }
 
 impl FrictionDistributions {
-    /// What is drawn for a contact, in this order: the parameters of all laws, with the coefficient across the sliding, which the
+    /// Names of the parameters that are drawn for a contact, in this order: those of all laws, with the coefficient across the sliding, which the
     /// laws other than Amontons-Coulomb draw from the distribution of mu.
     pub const DRAWN: [&str; 9] = ["mu", "lateral_mu", "mu_s", "mu_k", "alpha", "v_s", "sigma0", "sigma1", "sigma2"];
     /// Units of [`Self::DRAWN`].

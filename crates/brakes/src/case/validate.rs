@@ -1,4 +1,4 @@
-//! From the fields of a case file with a lattice to a checked case.
+//! Reading of a case with a lattice: from the fields of its file to a checked case.
 
 use std::path::Path;
 
@@ -243,7 +243,7 @@ pub(super) fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) 
     Ok(speeds.into_iter().map(|schema::SpeedsTable { name, from, to }| SpeedRange { name, from, to }).collect())
 }
 
-/// Where the oscillators of a grid are, in units of their spacing.
+/// Positions (x, y, 0) of the oscillators of a grid, row by row, in units of their spacing.
 fn oscillator_places(grid: Grid) -> Vec<[f64; 3]> {
     let place = |at: usize| [(at % grid.columns()) as f64, (at / grid.columns()) as f64, 0.0];
     (0..grid.oscillators()).map(place).collect()

@@ -63,7 +63,7 @@ pub(super) fn naming_system(case: &FiniteElementCase, brake: &AffineSystem) -> R
     Ok(brake.assemble(&of_brake(case, &all, &naming_point(case, &all)?))?)
 }
 
-/// What changes from the naming point of a configuration's set of constraints to its own. A system is linear in it.
+/// Change of the operating point from the naming point of a configuration's set of constraints to its own. A system is linear in it.
 fn change(brake: &FiniteElementBrake, configuration: usize) -> Result<OperatingPoint, Error> {
     let at = |closed: &[usize]| Ok::<_, Error>(of_brake(&brake.case, closed, &naming_point(&brake.case, closed)?));
     let [from, to] = [at(&all_patches(&brake.case))?, at(&brake.closed[configuration])?];

@@ -18,10 +18,10 @@ const AT_BORDER: f64 = 1e-3;
 /// The first stream from which draws are taken, far from those of samples and from those of training points: how many samples a study has
 /// changes nothing.
 const FIRST_STREAM: u64 = u64::MAX / 2;
-/// How often a reduction is trained on, at most; chosen.
+/// Largest number of further trainings of a reduction; chosen.
 const MOST_ROUNDS: u64 = 2;
 
-/// What one draw showed.
+/// Result of one draw: where the reduced brake and the whole one differ, and the point at which it may be trained on.
 struct OneCheck {
     found: FullChecks,
     at: Trained,
@@ -67,7 +67,7 @@ impl FiniteElementBrake {
     }
 }
 
-/// One draw in one scene.
+/// Comparison of one draw, in one scene, with the whole brake.
 fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error> {
     let (mut rng, scenes) = (stream(brake.case.header.seed, number), &brake.plan.scenes);
     let scene = &scenes[rng.random_range(0..scenes.len())];
@@ -119,7 +119,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     Ok(OneCheck { found, at: Trained { set: part.set, closed: brake.closed(scene).to_vec(), at } })
 }
 
-/// Whether a mode is one of some.
+/// True if an eigenvalue is one of some, within [`AT_BORDER`] of its size.
 fn has(modes: &[Complex<f64>], lambda: Complex<f64>) -> bool {
     modes.iter().any(|other| (other - lambda).norm() <= AT_BORDER * lambda.norm())
 }

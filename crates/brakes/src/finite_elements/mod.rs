@@ -39,11 +39,12 @@ use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
 use crate::{CaseBrake, Error};
 
-/// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
-/// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.
+/// Allowance: the assumed relative error of an eigenvalue is so many times the sum of the largest relative distances that were measured, between
+/// the basis of a part and that of its set, and between that and the whole brake. Chosen; samples that are solved with the whole brake tell
+/// how far off they are.
 const ALLOWANCE: f64 = 100.0;
-/// The least that it is taken to be, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were solved
-/// with the whole brake.
+/// Least assumed error of an eigenvalue, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were
+/// solved with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
 /// Columns that a basis is expected to have, before it is made: without contact and with one between faces, chosen, and for each closed pair of nodes, with friction along
 /// the sliding alone and across it too. Measured with cases/disc-pad (27 pairs), the latter with its refinement of 75 pairs too.
@@ -76,7 +77,7 @@ pub struct FiniteElementBrake {
     full_checks: Option<FullChecks>,
 }
 
-/// One draw of all that is uncertain.
+/// Sample: a draw of all that is uncertain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FiniteElementSample {
     /// The parameters of coefficients.
@@ -126,7 +127,8 @@ impl FiniteElementBrake {
         Self::with_points(case, bases, &[], &[], progress)
     }
 
-    /// With points of the first configuration at which the modes shall be held in the place of draws, or further ones.
+    /// Reduces the brake; `swept` are points of the first configuration at which the modes shall be held in the place of draws, `trained` further
+    /// points.
     fn with_points(
         case: FiniteElementCase,
         bases: Bases,
@@ -214,7 +216,7 @@ impl FiniteElementBrake {
         Ok(if fast.is_empty() { whole } else { Some(whole.into_iter().flatten().chain(fast).collect()) })
     }
 
-    /// What the friction of a scene is drawn from; `None` without a contact.
+    /// Law of a scene, and the distributions from which its friction is drawn; `None` without a contact.
     fn drawn(&self, scene: &Scene) -> Option<DrawnFriction<'_>> {
         let contact = self.case.contact.as_ref()?;
         Some(DrawnFriction {
@@ -227,7 +229,7 @@ impl FiniteElementBrake {
         })
     }
 
-    /// How many contacts have a draw of their own.
+    /// Number of contacts that have a draw of their own.
     fn drawn_contacts(&self) -> usize {
         let contact = self.case.contact.as_ref().filter(|contact| contact.draws == Draws::Each);
         contact.map_or(1, |contact| contact.patches.len())

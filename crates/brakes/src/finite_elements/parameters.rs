@@ -21,7 +21,7 @@ pub(super) struct SceneOf<'a> {
 
 /// A parameter of a scene.
 enum Choice {
-    /// One of the case's own, by its place.
+    /// A parameter of the case's own, by its index.
     Own(usize),
     Friction(&'static FrictionParameter),
     Speed,
@@ -31,12 +31,12 @@ enum Choice {
     Stiffness(usize),
 }
 
-/// All that the parameters of a scene can change.
+/// Values that the parameters of a scene can change.
 struct Values {
     sample: FiniteElementSample,
     friction: Option<(Law, f64)>,
     load: f64,
-    /// Of each patch.
+    /// Factors of the stiffness, one of each patch.
     stiffness: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! What can be changed on a finite element brake: its patches, and what can be attached to its node sets.
+//! Modifiable parts of a finite element brake: its patches, and the node sets to which something can be attached.
 
 use formats::Dof;
 use nalgebra::{DMatrix, DVector};

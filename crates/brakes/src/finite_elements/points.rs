@@ -117,12 +117,12 @@ fn across(tangent: &Tangent, load: f64, speed: f64) -> ChannelGain {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ConstantTerm {
     Holders,
-    /// All closed patches, whose stiffness is drawn.
+    /// The term of all closed patches, whose stiffness is drawn.
     Contact,
     HoldersAndContact,
 }
 
-/// Those terms, in their order after the terms of the case file.
+/// Constant terms of a reduced brake, in their order after the terms of the case file.
 pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = ConstantTerm> + use<> {
     let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let has_holders = case.system.terms().len() > case.coefficients.len() + patches;
@@ -135,7 +135,7 @@ pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = C
     terms.into_iter().flatten()
 }
 
-/// What multiplies the stiffness of all pairs in a sample.
+/// Factor of the stiffness of all pairs in a sample; 1 where the case gives none.
 fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> Result<f64, CaseError> {
     let Some(contact) = &case.contact else { return Ok(1.0) };
     let own = positive(case, contact.stiffness_factor.as_ref(), STIFFNESS_FACTOR, sample)?.unwrap_or(1.0);
@@ -182,7 +182,7 @@ pub(super) fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> 
     if has_ranges { (0..contact.speeds.len()).map(Some).collect() } else { vec![None] }
 }
 
-/// Whether the systems of a law depend on the speed, and on the load.
+/// True if the systems of a law depend on the speed, and with it on the load.
 pub(super) fn depends_on_speed(contact: &PatchContact, law: Law) -> bool {
     law != Law::AmontonsCoulomb || contact.is_lateral
 }
@@ -235,7 +235,7 @@ pub fn frictionless(case: &FiniteElementCase, fixed: &[usize]) -> Result<(DofMap
     Ok((dofs, system))
 }
 
-/// All patches, from 0; none without a contact.
+/// Indices of all patches, from 0; none without a contact.
 pub(super) fn all_patches(case: &FiniteElementCase) -> Vec<usize> {
     (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
 }

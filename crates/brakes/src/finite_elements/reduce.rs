@@ -26,7 +26,7 @@ use crate::case::{FiniteElementCase, Law, ReductionGoal};
 /// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
 /// does hardly any brake squeal, and where nothing is there a search costs little.
 const SEARCHED: f64 = 0.25;
-/// How many times as fast as the fastest mode of the reduced brake the modes of the whole one may grow that are looked for; chosen.
+/// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
 const BEYOND: f64 = 1.5;
 /// Height of the strip on the real axis in which eigenvalues are looked for that do not oscillate, as a part of the lowest frequency of the
 /// band; chosen: above what rounding makes of two equal ones.
@@ -34,7 +34,7 @@ const REAL: f64 = 1e-6;
 /// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
 /// motions.
 const SLOWEST: f64 = 1e-3;
-/// How much lower and higher than the band a mode is looked for that grows next to it, as a factor; chosen.
+/// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
 pub const BESIDE: f64 = 1.05;
 /// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
 const MOST_SOLUTIONS: usize = 60;
@@ -68,7 +68,7 @@ const MOST_STRUCTURES: usize = 6;
 /// The brake with one set of constraints.
 #[derive(Debug)]
 pub struct ReducedSet {
-    /// Which rows of the matrices are free.
+    /// Map of the free rows of the matrices.
     pub dofs: DofMap,
     /// The system over the free rows.
     pub system: SparseAffineSystem,
@@ -78,7 +78,7 @@ pub struct ReducedSet {
     pub reduced: AffineSystem,
     /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
     pub modes: Vec<Complex<f64>>,
-    /// Its modes beside those.
+    /// Comparison of these modes with those of the reduced brake.
     pub compared: Compared,
 }
 
@@ -87,26 +87,26 @@ pub struct ReducedSet {
 pub struct Part {
     /// The set of constraints.
     pub set: usize,
-    /// Its basis within that of the set, what it took, and whether it was reached.
+    /// Basis within that of the set, what it took, and whether it was reached.
     pub within: Within,
     /// The brake, with residuals in the whole one.
     pub reduced: Reduced,
-    /// Its growing modes where samples differ in friction alone.
+    /// Growing modes on this basis where samples differ in friction alone; else `None`.
     pub friction: Option<FrictionModes>,
     /// How many samples each way found.
     pub routes: Mutex<RouteCounts>,
 }
 
-/// Which arrangements have a basis of their own.
+/// Choice of the arrangements that have a basis of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bases {
-    /// Each: the smallest, for a study.
+    /// A basis for each arrangement: the smallest, for a study.
     OfEach,
-    /// None: one for each set of constraints, so that what is compared has the same coordinates.
+    /// A basis for each set of constraints, so that what is compared has the same coordinates.
     OfEachSet,
 }
 
-/// All bases of a brake.
+/// Bases of a brake, all of them.
 pub(super) struct AllBases {
     pub sets: Vec<ReducedSet>,
     pub parts: Vec<Part>,
@@ -119,7 +119,7 @@ pub(super) struct AllBases {
 /// Closed patches, from 0.
 type Closed = Vec<usize>;
 
-/// What a part is to hold.
+/// Set of constraints and arrangements that a part is to hold.
 struct Asked {
     set: usize,
     arrangements: Vec<Closed>,
@@ -206,8 +206,8 @@ fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
     contact.panels.iter().flat_map(of_panel).collect()
 }
 
-/// Where the modes of a case are wanted, rad/s, and to its right: how fast a mode grows is no reason to leave it out. The largest growth is that
-/// up to which the whole brake is searched at least.
+/// Rectangle, rad/s, in which and to the right of which the modes of a case are wanted: how fast a mode grows is no reason to leave it out. Its
+/// largest growth is that up to which the whole brake is searched at least.
 pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
     let ReductionGoal { frequencies, growth: [lowest, highest], .. } = case.reduction;
     let im = frequencies.map(|hz| TAU * hz);
@@ -223,7 +223,7 @@ pub(super) fn whole_modes(
     modes_in(system, rectangle(case), reduced)
 }
 
-/// As [`whole_modes`], with those that are next to the band.
+/// Modes of a whole brake as by [`whole_modes`], with those that are next to the band.
 pub(super) fn modes_beside(
     case: &FiniteElementCase,
     system: &SparseSecondOrder,
@@ -366,7 +366,7 @@ fn part(
     Ok(Part { set: asked.set, within, reduced, friction, routes: Mutex::default() })
 }
 
-/// What fewer columns of the basis of a set of constraints with all patches closed hold.
+/// Cost against error of a set of constraints with all patches closed: what fewer columns of its basis hold.
 pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part) -> Result<Vec<Rung>, Error> {
     let all = all_patches(case);
     let at_median = of_brake(case, &all, &naming_point(case, &all)?);

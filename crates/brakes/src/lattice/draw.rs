@@ -1,4 +1,4 @@
-//! One draw of the uncertain parameters, and the tangent of a friction law with the drawn parameters.
+//! Draws of the uncertain parameters, and the tangent of a friction law with the drawn parameters.
 
 use friction::{
     AmontonsCoulomb, BristleDamping, FrictionError, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters,
@@ -35,7 +35,7 @@ pub struct FrictionDraw {
 }
 
 impl FrictionDraw {
-    /// From values in the order of [`FrictionDistributions::of_draw`].
+    /// A draw from values in the order of [`FrictionDistributions::of_draw`].
     pub(super) fn from_values(values: [f64; FrictionDistributions::DRAWN.len()]) -> Self {
         let [mu, lateral_mu, drawn_mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2] = values;
         let mu_s = drawn_mu_s.max(mu_k);
@@ -96,10 +96,10 @@ impl FrictionDraw {
     }
 }
 
-/// One sample: all uncertain parameters of one complex eigenvalue analysis.
+/// Sample of a lattice: all uncertain parameters of one complex eigenvalue analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSample {
-    /// One draw for all oscillators, or one draw for each.
+    /// Draws of friction: one for all oscillators, or one for each.
     contacts: Vec<FrictionDraw>,
     /// The probability at which the speed is the quantile of a speed range, uniform in 0..1.
     pub speed_quantile: f64,

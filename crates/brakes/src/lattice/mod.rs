@@ -38,12 +38,12 @@ pub struct LatticeBrake {
     lattices: Vec<PreparedLattice>,
     /// The symmetries of each set of constraints: of the brake or, with a draw for each contact, of its distribution.
     symmetries: Vec<Vec<Reversal>>,
-    /// By configuration: the reversal that maps it onto each member of its scenes.
+    /// Reversals by configuration: each maps it onto one member of its scenes.
     members: Vec<Vec<Reversal>>,
 }
 
 impl LatticeBrake {
-    /// What the study of a case takes at least, counted before any scene of it is made: a symmetry class has four arrangements at
+    /// Least cost of the study of a case, counted before any scene of it is made: a symmetry class has four arrangements at
     /// most.
     pub fn least_cost(case: &LatticeCase) -> Cost {
         let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
@@ -122,7 +122,7 @@ impl LatticeBrake {
         key.speed.map_or(ANY_SPEED, |range| self.case.speeds[range].quantile(sample.speed_quantile))
     }
 
-    /// What the friction of a scene is drawn from.
+    /// Law of a scene, and the distributions from which its friction is drawn.
     fn drawn(&self, scene: &Scene) -> DrawnFriction<'_> {
         let LatticeCase { readings, friction, correlation, .. } = &self.case;
         DrawnFriction {

@@ -9,7 +9,7 @@ use crate::Error;
 use crate::case::{LatticeReadings, Law};
 use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
 
-/// All that the parameters of a scene can change.
+/// Values that the parameters of a scene can change.
 #[derive(Debug, Clone)]
 struct Values {
     draw: FrictionDraw,
@@ -18,16 +18,16 @@ struct Values {
     lattice: LatticeParameters,
 }
 
-/// One parameter of speed, load or structure.
+/// Parameter of speed, load or structure.
 struct Parameter {
     name: &'static str,
     unit: &'static str,
-    /// Its value; `None` where it is not one number.
+    /// Value of the parameter, in its unit; `None` where it is not one number.
     get: fn(&Values) -> Option<f64>,
     set: fn(&mut Values, f64),
-    /// Whether the systems of a law depend on it.
+    /// True if the systems of a law depend on the parameter.
     matters: fn(Law, &LatticeReadings) -> bool,
-    /// Whether the lattice has to be assembled anew.
+    /// True if the lattice has to be assembled anew.
     is_structural: bool,
 }
 

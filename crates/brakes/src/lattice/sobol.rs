@@ -6,20 +6,20 @@ use study::Input;
 use super::{FrictionDraw, LatticeSample};
 use crate::case::{Correlation, Draws, FrictionDistributions, Law};
 
-/// What friction is drawn from.
+/// Law of a scene, and the distributions from which its friction is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DrawnFriction<'a> {
     /// The law of a scene.
     pub law: Law,
-    /// Its distributions.
+    /// Distributions of the friction parameters.
     pub from: &'a FrictionDistributions,
-    /// Which of them depend on each other.
+    /// Correlation of these parameters; `None` where they are independent.
     pub correlation: Option<&'a Correlation>,
-    /// Whether all contacts share a draw.
+    /// Draws: shared by all contacts, or one for each.
     pub draws: Draws,
-    /// Whether friction acts across the sliding with a coefficient of its own.
+    /// True if friction acts across the sliding with a coefficient of its own.
     pub has_lateral_mu: bool,
-    /// Whether LuGre's bristles have damping.
+    /// True if LuGre's bristles have damping.
     pub has_bristle_damping: bool,
 }
 
@@ -30,7 +30,7 @@ const SPEED: u32 = 1;
 /// Coordinates of a contact; in the second and later ones that of the speed is not used.
 pub(crate) const OF_CONTACT: u32 = 9;
 
-/// Whether a law has each of [`FrictionDistributions::DRAWN`]. Amontons-Coulomb friction has one coefficient in all directions.
+/// Flags of [`FrictionDistributions::DRAWN`]: true where a law has the parameter. Amontons-Coulomb friction has one coefficient in all directions.
 fn of_law(law: Law) -> [bool; FrictionDistributions::DRAWN.len()] {
     let (coulomb, stribeck) = (law == Law::AmontonsCoulomb, matches!(law, Law::Stribeck | Law::LuGre));
     let (falling, bristles) = (law == Law::VelocityDependent, law == Law::LuGre);

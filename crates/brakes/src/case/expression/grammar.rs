@@ -14,9 +14,9 @@ use super::ExpressionError;
 pub(super) const LONGEST_EXPRESSION: usize = 1000;
 /// Most parentheses open at one place; chosen, because `exmex` recurses once for each.
 pub(super) const DEEPEST_NESTING: usize = 32;
-/// What is allowed where an operand is expected.
+/// Words for what is allowed where an operand is expected.
 const OPERAND: &str = "a number, a parameter, a function or \"(\"";
-/// What is allowed after an operand.
+/// Words for what is allowed after an operand.
 const AFTER_OPERAND: &str = "+ - * / ^ or \")\"";
 
 /// The state of the pass since an opening parenthesis or the start of the text.
@@ -24,15 +24,15 @@ const AFTER_OPERAND: &str = "+ - * / ^ or \")\"";
 pub(super) struct Level {
     /// Column of the parenthesis.
     column: usize,
-    /// Whether any operand or sign has been read.
+    /// True once any operand or sign has been read.
     pub(super) begun: bool,
-    /// Whether the last operator was `^`; a second one would have two readings.
+    /// True if the last operator was `^`; a second one would have two readings.
     power: bool,
-    /// Whether the last operand is a number with a minus sign; a power of it, as in `2*-3^2`, would have two readings.
+    /// True if the last operand is a number with a minus sign; a power of it, as in `2*-3^2`, would have two readings.
     negative: bool,
 }
 
-/// One pass through the characters of an expression.
+/// Pass through the characters of an expression.
 pub(super) struct Pass<'a> {
     pub(super) characters: Vec<char>,
     pub(super) at: usize,
@@ -75,7 +75,7 @@ pub(super) fn shown(text: &str) -> String {
     if text.chars().nth(LONGEST_SHOWN).is_some() { start + "..." } else { start }
 }
 
-/// Whether a character can begin a name.
+/// True if a character can begin a name.
 pub(super) fn starts_name(c: char) -> bool {
     c.is_ascii_alphabetic() || c == '_'
 }

@@ -27,9 +27,9 @@ pub enum ExpressionError {
         text: String,
         /// Column, from 1, in characters.
         column: usize,
-        /// What was found there.
+        /// Text that was found there.
         found: String,
-        /// What is allowed there.
+        /// Words for what is allowed there.
         allowed: String,
     },
     /// The expression has too many characters.

@@ -3,7 +3,7 @@
 use super::grammar::{Fault, Pass, shown, starts_name};
 use super::operators::FUNCTIONS;
 
-/// Whether a name can be the name of a parameter: a letter or `_`, then letters, digits and `_`, all ASCII, and neither a
+/// True if a name can be the name of a parameter: a letter or `_`, then letters, digits and `_`, all ASCII, and neither a
 /// function nor a constant.
 pub fn is_parameter_name(name: &str) -> bool {
     let mut characters = name.chars();

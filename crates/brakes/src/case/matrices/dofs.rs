@@ -42,7 +42,7 @@ impl<'a> DofNames<'a> {
         Ok(Self { check, names })
     }
 
-    /// All names.
+    /// Names of all degrees of freedom, in the order of rows and columns.
     pub fn into_names(self) -> Vec<String> {
         self.names
     }

@@ -22,13 +22,13 @@ pub struct MatricesCase {
     pub header: CaseHeader,
     /// The drawn parameters, in the order of their names; each occurs in an expression.
     pub parameters: Vec<Parameter>,
-    /// Which of them depend on each other.
+    /// Correlation of the parameters; `None` where they are independent.
     pub correlation: Option<Correlation>,
     /// Names of the degrees of freedom, in the order of rows and columns.
     pub dofs: Vec<String>,
     /// Terms and channels over all degrees of freedom.
     pub system: AffineSystem,
-    /// How the file of each matrix was taken.
+    /// Files of matrices, and how each was taken.
     pub files: Vec<TakenMatrix>,
     /// The coefficient of each term.
     pub coefficients: Vec<Expression>,
@@ -68,7 +68,7 @@ pub struct GainExpressions {
 pub struct LagExpressions {
     /// Decay rate, 1/s; its values must be > 0.
     pub decay: Expression,
-    /// What a change of velocity feeds into the state.
+    /// Drive: rate of the state per sliding velocity, in units of the state per m.
     pub drive: Expression,
     /// The normal load times what the state contributes to the coefficient, N per unit of the state.
     pub force: Expression,
@@ -93,7 +93,7 @@ pub struct FixedDofs {
 }
 
 impl MatricesCase {
-    /// One value of each parameter.
+    /// Draw of the parameters: one value of each, in their order.
     ///
     /// # Errors
     /// As [`Distribution::draw`].
@@ -102,7 +102,7 @@ impl MatricesCase {
         Ok(self.correlated(values.collect::<Result<_, _>>()?))
     }
 
-    /// One value of each parameter, from independent ones.
+    /// Correlated values of the parameters, one of each, from independent ones.
     pub(crate) fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
         if let Some(correlation) = &self.correlation {
             let distributions: Vec<&Distribution> = self.parameters.iter().map(|p| &p.distribution).collect();

@@ -1,4 +1,4 @@
-//! From the fields of a case file with matrices to a checked case.
+//! Reading of a case with matrices: from the fields of its file to a checked case.
 
 use std::path::Path;
 

@@ -17,7 +17,7 @@ use crate::input::{LARGEST_MATRIX, LARGEST_ORDER, check_size};
 pub(super) struct Terms {
     pub terms: Vec<Term>,
     pub coefficients: Vec<Expression>,
-    /// How the file of each matrix was taken.
+    /// Files of matrices, and how each was taken.
     pub files: Vec<TakenMatrix>,
     /// The rows of the matrices, where files name them.
     pub rows: Option<Vec<Dof>>,
