@@ -22,7 +22,7 @@ pub(super) struct Patches {
     pub patches: Vec<Patch>,
     pub terms: Vec<SparseTerm>,
     pub channels: Vec<Channel>,
-    /// How the mesh tells where the pad and the disc are.
+    /// Evidence in the mesh that the pad and the disc are on their sides of the contact.
     pub sides: [Side; 2],
     /// Nodes of the contact that the matrices have no rows of.
     pub missing: Vec<MissingRows>,
@@ -143,7 +143,7 @@ impl Patches {
     }
 }
 
-/// Each node of the pad with the nearest one of the disc, which must lie within the tolerance.
+/// Pairs of the contact: each node of the pad with the nearest one of the disc, which must lie within the tolerance.
 fn matched(model: &Model<'_>, contact: &ContactTable) -> Result<Vec<Pair>, CaseError> {
     let check = model.check;
     let pad = model.nodes("contact.pad", contact.pad.items())?;

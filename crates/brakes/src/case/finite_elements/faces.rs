@@ -94,7 +94,7 @@ impl<'a> Solids<'a> {
         Ok(faces.into_iter().collect())
     }
 
-    /// Whether names are of sets of elements alone, all of whose outer faces are then meant.
+    /// True if names are of sets of elements alone, all of whose outer faces are then meant.
     pub fn are_bodies(&self, names: &Nodes) -> bool {
         let is_body = |name: &String| {
             find(&self.model.surfaces, name).is_none()
@@ -146,7 +146,7 @@ impl<'a> Solids<'a> {
     }
 }
 
-/// What has a name in a deck: as it is written, else in capitals without blanks.
+/// Entry of a map of a deck by its name: as it is written, else in capitals without blanks.
 fn find<'m, T>(map: &'m BTreeMap<String, T>, name: &str) -> Option<&'m T> {
     let plain = name.split_whitespace().collect::<String>().to_ascii_uppercase();
     map.get(name).or_else(|| map.get(&plain))

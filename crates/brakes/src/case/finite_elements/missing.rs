@@ -13,11 +13,11 @@ use crate::case::CaseError;
 pub struct MissingRows {
     /// The field.
     pub field: String,
-    /// How many nodes it names.
+    /// Number of nodes that the field names.
     pub nodes: usize,
-    /// How many of them have no row in the directions that are meant.
+    /// Number of them that have no row in the directions that are meant.
     pub without: usize,
-    /// How many have a row in some of these directions only.
+    /// Number of them that have a row in some of these directions only.
     pub partly: usize,
 }
 
@@ -56,14 +56,14 @@ impl MissingRows {
     }
 }
 
-/// How the nodes of a mesh and the rows of the matrices belong together.
+/// Agreement between the nodes of a mesh and the rows of the matrices.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamesOnMesh {
-    /// Nodes of the mesh.
+    /// Number of nodes of the mesh.
     pub nodes: usize,
-    /// How many of them have a row.
+    /// Number of them that have a row.
     pub with_rows: usize,
-    /// Nodes that have rows and are not of the mesh.
+    /// Number of nodes that have rows and are not of the mesh.
     pub not_on_mesh: usize,
     /// The first node of each body of the mesh, as its elements join it, none of whose nodes has a row.
     pub bodies_without: Vec<i64>,

@@ -43,15 +43,15 @@ pub struct FiniteElementCase {
     pub mesh: Option<Mesh>,
     /// The node sets of the mesh.
     pub node_sets: BTreeMap<String, Vec<i64>>,
-    /// How the nodes of the mesh and the rows of the matrices belong together, where the case names a mesh.
+    /// Agreement between the nodes of the mesh and the rows of the matrices, where the case names a mesh.
     pub names: Option<NamesOnMesh>,
     /// Nodes of holders, contact and constraints that lack rows.
     pub missing_rows: Vec<MissingRows>,
-    /// How the mesh tells that the pad and the disc are on their sides of the contact, where there is one.
+    /// Evidence in the mesh that the pad and the disc are on their sides of the contact, where there is one.
     pub sides: Option<[Side; 2]>,
-    /// What each row of the matrices is; a matrix without labels has the numbers of its rows as nodes, and direction 0.
+    /// Names of the rows of the matrices; a matrix without labels has the numbers of its rows as nodes, and direction 0.
     pub dofs: Vec<Dof>,
-    /// How the file of each matrix was taken.
+    /// Files of matrices, and how each was taken.
     pub files: Vec<TakenMatrix>,
     /// Degrees of freedom that the matrices hold by huge entries; they have no row.
     pub held: Vec<Dof>,
@@ -63,11 +63,11 @@ pub struct FiniteElementCase {
     pub coefficients: Vec<Expression>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
-    /// Which friction parameters depend on each other.
+    /// Correlation of the friction parameters; `None` where they are independent.
     pub correlation: Option<Correlation>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,
-    /// What the reduced brake shall hold.
+    /// Goal of the reduction: the modes that the reduced brake shall hold, and how well.
     pub reduction: ReductionGoal,
 }
 
@@ -82,23 +82,23 @@ pub struct PatchContact {
     pub laws: Vec<Law>,
     /// Distributions of the friction parameters.
     pub friction: FrictionDistributions,
-    /// Ranges of sliding speed; at least one.
+    /// Ranges of sliding speed; none where nothing depends on speed, or where [`Self::own_speed`] says it.
     pub speeds: Vec<SpeedRange>,
-    /// One draw for all patches or one for each.
+    /// Draws of the friction parameters: one for all patches or one for each.
     pub draws: Draws,
     /// LuGre's sigma1 as a function of speed; `None` sets sigma1 to 0.
     pub bristle_damping: Option<BristleDamping>,
-    /// Whether friction acts across the sliding too: a dashpot `mu N0 / v` in each pair.
+    /// True if friction acts across the sliding too: a dashpot `mu N0 / v` in each pair.
     pub is_lateral: bool,
-    /// What multiplies the stiffness of all pairs, where it depends on parameters.
+    /// Factor of the stiffness of all pairs, where it depends on parameters.
     pub stiffness_factor: Option<Expression>,
-    /// What multiplies the load of all pairs, where it depends on parameters.
+    /// Factor of the load of all pairs, where it depends on parameters.
     pub load_factor: Option<Expression>,
     /// By which power of that the stiffness of all pairs grows: `1 - 1/m` of faces whose pressure is `c g^m`, else 0.
     pub load_exponent: f64,
     /// The speed, where the parameters say it and no range of speeds.
     pub own_speed: Option<OwnSpeed>,
-    /// Whether pairs are points between faces, of which there are many more than of nodes.
+    /// True if pairs are points between faces, of which there are many more than of nodes.
     pub is_of_faces: bool,
 }
 
@@ -112,9 +112,9 @@ impl PatchContact {
 /// The sliding speed of a case as its parameters say it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnSpeed {
-    /// rad/s about an axis, m/s along a direction.
+    /// Speed, rad/s about an axis, m/s along a direction.
     pub speed: Expression,
-    /// What it is multiplied by for the mean of all pairs: their mean radius, m, or 1.
+    /// Factor of the speed for the mean of all pairs: their mean radius, m, or 1.
     pub factor: f64,
 }
 
@@ -128,9 +128,9 @@ pub(crate) const STIFFNESS_FACTOR: &str = "contact.stiffness_factor";
 /// A patch of the contact, which is closed or open as a whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
-    /// Its name: that of its node set.
+    /// Name of the patch: that of its set of nodes or faces; of its contact between faces where that names no sets.
     pub name: String,
-    /// Its pairs of nodes (pad, disc); of a point between faces the nodes next to it.
+    /// Pairs of nodes (pad, disc); of a point between faces the nodes next to it.
     pub pairs: Vec<[i64; 2]>,
     /// The sliding speed of each of its pairs as a multiple of that of a scene: 1 where sliding is a direction, the pair's radius over the
     /// mean radius of all pairs of the contact where the disc turns about its normal.
@@ -143,7 +143,7 @@ pub struct Patch {
     pub shares: Vec<f64>,
 }
 
-/// What a reduced brake shall hold.
+/// Goal of a reduction: the modes that the reduced brake shall hold, and how well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReductionGoal {
     /// Lowest and highest frequency of the modes that are studied, Hz.
@@ -159,7 +159,7 @@ pub struct ReductionGoal {
 }
 
 impl FiniteElementCase {
-    /// What a row of the matrices is called: `1042.z`, or its number.
+    /// Name of a row of the matrices: `1042.z`, or its number.
     pub fn dof_name(&self, row: usize) -> String {
         self.dofs.get(row).map_or_else(String::new, |dof| match dof.direction {
             0 => dof.node.to_string(),

@@ -41,7 +41,7 @@ impl<'a> Model<'a> {
         self.rows.get(&Dof { node, direction }).copied()
     }
 
-    /// Where a node is.
+    /// Position (x, y, z) of a node, in the unit of the mesh.
     pub fn position(&self, field: &str, node: i64) -> Result<[f64; 3], CaseError> {
         let unknown = || self.check.value(field, node, "a node of the mesh, which brake.mesh names");
         self.positions.get(&node).copied().ok_or_else(unknown)
@@ -61,7 +61,7 @@ impl<'a> Model<'a> {
         Ok(all)
     }
 
-    /// Some names of rows, for messages.
+    /// Names of some rows, for messages.
     pub fn some_rows(&self) -> String {
         let named: Vec<String> = self.dofs.iter().filter(|dof| dof.direction > 0).take(3).map(Dof::to_string).collect();
         if named.is_empty() { "no names".to_owned() } else { format!("{}, ...", named.join(", ")) }

@@ -1,4 +1,4 @@
-//! On which side of the contact the bodies lie, by the mesh: the normal points from the disc into the pad.
+//! Sides of the contact on which the bodies lie, by the mesh: the normal points from the disc into the pad.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -12,17 +12,18 @@ use crate::case::CaseError;
 /// The least cosine of the angle between the normal and the direction into the body at a face; chosen: a normal that is 84 degrees off is
 /// none.
 const LEAST_OF_FACE: f64 = 0.1;
-/// The same of the direction in which elements lie, which is that of the face no more than roughly; chosen.
+/// The least cosine of the angle between the normal and the direction in which elements lie, which is that of the face no more than roughly;
+/// chosen.
 const LEAST_OF_ELEMENTS: f64 = 0.3;
 
-/// How the mesh tells on which side of the contact a body lies.
+/// Evidence in the mesh for the side of the contact on which a body lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// By so many outer faces of its elements, all of whose corners are nodes of the contact.
+    /// Number of outer faces of its elements that tell it: all of their corners are nodes of the contact.
     Faces(usize),
-    /// By the middles of so many solid elements at nodes of the contact.
+    /// Number of solid elements at nodes of the contact whose middles tell it.
     Elements(usize),
-    /// It cannot tell: there are no solid elements at nodes of the contact, or they lie beside rather than behind it.
+    /// No evidence: there are no solid elements at nodes of the contact, or they lie beside rather than behind it.
     Unknown,
 }
 

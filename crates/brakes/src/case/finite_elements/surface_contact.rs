@@ -117,7 +117,7 @@ impl<'t> SurfaceContact<'t> {
     }
 }
 
-/// All contacts between faces.
+/// Contacts between faces, all of a case.
 pub(super) struct Surfaces {
     pub patches: Patches,
     /// The mean of the speeds of all points by their areas, at 1 rad/s, or 1 of a direction.
@@ -191,7 +191,7 @@ fn mean_speed(contacts: &[SurfaceContact<'_>]) -> f64 {
 
 /// Says where the meshes of a contact are farthest apart and overlap most, where that is more than rounding.
 fn report_gaps(solids: &Solids<'_>, contact: &SurfaceContact<'_>) {
-    /// What is said nothing of, as a part of the reach; chosen.
+    /// Gap below which nothing is said, as a fraction of the reach; chosen.
     const SMALL: f64 = 1e-6;
     let points = contact.interface.points();
     let largest = points.iter().max_by(|a, b| a.gap.abs().total_cmp(&b.gap.abs()));
@@ -204,7 +204,7 @@ fn report_gaps(solids: &Solids<'_>, contact: &SurfaceContact<'_>) {
     }
 }
 
-/// What patches of a contact are made of.
+/// Parts of which the patches of a contact are made.
 struct Made<'a> {
     solids: &'a Solids<'a>,
     contact: &'a SurfaceContact<'a>,

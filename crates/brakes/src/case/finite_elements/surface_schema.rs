@@ -20,7 +20,7 @@ pub(super) enum ContactEntry {
 }
 
 impl<'de> Deserialize<'de> for ContactEntry {
-    /// By what it is, so that a misspelt field is named.
+    /// The entry by its kind, table or list of tables, so that a misspelt field is named.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Either;
         impl<'de> Visitor<'de> for Either {
@@ -143,7 +143,7 @@ pub(super) enum IntegrationEntry {
     Segments,
 }
 
-/// What all tables `[[contact]]` share.
+/// Table `[all_contacts]`: fields that all tables `[[contact]]` share.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct AllContactsTable {
@@ -210,10 +210,10 @@ pub(super) struct SpringTable {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum ActsEntry {
-    /// At each node by itself.
+    /// A spring at each node by itself.
     #[default]
     Each,
-    /// On the mean motion of the nodes.
+    /// A spring on the mean motion of the nodes.
     Mean,
     /// On the mean motion of the faces that the names are of, by their area: what a column of fluid sees.
     Area,

@@ -27,7 +27,7 @@ pub(super) struct Terms {
     pub parts: Vec<Parts>,
     /// The rows.
     pub dofs: Vec<Dof>,
-    /// How each file was taken.
+    /// Files of matrices, and how each was taken.
     pub files: Vec<TakenMatrix>,
     /// The degrees of freedom that the files hold, which have no row.
     pub held: Vec<Dof>,
@@ -165,7 +165,7 @@ pub(super) fn terms_with_coefficients(
     Ok((terms, coefficients))
 }
 
-/// All holders as one term: springs and dashpots from nodes to ground.
+/// Term of all holders together: springs and dashpots from nodes to ground. `None` where there are none.
 pub(super) fn holders_term(
     model: &Model<'_>,
     holders: &[HolderTable],
