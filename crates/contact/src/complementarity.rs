@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Entries of a tableau below this are rounding; chosen, problems here are scaled to about 1.
 const PIVOT: f64 = 1e-11;
-/// What is below zero by less than this part of the largest is zero; chosen, above rounding of the last solution.
+/// Tolerance of z and of w below zero, as a fraction of the largest; chosen, above rounding of the last solution.
 const NEGATIVE: f64 = 1e-10;
 /// A solution that is larger than this times what matrix and right-hand side ask for is one of a singular matrix; chosen: a million times what
 /// gaps of contacts are.
@@ -23,7 +23,7 @@ pub struct Complementary {
     pub w: DVector<f64>,
 }
 
-/// Why there is no solution.
+/// Reason why no solution was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unsolved {
     /// The path of Lemke's method ends in a ray: where M has a semi-definite symmetric part there is no solution, else it may have missed one.
@@ -138,7 +138,7 @@ fn with_zeros(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<(DV
     Some((z, w))
 }
 
-/// What of z and of w is zero.
+/// Tolerances of z and of w: how far below zero each may be to count as zero, absolute.
 fn tolerances(q: &DVector<f64>, z: &DVector<f64>, w: &DVector<f64>) -> (f64, f64) {
     (NEGATIVE * z.amax(), NEGATIVE * (q.amax() + w.amax()))
 }
@@ -151,7 +151,8 @@ fn solved(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<Complem
     is_one.then(|| Complementary { z: z.map(|z| z.max(0.0)), w: w.map(|w| w.max(0.0)) })
 }
 
-/// All solutions, from all 2^n sets of zeros; those that differ in z alone are one. Sets whose equations are singular are passed over.
+/// Solutions w and z, all of them, from the 2^n sets of zeros; those that differ in z alone are one. Sets whose equations are singular are
+/// passed over.
 #[must_use]
 pub fn all_solutions(q: &DVector<f64>, m: &DMatrix<f64>) -> Vec<Complementary> {
     let mut found: Vec<Complementary> = Vec::new();

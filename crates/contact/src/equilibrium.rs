@@ -1,4 +1,4 @@
-//! Static equilibrium: which contact points are closed, and with what force.
+//! Static equilibrium: states and forces of the contact points.
 //!
 //! `0 <= N, 0 <= gap opened, N gap = 0` with friction mu N in the balance is a linear complementarity problem in the opening of each point's spring,
 //! `N = k (opened - gap)`. Scaled by roots of k it reads
@@ -20,14 +20,14 @@ use crate::{Condensed, ContactError};
 /// A pivot of `I + B'` below this part of the largest locks; chosen.
 const LOCKED: f64 = 1e-12;
 
-/// What is in balance: gaps before the loads, friction and how much of each load acts.
+/// Balance of forces that is asked for: gaps before the loads, friction and how much of each load acts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Balance {
     /// The gap of each point before the loads, negative where meshes overlap; 0 where that is no matter.
     pub gaps: Vec<f64>,
     /// The coefficient of friction of each point, of the sign of the sliding.
     pub mu: Vec<f64>,
-    /// By what each load is multiplied.
+    /// Factors of the loads, one of each.
     pub loads: Vec<f64>,
 }
 
@@ -38,12 +38,12 @@ pub struct Equilibrium {
     pub forces: Vec<f64>,
     /// The gap of each point: 0 or more where it is open, `- N / k` where it is closed.
     pub gaps: Vec<f64>,
-    /// Whether these forces are the only ones.
+    /// Uniqueness of these forces, and how it is known.
     pub uniqueness: Uniqueness,
 }
 
 impl Equilibrium {
-    /// Whether each point is closed: presses with a force.
+    /// Flags of the points, one of each: true where it is closed, that is, presses with a force.
     #[must_use]
     pub fn closed(&self) -> Vec<bool> {
         self.forces.iter().map(|force| *force > 0.0).collect()
@@ -116,7 +116,7 @@ impl Condensed {
     }
 }
 
-/// What is known where Lemke's method found nothing.
+/// The solution, or the reason why there is none, where Lemke's method found nothing.
 fn otherwise(q: &DVector<f64>, m: &DMatrix<f64>, unsolved: Unsolved) -> Result<Complementary, ContactError> {
     if unsolved == Unsolved::Ray && is_monotone(m) {
         let reason = "the loads pull the bodies off what holds them, or push one that nothing holds";

@@ -37,13 +37,13 @@ pub enum ContactError {
     /// A side without faces.
     #[error("the {side} has no faces; it must have one or more")]
     NoFaces {
-        /// Which.
+        /// Side that has no faces.
         side: Side,
     },
     /// A face without area.
     #[error("the {side} has a face without area: S{face} of element {element}")]
     NoArea {
-        /// Of which side.
+        /// Side that has the face.
         side: Side,
         /// The number of the element.
         element: i64,
@@ -53,11 +53,11 @@ pub enum ContactError {
     /// A setting that is not allowed.
     #[error("{what} is {value}; allowed is {allowed}")]
     Value {
-        /// Which.
+        /// Name of the setting.
         what: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
-        /// What it may be.
+        /// Values that are allowed, in words.
         allowed: &'static str,
     },
     /// Faces that are farther from each other than they may be.
@@ -67,7 +67,7 @@ pub enum ContactError {
     Apart {
         /// The number of the node of the slave next to the point.
         node: i64,
-        /// From the point to the nearest face that looks at it; infinite where none was near.
+        /// Distance of the point from the nearest face that looks at it; infinite where none was near.
         distance: f64,
         /// The largest that is allowed.
         reach: f64,
@@ -79,9 +79,9 @@ pub enum ContactError {
     MasterSmaller {
         /// The number of the node of the slave next to the first such point.
         node: i64,
-        /// How many points.
+        /// Number of points that have no face of the master opposite.
         beside: usize,
-        /// Of how many.
+        /// Number of all points.
         total: usize,
     },
     /// Faces that do not look at each other.
@@ -91,7 +91,7 @@ pub enum ContactError {
     Normals {
         /// The number of the node of the slave next to the point.
         node: i64,
-        /// Of the angle between both normals to the outside.
+        /// Cosine of the angle between both normals to the outside.
         cosine: f64,
         /// The largest that is allowed.
         allowed: f64,
@@ -131,23 +131,23 @@ pub enum ContactError {
     /// A list of another length.
     #[error("there are {found} {what}; {expected} are expected")]
     Count {
-        /// Of what.
+        /// Name of the things that are counted, in the plural.
         what: &'static str,
-        /// How many there are.
+        /// Number of them that there are.
         found: usize,
-        /// How many there should be.
+        /// Number of them that there should be.
         expected: usize,
     },
     /// A node without a pressure.
     #[error("node {node} of the slave has no pressure")]
     NoPressure {
-        /// Its number.
+        /// Number of the node.
         node: i64,
     },
     /// Pressures that are of nodes that the slave lacks.
     #[error("there is a pressure of node {node}, which the slave lacks")]
     UnknownNode {
-        /// Its number.
+        /// Number of the node.
         node: i64,
     },
     /// A structure that moves though all contacts are closed.
@@ -164,15 +164,15 @@ pub enum ContactError {
     /// No state of open and closed contacts is in balance.
     #[error("there is no equilibrium: {reason}")]
     NoEquilibrium {
-        /// How this is known.
+        /// Reason why it is known that there is none, in words.
         reason: &'static str,
     },
     /// An iteration that did not end.
     #[error("the equilibrium was not found in {steps} steps; what is missing to balance is {residual:e} of the forces")]
     NotFound {
-        /// How many.
+        /// Number of steps of Newton's method; of unknowns where it was Lemke's method that found nothing.
         steps: usize,
-        /// What is missing, relative to the largest force.
+        /// Largest gap that is missing to balance, relative to the largest gap; not a number where Lemke's method found nothing.
         residual: f64,
     },
 }

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use elements::Face;
 use nalgebra::Vector3;
 
-/// By how much of its size a face may bulge beyond the box of its nodes; chosen: a parabola through three points does so by an eighth.
+/// Bulge of a face beyond the box of its nodes, at most, as a fraction of its size; chosen: a parabola through three points does so by an
+/// eighth.
 const BULGE: f64 = 0.15;
 /// Most cells along an axis that one face may be listed in; chosen, against faces that are far larger than the others.
 const MOST_CELLS: i64 = 64;

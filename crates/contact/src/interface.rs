@@ -12,7 +12,7 @@ use crate::{ContactError, Side};
 /// Weights of this size are rounding of a shape function, or of a component of a normal, that is zero.
 const NO_WEIGHT: f64 = 1e-14;
 
-/// How the slave's faces are integrated over.
+/// Rule by which the slave's faces are integrated over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Integration {
     /// Points of Gauss of each face of the slave, each on whatever face of the master is opposite: 2 x 2 of a linear, 3 x 3 of a quadratic
@@ -20,12 +20,12 @@ pub enum Integration {
     /// within a face of the slave.
     #[default]
     GaussPoints,
-    /// Each face of the slave is cut along the edges of the master's, and each piece has seven points of its own: a constant pressure passes
-    /// exactly between flat faces with straight edges. Ten times as many points.
+    /// Points of pieces: each face of the slave is cut along the edges of the master's, and each piece has seven points of its own. A constant
+    /// pressure passes exactly between flat faces with straight edges. Ten times as many points.
     Segments,
 }
 
-/// What makes points of two sides.
+/// Pairing: the settings by which points between two sides are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pairing {
     /// Velocity of the master under the slave.
@@ -36,7 +36,7 @@ pub struct Pairing {
     pub integration: Integration,
     /// Largest cosine of the angle between the normals to the outside of both sides; -1 where they look at each other exactly.
     pub largest_cosine: f64,
-    /// How far a point may be outside of the master's faces, in their own coordinates (2 across a quadrilateral): meshes of a curved face
+    /// Largest distance of a point outside of the master's faces, in their own coordinates (2 across a quadrilateral): meshes of a curved face
     /// leave slits between their facets.
     pub slit: f64,
 }
@@ -119,8 +119,8 @@ impl Interface {
         }
     }
 
-    /// Which of some faces, as all outer ones of a body, look at a master within reach with any of their points of Gauss: those that are meant as
-    /// the slave where a body is named.
+    /// Faces, among some such as all outer ones of a body, that look at a master within reach with any of their points of Gauss: those that are
+    /// meant as the slave where a body is named.
     ///
     /// # Errors
     /// As [`Interface::new`], but for faces that do not meet, a master that is smaller and normals that contradict.
@@ -154,7 +154,7 @@ impl Interface {
         self.points.iter().map(|point| point.area).sum()
     }
 
-    /// How often a point was projected on a face: what the search costs.
+    /// Number of projections of a point on a face: what the search costs.
     #[must_use]
     pub fn projections(&self) -> usize {
         self.projections
@@ -222,7 +222,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What is said where no point has anything opposite: how far the nearest face is from the first one.
+    /// Error where no point has anything opposite: how far the nearest face is from the first point.
     fn apart(&self, slave: &[Face], mesh: &Mesh, node: i64) -> ContactError {
         let place = mesh.place(node);
         let position = place.map(|place| mesh.positions()[place]).unwrap_or(slave[0].positions[0]);

@@ -9,7 +9,7 @@ use crate::{Condensed, ContactError, Stiffness};
 /// Most steps of Newton's method, and most halvings of one; chosen.
 const STEPS: usize = 100;
 const HALVINGS: usize = 30;
-/// What may be missing at the end, relative to the largest gap; chosen.
+/// Largest residual at the end, relative to the largest gap; chosen.
 const ENOUGH: f64 = 1e-13;
 
 impl Condensed {

@@ -6,15 +6,15 @@ use nalgebra::Vector3;
 /// Contact point: a point of integration of the slave's faces, with the point of the master opposite to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactPoint {
-    /// Where it is, on the slave.
+    /// Position x of the point, on the slave.
     pub position: Vector3<f64>,
-    /// n, from the master into the slave, of length 1: the master's normal to the outside.
+    /// Normal n, from the master into the slave, of length 1: the master's normal to the outside.
     pub normal: Vector3<f64>,
-    /// t, in which the master slides under the slave, of length 1 and perpendicular to n.
+    /// Direction of sliding t, in which the master slides under the slave, of length 1 and perpendicular to n.
     pub sliding: Vector3<f64>,
-    /// The speed of that, m/s.
+    /// Speed of sliding along t, m/s.
     pub speed: f64,
-    /// The distance along n, negative where the meshes overlap.
+    /// Gap: the distance along n, negative where the meshes overlap.
     pub gap: f64,
     /// The area that it stands for, by the rule of integration.
     pub area: f64,
@@ -24,7 +24,7 @@ pub struct ContactPoint {
     pub master_face: FaceId,
     /// Nodes of the slave, by their places in the mesh, with the shape function of each at the point.
     pub slave: Vec<(usize, f64)>,
-    /// The same of the master.
+    /// Nodes of the master, by their indices in the mesh, with the shape function of each at the point opposite.
     pub master: Vec<(usize, f64)>,
 }
 
@@ -36,7 +36,7 @@ impl ContactPoint {
         largest.map_or(0, |(node, _)| *node)
     }
 
-    /// Across the sliding: `n x t`.
+    /// Direction across the sliding: `n x t`.
     #[must_use]
     pub fn across(&self) -> Vector3<f64> {
         self.normal.cross(&self.sliding)

@@ -16,7 +16,7 @@ const FAR_OUT: f64 = 20.0;
 pub(crate) struct Projection {
     /// Own coordinates.
     pub own: [f64; 2],
-    /// How far these are outside of the face.
+    /// Distance of these coordinates outside of the face; 0 inside and on its border.
     pub outside: f64,
     /// The point of the face.
     pub at: SurfacePoint,

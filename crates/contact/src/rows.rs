@@ -128,7 +128,7 @@ impl Interface {
         self.points().iter().enumerate().map(channel).collect()
     }
 
-    /// What a point is called: the node of the slave next to it, and its place among all points from 1.
+    /// Name of a point: the node of the slave next to it, and its number among all points from 1.
     #[must_use]
     pub fn name(&self, mesh: &Mesh, point: usize) -> String {
         let node = self.points().get(point).map_or(0, |point| mesh.labels()[point.node()]);

@@ -62,7 +62,7 @@ fn area(polygon: &[Vector2<f64>]) -> f64 {
     0.5 * polygon.iter().zip(next).map(|(a, b)| cross(*a, *b)).sum::<f64>()
 }
 
-/// What of a polygon is within a convex one (Sutherland and Hodgman).
+/// Intersection of a polygon with a convex one (Sutherland and Hodgman).
 fn clip(mut polygon: Polygon, within: &[Vector2<f64>]) -> Polygon {
     for (from, to) in within.iter().zip(within.iter().cycle().skip(1)) {
         let side = |p: &Vector2<f64>| cross(to - from, p - from);

@@ -1,4 +1,4 @@
-//! In which direction and how fast the master slides under the slave.
+//! Direction and speed in which the master slides under the slave.
 
 use elements::{Axis, Face, Mesh};
 use nalgebra::{Matrix2, Vector2, Vector3};
@@ -14,7 +14,7 @@ const NEAR: f64 = 1e-10;
 /// Velocity of the master under the slave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sliding {
-    /// One velocity, m/s.
+    /// A velocity that is the same everywhere, m/s.
     Along([f64; 3]),
     /// Turning about an axis with a speed in rad/s: `speed axis x (x - through)`.
     About {
@@ -75,7 +75,7 @@ impl Sliding {
     }
 }
 
-/// Where an axis goes through a face, the node of the face next to there.
+/// Node of a face next to where an axis goes through it, by its index in the face; `None` where the axis does not.
 fn pierced(axis: &Axis, face: &Face) -> Option<usize> {
     // The distance from the axis as two numbers.
     let first = axis.direction().cross(&Vector3::ith(axis.direction().iamin(), 1.0)).normalize();

@@ -1,4 +1,4 @@
-//! Whether a complementarity problem has one solution.
+//! Uniqueness of the solution of a complementarity problem.
 
 use std::fmt;
 
@@ -11,18 +11,18 @@ const MOST_ENUMERATED: usize = 14;
 /// An eigenvalue of this part of the norm is zero; chosen, above rounding.
 const ZERO: f64 = 1e-11;
 
-/// Whether the forces of an equilibrium are the only ones, and how this is known.
+/// Uniqueness of the forces of an equilibrium, and how it is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Uniqueness {
-    /// They are: the symmetric part of the matrix is positive definite, or it is symmetric and positive semi-definite.
+    /// Unique: the symmetric part of the matrix is positive definite, or it is symmetric and positive semi-definite.
     Definite,
-    /// They are: all 2^n principal minors are positive (a P-matrix).
+    /// Unique: all 2^n principal minors are positive (a P-matrix).
     PrincipalMinors,
-    /// They are, at these loads: of all 2^n states of open and closed contacts this alone is in balance.
+    /// Unique at these loads: of all 2^n states of open and closed contacts this alone is in balance.
     Enumerated,
-    /// They are not: so many states are in balance.
+    /// Not unique: so many states are in balance.
     Several(usize),
-    /// Neither is known: the symmetric part is indefinite, and there are too many contacts to look at all states.
+    /// Not decided: the symmetric part is indefinite, and there are too many contacts to look at all states, or none of them was found in balance.
     NotDecided,
 }
 
@@ -62,17 +62,17 @@ pub(crate) fn uniqueness(q: &DVector<f64>, m: &DMatrix<f64>) -> Uniqueness {
     }
 }
 
-/// Whether the problem has no solution, where all states can be looked at; `None` where they cannot.
+/// True if the problem has no solution, where all states can be looked at; `None` where they cannot.
 pub(crate) fn has_none(q: &DVector<f64>, m: &DMatrix<f64>) -> Option<bool> {
     (m.nrows() <= MOST_ENUMERATED).then(|| all_solutions(q, m).is_empty())
 }
 
-/// Whether the symmetric part is positive semi-definite, where a ray of Lemke's method means that there is no solution.
+/// True if the symmetric part is positive semi-definite, where a ray of Lemke's method means that there is no solution.
 pub(crate) fn is_monotone(m: &DMatrix<f64>) -> bool {
     is_above((m + m.transpose()) * 0.5, -ZERO)
 }
 
-/// Whether all eigenvalues of a symmetric matrix are above this part of its norm, by a Cholesky decomposition.
+/// True if all eigenvalues of a symmetric matrix are above this fraction of its norm, by a Cholesky decomposition.
 fn is_above(mut symmetric: DMatrix<f64>, part: f64) -> bool {
     let norm = symmetric.row_iter().map(|row| row.iter().map(|value| value.abs()).sum::<f64>()).fold(0.0, f64::max);
     (0..symmetric.nrows()).for_each(|at| symmetric[(at, at)] -= part * norm);
