@@ -27,7 +27,7 @@ impl<'a> Body<'a> {
         Ok(Self { mesh, elements, rows })
     }
 
-    /// Its volume.
+    /// Volume of the body, in cubic units of length.
     ///
     /// # Errors
     /// None, as it was checked.

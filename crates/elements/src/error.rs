@@ -15,31 +15,31 @@ pub enum ElementsError {
     Twice {
         /// `node` or `element`.
         what: &'static str,
-        /// Its number.
+        /// Number of the node or element.
         label: i64,
     },
     /// A node that is nowhere.
     #[error("node {node} is not at finite coordinates")]
     Position {
-        /// Its number.
+        /// Number of the node.
         node: i64,
     },
     /// An element with more or fewer nodes than its kind has.
     #[error("element {element} has {found} nodes; a {kind:?} has {expected}")]
     NodeCount {
-        /// Its number.
+        /// Number of the element.
         element: i64,
-        /// Its kind.
+        /// Kind of the element.
         kind: crate::Kind,
-        /// Its nodes.
+        /// Number of nodes that it has.
         found: usize,
-        /// Those of its kind.
+        /// Number of nodes that its kind has.
         expected: usize,
     },
     /// An element of a node that the mesh lacks.
     #[error("element {element} has node {node}, which the mesh lacks")]
     UnknownNode {
-        /// Its number.
+        /// Number of the element.
         element: i64,
         /// The number of the node.
         node: i64,
@@ -59,7 +59,7 @@ pub enum ElementsError {
         element: i64,
         /// The number of the face.
         face: usize,
-        /// How many it has.
+        /// Number of faces that it has.
         faces: usize,
     },
     /// An element that is turned inside out near one of its nodes.
@@ -67,7 +67,7 @@ pub enum ElementsError {
         "element {element} is inverted near its node {node}: its Jacobian has the determinant {determinant:e}, which must be > 0"
     )]
     Inverted {
-        /// Its number.
+        /// Number of the element.
         element: i64,
         /// The number of the node.
         node: i64,
@@ -77,7 +77,7 @@ pub enum ElementsError {
     /// An element without volume near one of its nodes.
     #[error("element {element} has no volume near its node {node}: its Jacobian has the determinant {determinant:e}")]
     NoVolume {
-        /// Its number.
+        /// Number of the element.
         element: i64,
         /// The number of the node.
         node: i64,
@@ -103,19 +103,19 @@ pub enum ElementsError {
     /// A number of a material that is none.
     #[error("{what} is {value}; allowed is {allowed}")]
     Material {
-        /// Which.
+        /// Name of the number.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
-        /// What it may be.
+        /// Values that are allowed, in words.
         allowed: &'static str,
     },
     /// Displacements that are not those of the nodes of the mesh.
     #[error("there are displacements of {found} nodes; the mesh has {expected}")]
     Displacements {
-        /// How many there are.
+        /// Number of displacements that there are.
         found: usize,
-        /// Nodes of the mesh.
+        /// Number of nodes of the mesh.
         expected: usize,
     },
     /// A degree of freedom beyond the last.
@@ -125,7 +125,7 @@ pub enum ElementsError {
         node: i64,
         /// The degree of freedom, from 0.
         row: usize,
-        /// How many there are.
+        /// Number of degrees of freedom.
         order: usize,
     },
 }

@@ -126,7 +126,7 @@ impl FaceKind {
         corners.iter().copied().chain(middles).collect()
     }
 
-    /// How far own coordinates are outside of the face, in own units: 0 inside and on its border.
+    /// Distance of own coordinates outside of the face, in own units: 0 inside and on its border.
     #[must_use]
     pub fn outside(self, [r, s]: [f64; 2]) -> f64 {
         let beyond = match self.corners() {

@@ -32,7 +32,7 @@ const HEXAHEDRON: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 
 impl Kind {
-    /// All kinds.
+    /// Kinds, all of them.
     pub const ALL: [Self; 6] =
         [Self::Tetrahedron4, Self::Tetrahedron10, Self::Wedge6, Self::Wedge15, Self::Hexahedron8, Self::Hexahedron20];
 
@@ -80,7 +80,7 @@ impl Kind {
         }
     }
 
-    /// Whether there are nodes in the middles of edges.
+    /// True if there are nodes in the middles of edges.
     #[must_use]
     pub fn is_quadratic(self) -> bool {
         self.nodes() > self.corners()

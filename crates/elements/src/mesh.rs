@@ -9,11 +9,11 @@ use crate::{ElementsError, Kind};
 /// Solid element of a mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Element {
-    /// Its number in the model.
+    /// Number of the element in the model.
     pub label: i64,
-    /// Its kind.
+    /// Kind of the element.
     pub kind: Kind,
-    /// Its nodes, by their places in the mesh from 0.
+    /// Nodes of the element, by their indices in the mesh from 0.
     pub nodes: Vec<usize>,
 }
 

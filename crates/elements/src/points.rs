@@ -15,7 +15,7 @@ pub(crate) struct Point {
     pub shape: Shape,
     /// `grad N_a` of each node.
     pub gradients: Vec<Vector3<f64>>,
-    /// Where it is.
+    /// Position of the point.
     pub position: Vector3<f64>,
     /// Weight of the rule times the determinant of the Jacobian: a volume.
     pub weight: f64,
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// One element at its own coordinates, moved by a function.
+    /// Mesh of one element at its own coordinates, moved by a function.
     pub(crate) fn one(kind: Kind, at: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
         let nodes: Vec<(i64, [f64; 3])> = (1..).zip(kind.places()).map(|(label, place)| (label, at(place))).collect();
         let labels = nodes.iter().map(|(label, _)| *label).collect();

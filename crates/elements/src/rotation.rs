@@ -1,4 +1,4 @@
-//! What turning adds to a body of revolution that is seen from axes that stand still.
+//! Matrices that turning adds to a body of revolution which is seen from axes that stand still.
 //!
 //! Displacements u(x, t) are those of the particle that is at x, by their components along fixed axes. The particles move through the mesh
 //! with `Omega axis x (x - through)`, so that the velocity of a displacement is `u' + Omega u_,theta`, its acceleration
@@ -38,7 +38,7 @@ impl Axis {
         unit.map(|unit| Self { direction: unit, through: through.into() }).ok_or(ElementsError::Axis { direction })
     }
 
-    /// Its direction, of length 1.
+    /// Direction of the axis, of length 1.
     #[must_use]
     pub fn direction(&self) -> Vector3<f64> {
         self.direction
@@ -51,7 +51,7 @@ impl Axis {
     }
 }
 
-/// What turning adds by the motion of particles through the mesh, for a speed of 1 rad/s.
+/// Matrices that turning adds by the motion of particles through the mesh, for a speed of 1 rad/s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transport {
     /// G, exactly skew: the part of `int rho N^T N_,theta` that is.

@@ -11,7 +11,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// At own coordinates of the kind.
+    /// Shape functions of a kind at own coordinates.
     pub(crate) fn new(kind: Kind, own: [f64; 3]) -> Self {
         let mut shape = Self { nodes: kind.nodes(), values: [0.0; MOST_NODES], derivatives: [[0.0; 3]; MOST_NODES] };
         match kind.corners() {
@@ -39,7 +39,7 @@ impl Shape {
         self.derivatives[node] = derivative;
     }
 
-    /// In barycentric coordinates L: corners `L (2 L - 1)`, edges `4 L_a L_b`; linear ones L.
+    /// Shape functions of a tetrahedron in barycentric coordinates L: corners `L (2 L - 1)`, edges `4 L_a L_b`; linear ones L.
     fn tetrahedron(&mut self, kind: Kind, [r, s, t]: [f64; 3]) {
         let of = [1.0 - r - s - t, r, s, t];
         let slope = [[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -19,20 +19,20 @@ pub struct FaceId {
 /// Face of an element with its nodes where they are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
-    /// Which one it is.
+    /// Element and number of the face.
     pub id: FaceId,
-    /// Its kind.
+    /// Kind of the face.
     pub kind: FaceKind,
-    /// Its nodes, by their places in the mesh: corners so that from outside they go around against the clock, then middles.
+    /// Nodes of the face, by their indices in the mesh: corners so that from outside they go around against the clock, then middles.
     pub nodes: Vec<usize>,
-    /// Where they are.
+    /// Positions of these nodes.
     pub positions: Vec<Vector3<f64>>,
 }
 
 /// Point on a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// Where it is.
+    /// Position of the point.
     pub position: Vector3<f64>,
     /// `dx/dr` and `dx/ds` by the own coordinates of the face.
     pub tangents: [Vector3<f64>; 2],
@@ -57,7 +57,7 @@ impl Face {
         SurfacePoint { position, tangents, area: tangents[0].cross(&tangents[1]), shape }
     }
 
-    /// Its area with its normal, `int n dA`; its length is the area where it is flat.
+    /// Area of the face with its normal, `int n dA`; its length is the area where it is flat.
     #[must_use]
     pub fn area(&self) -> Vector3<f64> {
         self.kind.rule().into_iter().map(|(own, weight)| self.at(own).area * weight).sum()
