@@ -18,7 +18,7 @@ const MOST_SWEEPS: usize = 20;
 /// A matrix similar to the one given.
 pub(super) struct Balanced<T> {
     pub(super) matrix: Planar<T>,
-    /// What errors of the given matrix that are as large as its columns amount to in this one, in units of their relative size.
+    /// Absolute error of this matrix per relative error of the columns of the given one.
     pub(super) columns: f64,
 }
 

@@ -1,4 +1,4 @@
-//! How far from an eigenvalue every point is one of some problem that rounds to the given matrices.
+//! Blur of an eigenvalue: the distance up to which every point is an eigenvalue of some problem that rounds to the given matrices.
 //!
 //! The certificate of a disc says that no problem within rounding has an eigenvalue on its circle. With unit null vector x
 //! and any w at right angles to it

@@ -1,4 +1,4 @@
-//! How right each eigenvalue is: backward error, condition number, bound, verdict.
+//! Certificates of eigenvalues: backward error, condition number, bound, verdict.
 
 use std::collections::HashSet;
 
@@ -17,7 +17,7 @@ use super::vectors::Factor;
 use super::verdict::{decide, gap};
 use crate::{CertifiedError, Counters, JudgedEigenvalue, Verdict};
 
-/// One finite eigenvalue and what is known about its error.
+/// Finite eigenvalue and what is known about its error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CertifiedEigenvalue {
     /// The eigenvalue, rad/s, improved where it could be.
@@ -29,10 +29,10 @@ pub struct CertifiedEigenvalue {
     /// change of lambda per relative change of the matrices. Infinite for lambda = 0; that of the null space for a
     /// semisimple multiple eigenvalue.
     pub condition: f64,
-    /// What |lambda - exact| does not exceed, rad/s, for the matrices as given and for any that differ from them by a rounding
+    /// Error bound, rad/s, that |lambda - exact| does not exceed, for the matrices as given and for any that differ from them by a rounding
     /// error: certified up to rounding, docs/error-bounds.md, sections 3 and 7. Infinite where nothing encloses lambda.
     pub bound: f64,
-    /// Whether the motion grows.
+    /// Verdict: whether the motion grows.
     pub verdict: Verdict,
     /// phi, length n (+ s internal states), unit 2-norm.
     pub right: DVector<Complex<f64>>,
@@ -43,7 +43,7 @@ pub struct CertifiedEigenvalue {
 /// The certificates of a spectrum, and which of its eigenvalues belong together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certified {
-    /// One for each finite eigenvalue, in the order of the spectrum.
+    /// Certified eigenvalues, one for each finite eigenvalue, in the order of the spectrum.
     pub eigenvalues: Vec<CertifiedEigenvalue>,
     /// Multiple eigenvalues, defective and nearly defective groups; of conjugate groups both are listed.
     pub clusters: Vec<Cluster>,
@@ -107,7 +107,7 @@ pub struct SingleCertifier<'a> {
 }
 
 impl<'a> SingleCertifier<'a> {
-    /// Of the eigenvalues of this system.
+    /// A certifier of the eigenvalues of this system.
     #[must_use]
     pub fn new(system: &'a SecondOrder) -> Self {
         Self { system, problem: Measure::new(&extend(system)) }
@@ -160,7 +160,7 @@ fn look(
     Ok(State { alone, hidden, ..state })
 }
 
-/// How many directions Q is as good as zero in, 2 where their number is not clear. Pivots tell, but count those of a single long chain
+/// Number of directions in which Q is as good as zero, 2 where it is not clear. Pivots tell, but count those of a single long chain
 /// too: vectors bear them out, as many as groups are tried one after the other.
 fn hidden(factor: &Factor, noise: f64) -> usize {
     let pivots = factor.pivots_up_to(noise);

@@ -22,7 +22,7 @@ impl<T: Lane> Chase<T> for Planar<T> {
         self.set(k, k - 1, T::default());
     }
 
-    /// What a reflection of rows does to columns that the next [`CHUNK`] reflections of columns leave alone waits until
+    /// Chases the bulge. What a reflection of rows does to columns that the next [`CHUNK`] reflections of columns leave alone waits until
     /// these are through.
     fn chase(&mut self, Place { first, start, last }: Place, mut v: [T; 3]) {
         let end = last + 1;
@@ -63,7 +63,7 @@ mod tests {
     use crate::sort;
     use nalgebra::DMatrix;
 
-    /// By registers a matrix has the eigenvalues that it has column by column: through several chunks, and with two small
+    /// A matrix has the eigenvalues by registers that it has column by column: through several chunks, and with two small
     /// subdiagonal entries in the middle, between which a bulge starts.
     #[test]
     fn registers_chase_as_columns_do() {

@@ -18,14 +18,14 @@ const NEARLY_DEFECTIVE_GAP: f64 = 1e-3;
 /// Squared cosine between right vectors from which a pair is called nearly defective: 1.8 degrees. A convention too.
 const NEARLY_DEFECTIVE_COSINE: f64 = 0.999;
 
-/// What kind of neighbours the eigenvalues of a cluster are.
+/// Kind of a cluster: what kind of neighbours its eigenvalues are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ClusterKind {
-    /// As many independent vectors as eigenvalues: harmless, each is as well conditioned as a simple one.
+    /// Multiple eigenvalue with as many independent vectors as eigenvalues: harmless, each is as well conditioned as a simple one.
     Semisimple,
-    /// Fewer vectors than eigenvalues, to working precision: each moves as a root of a perturbation.
+    /// Multiple eigenvalue with fewer vectors than eigenvalues, to working precision: each moves as a root of a perturbation.
     Defective,
-    /// Told apart, but with nearly parallel vectors: near an exceptional point.
+    /// Eigenvalues that are told apart, but with nearly parallel vectors: near an exceptional point.
     NearlyDefective,
 }
 
@@ -34,11 +34,11 @@ pub enum ClusterKind {
 pub struct Cluster {
     /// Positions in the list of eigenvalues.
     pub members: Vec<usize>,
-    /// Their mean, rad/s: well conditioned even where they are not.
+    /// Mean of the members, rad/s: well conditioned even where they are not.
     pub mean: Complex<f64>,
     /// Largest distance of a member from the mean, rad/s.
     pub spread: f64,
-    /// What they are.
+    /// Kind of the cluster.
     pub kind: ClusterKind,
 }
 
@@ -55,7 +55,7 @@ pub(super) const MOST_EXPANSIONS: usize = 6;
 /// A group is tried where the next eigenvalue is this many times as far from its mean as its own farthest member: on a circle
 /// between them the group's own power of the distance is to outweigh the other terms of its series. Chosen.
 const CLEARANCE: f64 = 1.5;
-/// How far outside its farthest member the smallest circle around a group is tried. Chosen.
+/// Ratio of the radius of the smallest circle that is tried around a group to the distance of its farthest member. Chosen.
 const MARGIN: f64 = 1.05;
 
 /// Eigenvalues that are enclosed together.
@@ -149,7 +149,7 @@ pub(super) fn enclose(
     None
 }
 
-/// Of a disc that the next eigenvalue is so far outside of; one larger than its centre and than gamma says nothing.
+/// Radius of the largest disc, where the next eigenvalue is so far from its centre; one larger than its centre and than gamma says nothing.
 fn largest_radius(centre: Complex<f64>, next: f64) -> f64 {
     (next / MARGIN).min(centre.norm().max(1.0))
 }
@@ -163,7 +163,7 @@ pub(super) fn nearly_defective((a, x): (Complex<f64>, &Vector), (b, y): (Complex
 pub(super) struct Semisimple {
     pub(super) right: Vec<Vector>,
     pub(super) left: Vec<Vector>,
-    /// One for each member, rounded once; none where they would break conjugate pairs.
+    /// Eigenvalues, one for each member, rounded once; none where they would break conjugate pairs.
     pub(super) sigmas: Option<Vec<Complex<f64>>>,
 }
 

@@ -1,4 +1,4 @@
-//! What was computed.
+//! Counters of what was computed.
 
 /// Counts what was computed, so that a test can pin the price of it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

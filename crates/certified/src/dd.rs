@@ -24,7 +24,7 @@ fn two_sum(a: f64, b: f64) -> Dd {
     Dd { hi, lo: (a - (hi - b_part)) + (b - b_part) }
 }
 
-/// As [`two_sum`] where |a| >= |b| or a = 0.
+/// The sum of two doubles, exactly, as by [`two_sum`] where |a| >= |b| or a = 0.
 fn fast_two_sum(a: f64, b: f64) -> Dd {
     let hi = a + b;
     Dd { hi, lo: b - (hi - a) }

@@ -60,7 +60,7 @@ pub fn gershgorin_radius(column: f64, diagonal: f64, drift: f64) -> f64 {
     ((column - diagonal).max(0.0) + drift * diagonal) / (1.0 - drift)
 }
 
-/// Whether f and g with the ratio `f / g` at a point of a curve keep `|f - g| <= part (|f| + |g|)` there.
+/// True if f and g with the ratio `f / g` at a point of a curve keep `|f - g| <= part (|f| + |g|)` there.
 ///
 /// Where this holds with a part below 1 along a closed curve, f and g have as many zeros inside (Rouché's theorem in the form of
 /// Estermann 1962 and Glicksberg, Amer. Math. Monthly 83, 1976). A curve that is looked at in some points alone asks for less than 1.
@@ -69,7 +69,7 @@ pub fn symmetric_rouche(ratio: Complex<f64>, part: f64) -> bool {
     (ratio - 1.0).norm() <= part * (ratio.norm() + 1.0)
 }
 
-/// Whether `det S(d)` has q zeros with `|d| < radius`, those of `det (d S_1)`, for every q x q S that differs there from
+/// True if `det S(d)` has q zeros with `|d| < radius`, those of `det (d S_1)`, for every q x q S that differs there from
 /// `S_0 + d S_1 + d^2 S_2 + ...` by `error` at most.
 ///
 /// So it is where `|S_1^-1 (S(d) - d S_1)| < |d|` on the circle (Rouché's theorem for matrices: Gohberg and Sigal, Math. USSR Sb. 13,
@@ -82,7 +82,7 @@ pub fn block_rouche(series: &[DMatrix<Complex<f64>>], radius: f64, error: f64) -
     others + inverse.norm() * error < radius
 }
 
-/// Whether `det S(d)` has `count` zeros with `|d| < radius`, for every q x q S that differs there from `S_0 + d S_1 + ...` by `error`
+/// True if `det S(d)` has `count` zeros with `|d| < radius`, for every q x q S that differs there from `S_0 + d S_1 + ...` by `error`
 /// at most: the coefficient of `d^count` in the determinant of the series outweighs the others and what the error changes.
 ///
 /// For a scalar S and no error this is Pellet's theorem (Bull. Sci. Math. 5, 1881). A determinant of q rows of length s changes by

@@ -46,7 +46,7 @@ pub enum CertifiedError {
                 one, which has no spectrum" }
     )]
     SingularPencil {
-        /// Whether the given matrices are singular; otherwise a perturbation of them of the size of a rounding error is.
+        /// True if the given matrices are singular; otherwise a perturbation of them of the size of a rounding error is.
         exactly: bool,
     },
     /// Inverse iteration found no vector with a small residual: `lambda` is not an eigenvalue.

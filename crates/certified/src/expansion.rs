@@ -41,14 +41,14 @@ pub(super) struct Disc {
     pub(super) radius: f64,
 }
 
-/// Whether an eigenvalue was enclosed by itself.
+/// Outcome of the attempt to enclose an eigenvalue by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Alone {
-    /// In this disc.
+    /// An eigenvalue that is alone in this disc.
     Enclosed(Disc),
-    /// Not yet, or not by these vectors.
+    /// An eigenvalue that is not enclosed yet, or not by these vectors.
     Open,
-    /// It cannot be: rounding hides more directions than its own.
+    /// An eigenvalue that cannot be enclosed alone: rounding hides more directions than its own.
     Crowded,
 }
 
@@ -88,7 +88,7 @@ pub(super) struct Expansion<'a> {
     sizes: Vec<f64>,
     /// Norms of V Q', V M and V.
     outer: [f64; 3],
-    /// What the solve for S_0 left of its equation.
+    /// Residual that the solve for S_0 left of its equation.
     residual: f64,
 }
 
@@ -168,7 +168,7 @@ impl<'a> Expansion<'a> {
         Self { problem, centre, count, right, left, inverse, series: series_of, sizes, outer, residual }
     }
 
-    /// Whether there are as many vectors as eigenvalues.
+    /// True if there are as many vectors as eigenvalues.
     pub(super) fn is_semisimple(&self) -> bool {
         self.right.len() == self.count
     }
@@ -184,14 +184,14 @@ impl<'a> Expansion<'a> {
         by_norms(self.problem.order(), [&e_slope, &e_mass, &e], |inner| self.disc_by(inner, least, most))
     }
 
-    /// Whether |E| alone, as one vector shows it, leaves no disc.
+    /// True if |E| alone, as one vector shows it, leaves no disc.
     pub(super) fn is_crowded(&self) -> bool {
         let e = |g| (self.inverse)(g).0;
         let noise = data_noise(self.problem, self.centre.norm());
         SURELY_SHOWN * shown_norm(self.problem.order(), 1, &e) * noise >= 0.5
     }
 
-    /// By norms of E Q', E M and E.
+    /// The smallest disc that is found with these norms of E Q', E M and E, with a radius between `least` and `most`.
     fn disc_by(&self, inner: [f64; 3], least: f64, most: f64) -> Option<Disc> {
         let mut radius = least.max(UNIT_ROUNDOFF * self.centre.norm().max(UNIT_ROUNDOFF));
         while radius <= most {
@@ -214,7 +214,7 @@ impl<'a> Expansion<'a> {
         None
     }
 
-    /// By how much S of a perturbed problem may differ from the polynomial on the circle; none where E P may reach 1.
+    /// Error bound: how much S of a perturbed problem may differ from the polynomial on the circle; none where E P may reach 1.
     fn error(&self, radius: f64, contraction: f64, e: f64) -> Option<f64> {
         let [v_slope, v_mass, v] = self.outer;
         let last = self.sizes.len() - 1;

@@ -112,7 +112,7 @@ struct Turned<T> {
 }
 
 impl Turned<Dd> {
-    /// All directions count as strongly damped where M is singular.
+    /// The problem with its strongly damped directions first. They are all directions where M is singular.
     fn new(s: &Scaled, mass_is_regular: bool) -> Self {
         let n = s.order();
         let [mut m, mut c, mut k] = [&s.m, &s.c, &s.k].map(Planar::<Dd>::from);
@@ -238,7 +238,7 @@ mod tests {
         assert_eq!(found.eigenvalues.len() + found.infinite, 8);
     }
 
-    /// Each of the eigenvalues of QZ, which inverts nothing and splits nothing, is found, and no others.
+    /// Checks that each of the eigenvalues of QZ, which inverts nothing and splits nothing, is found, and no others.
     fn compare_with_qz(problem: &Scaled, structure: &Structure) -> Result<(), TestCaseError> {
         let found = eigenvalues(problem, structure);
         // A motion that neither springs nor dashpots hold back has no digits to spare.
@@ -261,7 +261,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { max_global_rejects: 5, ..ProptestConfig::with_cases(96) })]
 
-        /// All directions, or some of them, damped so that fast and slow eigenvalues are eight to twenty-six powers of ten apart:
+        /// Damping of all directions, or of some of them, so strong that fast and slow eigenvalues are eight to twenty-six powers of ten apart:
         /// dashpots from some degrees of freedom to the ground, and from combinations of all.
         #[test]
         fn strongly_damped_problems_have_the_eigenvalues_of_qz(
@@ -286,7 +286,7 @@ mod tests {
             compare_with_qz(&scaled(definite(0), damping, stiffness), &Structure { infinite: vec![], zero: vec![] })?;
         }
 
-        /// All directions damped, some without mass and some, others or the same, without stiffness.
+        /// Damping of all directions, some without mass and some, others or the same, without stiffness.
         #[test]
         fn strong_damping_without_mass_or_stiffness_has_the_eigenvalues_of_qz(
             entries in prop::collection::vec(-1.0..1.0f64, 3 * 49),

@@ -31,7 +31,7 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// From 72 entries of Q and Z, between -1 and 1, and the angle of the complex pair.
+    /// Known eigenvalues from 72 entries of Q and Z, between -1 and 1, and the angle of the complex pair.
     pub(super) fn new(entries: &[f64], angle: f64) -> Self {
         let q = DMatrix::from_column_slice(6, 6, &entries[..36]) + DMatrix::identity(6, 6) * 5.0;
         let z = DMatrix::from_column_slice(6, 6, &entries[36..]) + DMatrix::identity(6, 6) * 5.0;

@@ -35,7 +35,7 @@ pub(crate) trait Chase<T: Real> {
     fn chase(&mut self, place: Place, bulge: [T; 3]);
 }
 
-/// Where a step takes place: the active block's first row, the one in which the bulge starts, and the block's last.
+/// Place of a step: the active block's first row, the one in which the bulge starts, and the block's last.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     pub(crate) first: usize,
@@ -43,14 +43,14 @@ pub(crate) struct Place {
     pub(crate) last: usize,
 }
 
-/// All eigenvalues of a square matrix, or `None` if one does not converge within `cap` steps or an entry is not finite.
+/// Eigenvalues of a square matrix, all of them, or `None` if one does not converge within `cap` steps or an entry is not finite.
 #[must_use]
 pub fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Complex<f64>>> {
     let h = if matrix.nrows() > 2 { Hessenberg::new(matrix).unpack_h() } else { matrix };
     of_hessenberg(h, cap)
 }
 
-/// The same of a matrix that is upper Hessenberg.
+/// Eigenvalues of a matrix that is upper Hessenberg, all of them, or `None` if one does not converge within `cap` steps or an entry is not finite.
 pub(crate) fn of_hessenberg<T: Real>(mut h: impl Chase<T>, cap: usize) -> Option<Vec<Complex<f64>>> {
     let n = h.size();
     if (0..n).any(|j| (0..n).any(|i| !h.at(i, j).value().is_finite())) {
@@ -177,7 +177,7 @@ fn bulge_start<T: Real>(h: &impl Chase<T>, first: usize, last: usize, shifts: [N
     }
 }
 
-/// Whether a bulge might start at m, by its last entry alone and what its first one cannot exceed: in doubles, since hardly
+/// True if a bulge might start at m, by its last entry alone and what its first one cannot exceed: in doubles, since hardly
 /// any row passes.
 fn may_start<T: Real>(h: &impl Chase<T>, m: usize, shifts: [Number<T>; 2]) -> bool {
     let size = |i, j| h.at(i, j).value().abs();
@@ -225,7 +225,7 @@ impl Chase<f64> for DMatrix<f64> {
     }
 }
 
-/// In wide vector registers where there are any; the bits are the same everywhere.
+/// Chase column by column, in wide vector registers where there are any; the bits are the same everywhere.
 struct ChaseByColumns<'a> {
     h: &'a mut DMatrix<f64>,
     place: Place,

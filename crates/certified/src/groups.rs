@@ -1,4 +1,4 @@
-//! Which eigenvalues of a spectrum belong together, and discs around them.
+//! Groups of eigenvalues of a spectrum that belong together, and discs around them.
 
 use std::collections::HashSet;
 

@@ -1,10 +1,10 @@
-//! Whether the motion of one eigenvalue grows.
+//! Verdict on one eigenvalue: whether its motion grows.
 
 use std::fmt;
 
 use num_complex::Complex;
 
-/// Whether a motion grows, as far as the error bound of its eigenvalue tells.
+/// Verdict on a motion: whether it grows, as far as the error bound of its eigenvalue tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub enum Verdict {
@@ -49,14 +49,14 @@ impl Verdict {
     }
 }
 
-/// One eigenvalue, what its error is at most, and whether its motion grows.
+/// Eigenvalue with its error bound and the verdict on its motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JudgedEigenvalue {
     /// The eigenvalue, rad/s; of a conjugate pair the one with Im lambda > 0.
     pub lambda: Complex<f64>,
-    /// What |lambda - exact| does not exceed, rad/s, certified up to rounding; infinite where nothing encloses it.
+    /// Error bound, rad/s, that |lambda - exact| does not exceed, certified up to rounding; infinite where nothing encloses it.
     pub bound: f64,
-    /// Whether its motion grows.
+    /// Verdict: whether the motion grows.
     pub verdict: Verdict,
 }
 

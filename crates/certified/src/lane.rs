@@ -147,7 +147,7 @@ impl Lane for Dd {
         let error = product_error(o, a[0], b[0], product);
         fast_two_sum(o, product, o.fma(a[1], b[0], o.fma(a[0], b[1], error)))
     }
-    /// One renormalisation for both operations; wrong by some 2^-104 of |c| + |a b|, as [`plus`](Lane::plus).
+    /// `c + a b` with one renormalisation for both operations; wrong by some 2^-104 of |c| + |a b|, as [`plus`](Lane::plus).
     #[inline(always)]
     fn plus_times<S: Simd>(o: Ops<S>, c: [S::f64s; 2], a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
         let product = o.mul(a[0], b[0]);

@@ -28,7 +28,7 @@ pub type Vector = DVector<Complex<f64>>;
 pub struct Lu {
     /// Real and imaginary parts apart: products of real matrices are the fast ones.
     parts: [DMatrix<f64>; 2],
-    /// Whether the imaginary part is zero, so that it is left alone: of a real sigma, a quarter of the work.
+    /// True if the imaginary part is zero, so that it is left alone: of a real sigma, a quarter of the work.
     is_real: bool,
     /// Row swapped with row k at step k.
     swaps: Vec<usize>,
@@ -50,7 +50,7 @@ impl Lu {
         lu
     }
 
-    /// These columns, of which those to the left are done with: the left half, what it changes in the right half, and the
+    /// Factorises these columns, of which those to the left are done with: the left half, what it changes in the right half, and the
     /// right half (Toledo, SIAM J. Matrix Anal. Appl. 18, 1997). Nearly all of the work is in products of matrices.
     fn factorise(&mut self, columns: Range<usize>, least: f64) {
         if columns.len() <= FEW {
@@ -66,7 +66,7 @@ impl Lu {
         self.swap_rows(middle..end, start..middle);
     }
 
-    /// How many pivots are no larger than `limit`: as many directions are nearly in the null space.
+    /// Number of pivots that are no larger than `limit`: as many directions are nearly in the null space.
     pub(crate) fn pivots_up_to(&self, limit: f64) -> usize {
         let [re, im] = &self.parts;
         re.diagonal().iter().zip(im.diagonal().iter()).filter(|(re, im)| re.hypot(**im) <= limit).count()

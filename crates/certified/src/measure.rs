@@ -20,28 +20,28 @@ pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
 /// A refined eigenvalue is known to this part of what rounded data move it by, or better.
 const REFINED_PART: f64 = 1e-6;
 
-/// What is known of one eigenvalue in the course of it, in scaled quantities.
+/// State of one eigenvalue in the course of its certification, in scaled quantities.
 #[derive(Debug, Clone)]
 pub(super) struct State {
     pub(super) sigma: Complex<f64>,
     pub(super) x: Vector,
     pub(super) y: Vector,
-    /// Of the matrices as given.
+    /// Backward error for the matrices as given.
     pub(super) backward_error: f64,
     pub(super) condition: f64,
-    /// Of the scaled matrices.
+    /// Backward error for the scaled matrices.
     pub(super) scaled_error: f64,
     pub(super) scaled_condition: f64,
     /// |sigma - exact| estimated, in the scaled problem.
     pub(super) bound: f64,
     pub(super) verdict: Verdict,
-    /// Whether the first-order bound holds: section 3 of docs/error-bounds.md.
+    /// True if the first-order bound holds: section 3 of docs/error-bounds.md.
     pub(super) is_simple: bool,
-    /// How many directions rounding hides, if more than its own, where it cannot be enclosed alone.
+    /// Number of directions that rounding hides, if more than its own, where it cannot be enclosed alone.
     pub(super) hidden: usize,
-    /// No circle that any disc may have passes nearer, sought where the first-order bound does not hold.
+    /// Distance nearer than which no circle of any disc passes, sought where the first-order bound does not hold.
     pub(super) blur: f64,
-    /// Whether a disc holds it alone, sought where the first-order bound does not.
+    /// Outcome of the attempt to hold it alone in a disc, sought where the first-order bound does not hold.
     pub(super) alone: Alone,
 }
 
@@ -60,12 +60,12 @@ impl State {
         FIRST_ORDER_SAFETY * self.shift()
     }
 
-    /// How far sigma may move, to first order, for its own backward error or that of rounded data.
+    /// Distance that sigma may move, to first order, for its own backward error or that of rounded data.
     pub(super) fn shift(&self) -> f64 {
         self.scaled_condition * self.scaled_error.max(UNIT_ROUNDOFF) * self.sigma.norm()
     }
 
-    /// The same for rounded data alone.
+    /// Distance that sigma may move, to first order, for rounded data alone.
     pub(super) fn data_shift(&self) -> f64 {
         self.scaled_condition * UNIT_ROUNDOFF * self.sigma.norm()
     }
@@ -75,7 +75,7 @@ impl State {
 #[derive(Debug)]
 pub(super) struct Measure {
     pub(super) scaled: Scaled,
-    /// Of the matrices as given but for the units of time and of the whole, so that no power of lambda overflows.
+    /// Norms of the matrices as given but for the units of time and of the whole, so that no power of lambda overflows.
     given: Norms,
     /// Weights of left and right vectors, the largest one 1.
     left: Vector,
@@ -94,7 +94,7 @@ impl Measure {
         Self { scaled, given, left, right }
     }
 
-    /// What scaled right and left vectors are multiplied by, entry by entry, to be those of the problem as given.
+    /// Weights by which scaled right and left vectors are multiplied, entry by entry, to be those of the problem as given.
     pub(super) fn weights(&self) -> (&Vector, &Vector) {
         (&self.right, &self.left)
     }
@@ -147,7 +147,7 @@ impl Measure {
         Ok((state, factor))
     }
 
-    /// Whether the first-order bound of an eigenvalue holds; `factor` is Q next to it.
+    /// True if the first-order bound of an eigenvalue holds; `factor` is Q next to it.
     pub(super) fn is_simple(&self, state: &State, factor: &Factor<'_>, gap: f64) -> bool {
         let solve = |g| factor.deflated_solve(&state.x, &state.y, g);
         let couplings = [
@@ -162,7 +162,7 @@ impl Measure {
             .is_some()
     }
 
-    /// Whether exactly one eigenvalue, of every problem as near as the bound says, is within the first-order bound r.
+    /// True if exactly one eigenvalue, of every problem as near as the bound says, is within the first-order bound r.
     ///
     /// With unit null vectors x and y and D for Q between their complements, Q(z) is singular at z = sigma + d only where
     /// `y^H Q x + d y^H Q' x + d^2 y^H M x - b^H D^-1 c = 0`; |b| is at most `r |y^H Q'| + r^2 |M| + eps s`, |c| likewise with

@@ -62,12 +62,12 @@ impl<T: Lane> Pencil<T> {
         self
     }
 
-    /// How nearly singular A and B are: their last pivots in units of the norms they started from.
+    /// Last pivots of A and B in units of the norms they started from: how nearly singular they are.
     pub(crate) fn depths(&self) -> (f64, f64) {
         (last_pivot(&self.a) / self.norms.0, last_pivot(&self.b) / self.norms.1)
     }
 
-    /// Its eigenvalues by the QZ iteration, on the reversed pencil where that is asked for: A should be better conditioned
+    /// Eigenvalues of the pencil by the QZ iteration, on the reversed pencil where that is asked for: A should be better conditioned
     /// than B then.
     ///
     /// All of them are finite and not zero; an infinite or zero one is a rounding error, replaced by one of its size.
@@ -78,7 +78,7 @@ impl<T: Lane> Pencil<T> {
         Ok(qz::eigenvalues(self.b, self.a)?.into_iter().map(reciprocal::<T>).collect())
     }
 
-    /// The same by the QR iteration on B^-1 A, or A^-1 B of the reversed pencil; none where that would cost digits.
+    /// Eigenvalues of the pencil by the QR iteration on B^-1 A, or A^-1 B of the reversed pencil; none where that would cost digits.
     pub(crate) fn standard_eigenvalues(&self, reversed: bool) -> Option<Vec<Complex<f64>>> {
         if !reversed {
             return standard::eigenvalues(&self.a, &self.b);
@@ -88,7 +88,7 @@ impl<T: Lane> Pencil<T> {
     }
 }
 
-/// How nearly singular K and M are: their last pivots in units of their norms.
+/// Last pivots of K and M in units of their norms: how nearly singular they are.
 pub(crate) fn depths_of_quadratic(s: &Scaled) -> (f64, f64) {
     let depth = |a: &DMatrix<f64>, norm: f64| last_pivot(&Planar::<f64>::from(a)) / norm;
     (depth(&s.k, s.norms.k), depth(&s.m, s.norms.m))

@@ -165,7 +165,7 @@ impl<T: Lane> Planar<T> {
 /// entry of that vector that is not zero.
 #[derive(Debug)]
 pub(crate) struct Reflector<T> {
-    /// In planes, as a column of [`Planar`].
+    /// Vector w in planes, as a column of [`Planar`].
     w: Vec<f64>,
     beta: T,
 }

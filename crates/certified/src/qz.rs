@@ -142,7 +142,7 @@ impl<T: Lane> HessenbergTriangular<T> {
         ]
     }
 
-    /// One implicit double shift on the unreduced block `start..end`.
+    /// Makes an implicit double shift on the unreduced block `start..end`.
     ///
     /// What a reflection of rows does to columns that the next [`CHUNK`] reflections of columns leave alone waits until
     /// these are through.

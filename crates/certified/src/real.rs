@@ -23,7 +23,7 @@ pub(crate) trait Real:
     const PLANES: usize;
     /// The number whose parts are `parts[0]` and, if it has two, `parts[stride]`.
     fn assembled(parts: &[f64], stride: usize) -> Self;
-    /// Its parts written to where [`assembled`](Self::assembled) finds them.
+    /// Writes the parts of the number to where [`assembled`](Self::assembled) finds them.
     fn disassembled(self, parts: &mut [f64], stride: usize);
     /// Rounded to a double.
     fn value(self) -> f64;

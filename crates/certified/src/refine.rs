@@ -31,7 +31,7 @@ pub(crate) struct Refined {
     /// sigma, its real part correct on its own scale and not on that of |sigma|.
     pub(crate) sigma: Complex<f64>,
     pub(crate) x: Vector,
-    /// What the last steps leave possible, as |sigma - exact|, before sigma is rounded to a double.
+    /// Error |sigma - exact| that the last steps leave possible, before sigma is rounded to a double.
     pub(crate) left: f64,
 }
 

@@ -42,7 +42,7 @@ pub(crate) struct Scaled {
     pub(crate) norms: Norms,
 }
 
-/// What rounding the data changes Q(sigma) by, |sigma| = `size`, and what is allowed for computing it.
+/// Noise of Q(sigma), |sigma| = `size`: what rounding the data changes it by, and what is allowed for computing it.
 pub(super) fn data_noise(problem: &Scaled, size: f64) -> f64 {
     FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * problem.norms.size(size)
 }
@@ -132,7 +132,7 @@ impl Scaled {
         re.zip_map(&im, Complex::new)
     }
 
-    /// Its real and its imaginary part.
+    /// Real and imaginary part of Q(sigma).
     pub(crate) fn polynomial_parts(&self, sigma: Complex<f64>) -> [DMatrix<f64>; 2] {
         let square = sigma * sigma;
         [
@@ -209,7 +209,7 @@ fn time_scale(m: f64, c: f64, k: f64) -> f64 {
     }
 }
 
-/// How many maxima are found side by side.
+/// Number of maxima that are found side by side.
 const MAXIMA: usize = 8;
 
 /// The greater one of two numbers that are no NaN, in one instruction.

@@ -1,4 +1,4 @@
-//! All eigenvalues, by the route that the matrices allow.
+//! Eigenvalues, all of them, by the route that the matrices allow.
 
 use std::cell::LazyCell;
 use std::fmt;
@@ -28,7 +28,7 @@ const LEAST_PIVOT_IN_DOUBLE: f64 = 1e-6;
 /// QR steps allowed per eigenvalue before QZ takes over; a healthy matrix takes 2 to 4.
 const QR_STEPS_BEFORE_QZ: usize = 60;
 
-/// How the eigenvalues were found.
+/// Route by which the eigenvalues were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Route {
@@ -71,20 +71,20 @@ pub struct GeneralSpectrum {
     /// The finite eigenvalues, rad/s, in the order of [`sort`]; complex ones in exact conjugate pairs, exact zeros
     /// among them.
     pub eigenvalues: Vec<Complex<f64>>,
-    /// How many of them are exactly zero.
+    /// Number of exact zeros among the eigenvalues.
     pub zeros: usize,
     /// Number of infinite eigenvalues: with the finite ones they make 2 n.
     pub infinite: usize,
     /// gamma, rad/s, the unit in which the problem was solved (Fan, Lin, Van Dooren).
     pub scale: f64,
-    /// How they were found.
+    /// Route by which they were found.
     pub route: Route,
 }
 
 /// Magnitudes of the largest entry of a matrix for which sums of its entries, scaled, are normal doubles with a margin of 1e7.
 const LARGEST_ENTRIES: std::ops::RangeInclusive<f64> = 1e-300..=1e300;
 
-/// All eigenvalues of `lambda^2 M + lambda C + K`, with internal states if the system has some.
+/// Spectrum of `lambda^2 M + lambda C + K`, all of its eigenvalues, with internal states if the system has some.
 ///
 /// # Errors
 /// A malformed system; [`CertifiedError::Units`] where entries leave the range of a double; [`CertifiedError::SingularPencil`] where every lambda is

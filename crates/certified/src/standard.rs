@@ -41,7 +41,7 @@ fn of_quotient<T: Lane>(state: Planar<T>, error: f64) -> Option<Vec<Complex<f64>
     iterate(matrix, error)
 }
 
-/// The same of a regular quadratic problem, by the inverse of M or, reversed, by that of K: a quotient of n rows in place of one of 2 n.
+/// Eigenvalues of a regular quadratic problem, by the inverse of M or, reversed, by that of K: a quotient of n rows in place of one of 2 n.
 /// With d as in [`Pencil`](super::pencil::Pencil) the reciprocals are those of `[0, I / d; -d K^-1 M, -K^-1 C]`.
 pub(super) fn of_quadratic(s: &Scaled, reversed: bool) -> Option<Vec<Complex<f64>>> {
     let (n, d) = (s.order(), Dd::from(s.grading()));
@@ -96,7 +96,7 @@ pub(super) fn of_matrix<T: Lane>(matrix: Planar<T>, error: f64) -> Option<Vec<Co
     iterate(balanced(matrix).matrix, error)
 }
 
-/// The same of a matrix with this absolute error.
+/// Eigenvalues of a matrix with this absolute error; none where an eigenvalue is too small beside it, or the iteration fails.
 fn iterate<T: Lane>(mut matrix: Planar<T>, error: f64) -> Option<Vec<Complex<f64>>> {
     reduce_to_hessenberg(&mut matrix);
     let found = francis::of_hessenberg(matrix, MOST_QR_STEPS)?;

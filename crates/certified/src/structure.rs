@@ -1,4 +1,4 @@
-//! How many eigenvalues are exactly infinite or exactly zero, and in which Jordan chains.
+//! Structure of a pencil: how many eigenvalues are exactly infinite or exactly zero, and in which Jordan chains.
 //!
 //! No tolerance decides a rank here. The matrices are mapped to a prime field without rounding (see `field`), and
 //! the pencil is reduced there: each step takes the null space of the leading matrix out, as the staircase algorithm
@@ -15,9 +15,9 @@ use crate::CertifiedError;
 /// Dimensions of the null spaces that come off one after another: Jordan chains of length 1 or more, 2 or more, ...
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Structure {
-    /// At infinity.
+    /// Dimensions for the eigenvalue at infinity.
     pub(crate) infinite: Vec<usize>,
-    /// At zero.
+    /// Dimensions for the eigenvalue zero.
     pub(crate) zero: Vec<usize>,
 }
 

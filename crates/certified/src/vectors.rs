@@ -1,4 +1,4 @@
-//! One factorisation of the scaled Q(sigma) near an eigenvalue, and the null vectors it gives from both sides.
+//! Factorisation of the scaled Q(sigma) near an eigenvalue, and the null vectors it gives from both sides.
 
 use nalgebra::DVector;
 use num_complex::Complex;
@@ -52,12 +52,12 @@ impl<'a> Factor<'a> {
         Some((x, y))
     }
 
-    /// How many pivots are no larger than `limit`.
+    /// Number of pivots that are no larger than `limit`.
     pub(crate) fn pivots_up_to(&self, limit: f64) -> usize {
         self.lu.pivots_up_to(limit)
     }
 
-    /// Whether Q(sigma) leaves no more than `limit` of so many orthonormal vectors.
+    /// True if Q(sigma) leaves no more than `limit` of so many orthonormal vectors.
     pub(crate) fn hides(&self, count: usize, limit: f64) -> bool {
         let mut x: Vec<_> = (0..count).map(|v| self.start(v)).collect();
         x.iter_mut().for_each(|v| self.lu.solve(v));
@@ -104,11 +104,11 @@ impl<'a> Factor<'a> {
 /// be more with a chance of at most 4e-6, and that only if a single vector has it all. Few vectors are cheap, many tell more:
 /// the next line is for where the one before leaves a doubt.
 const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
-/// What a vector shows times this is no more than the norm but with a chance of 1e-10, as the square of what one shows exceeds that of
+/// Factor of what a vector shows that is no more than the norm but with a chance of 1e-10, as the square of what one shows exceeds that of
 /// the norm r times with one of exp(-r) at most.
 pub(super) const SURELY_SHOWN: f64 = 0.2;
 
-/// What follows from the Frobenius norms of linear maps of n-vectors: `conclude` gets them from above, as well as the cheapest
+/// Conclusion from the Frobenius norms of linear maps of n-vectors: `conclude` gets them from above, as well as the cheapest
 /// estimate that suffices tells. What is not concluded from some norms is not from larger ones: no more vectors are tried where those
 /// tried leave nothing to conclude from the last estimate.
 pub(crate) fn by_norms<const N: usize, R>(
@@ -144,7 +144,7 @@ fn least_conclusion(n: usize, made: usize, squares: f64) -> f64 {
     if n <= probes { (squares / (made * n) as f64).sqrt() } else { safety * (squares / probes as f64).sqrt() }
 }
 
-/// What `probes` vectors of phases without a pattern show of the Frobenius norm of a linear map, or all of it from the unit vectors
+/// Frobenius norm of a linear map as `probes` vectors of phases without a pattern show it, or all of it from the unit vectors
 /// where these are no more.
 pub(super) fn shown_norm(n: usize, probes: usize, map: &dyn Fn(Vector) -> Vector) -> f64 {
     let squares =

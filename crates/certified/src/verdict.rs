@@ -1,4 +1,4 @@
-//! From bound to verdict, through refinement where the bound leaves it open.
+//! Verdict from the bound, through refinement where the bound leaves it open.
 
 use num_complex::Complex;
 

@@ -1,4 +1,4 @@
-//! Each theorem against the spectrum of a dense matrix: counts in unions of discs, and counts in circles.
+//! Theorems, each against the spectrum of a dense matrix: counts in unions of discs, and counts in circles.
 
 use nalgebra::Schur;
 use proptest::collection::vec;

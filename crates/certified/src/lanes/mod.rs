@@ -22,7 +22,7 @@ pub use precision::{Precision, cast};
 /// Most systems that are solved together: the numbers of the widest registers (AVX-512).
 pub const WIDEST_LANES: usize = 8;
 
-/// How many of `systems` are solved on registers of eight lanes (AVX-512); the rest, four or fewer, are solved on four lanes
+/// Number of `systems` that are solved on registers of eight lanes (AVX-512); the rest, four or fewer, are solved on four lanes
 /// (AVX2). An operation on eight lanes takes up to twice as long, whatever the number of lanes in use.
 pub fn wide_part(systems: usize) -> usize {
     let left = systems % WIDEST_LANES;

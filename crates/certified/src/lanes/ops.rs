@@ -90,32 +90,32 @@ impl<S: Simd> Ops<S> {
     pub fn max(self, a: S::f64s, b: S::f64s) -> S::f64s {
         self.simd.max_f64s(a, b)
     }
-    /// Where both are equal.
+    /// Mask of the lanes where both are equal.
     #[inline(always)]
     pub fn eq(self, a: S::f64s, b: S::f64s) -> S::m64s {
         self.simd.equal_f64s(a, b)
     }
-    /// Where `a <= b`.
+    /// Mask of the lanes where `a <= b`.
     #[inline(always)]
     pub fn le(self, a: S::f64s, b: S::f64s) -> S::m64s {
         self.simd.less_than_or_equal_f64s(a, b)
     }
-    /// Where `a < b`.
+    /// Mask of the lanes where `a < b`.
     #[inline(always)]
     pub fn lt(self, a: S::f64s, b: S::f64s) -> S::m64s {
         self.simd.less_than_f64s(a, b)
     }
-    /// Where both masks are set.
+    /// Mask of the lanes where both masks are set.
     #[inline(always)]
     pub fn and(self, a: S::m64s, b: S::m64s) -> S::m64s {
         self.simd.and_m64s(a, b)
     }
-    /// Where one of the masks is set.
+    /// Mask of the lanes where one of the masks is set.
     #[inline(always)]
     pub fn or(self, a: S::m64s, b: S::m64s) -> S::m64s {
         self.simd.or_m64s(a, b)
     }
-    /// Where the mask is not set.
+    /// Mask of the lanes where the mask is not set.
     #[inline(always)]
     pub fn not(self, a: S::m64s) -> S::m64s {
         self.simd.not_m64s(a)
@@ -133,7 +133,7 @@ impl<S: Simd> Ops<S> {
             [] => self.simd.partial_load_f64s(from),
         }
     }
-    /// As many numbers of the register as there is room for.
+    /// Stores the numbers of the register, as many as there is room for.
     #[inline(always)]
     pub fn store(self, to: &mut [f64], a: S::f64s) {
         match S::as_mut_simd_f64s(to) {

@@ -13,11 +13,11 @@ pub trait Precision: RealField + Copy + Default {
 
     /// The number nearest to a double.
     fn of(value: f64) -> Self;
-    /// The same number as a double.
+    /// The double of the same value.
     fn wide(self) -> f64;
     /// Lanes of a register.
     fn width<S: Simd>() -> usize;
-    /// As many whole registers as the numbers fill.
+    /// The whole registers that the numbers fill; those left over are not in them.
     fn registers<S: Simd>(of: &[Self]) -> &[Self::Register<S>];
     /// [`registers`](Self::registers), to be changed.
     fn registers_mut<S: Simd>(of: &mut [Self]) -> &mut [Self::Register<S>];
