@@ -11,7 +11,7 @@ pub enum CeaError {
     /// The system itself is malformed.
     #[error(transparent)]
     System(#[from] LinsysError),
-    /// What [`certified`] refuses, and for the same reasons the solvers here: no convergence, no eigenvector, no range.
+    /// Error of [`certified`], and for the same reasons of the solvers here: no convergence, no eigenvector, no range.
     #[error(transparent)]
     Certified(#[from] CertifiedError),
     /// The standard form needs a symmetric positive definite mass matrix.
@@ -28,7 +28,7 @@ pub enum CeaError {
     TooStiff {
         /// Norm of the damping, or the fastest internal state, over that of the vibrations.
         ratio: f64,
-        /// How many there were.
+        /// Number of spectra with more digits than a double's that there were.
         solves: u64,
     },
     /// A solver that has not given every eigenvalue.
@@ -69,7 +69,7 @@ pub enum CeaError {
     Channels {
         /// Degrees of freedom of the system.
         order: usize,
-        /// Its internal states.
+        /// Number of internal states of the system.
         states: usize,
     },
 }

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// that of a reduction; chosen.
 const SYMMETRIC: f64 = 1e-9;
 
-/// Why a structure has no complete set of real modes.
+/// Reason why a structure has no complete set of real modes.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoRealModes {
     /// M has this entry and another one across the diagonal.
@@ -25,7 +25,7 @@ pub enum NoRealModes {
     /// M has a negative eigenvalue.
     #[error("the mass matrix has the negative eigenvalue {value:.3e}")]
     NegativeMass {
-        /// Its value, kg.
+        /// Negative eigenvalue of M, kg.
         value: f64,
     },
     /// M is zero.

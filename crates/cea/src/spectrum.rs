@@ -3,7 +3,7 @@
 use certified::by_frequency;
 use num_complex::Complex;
 
-/// All finite eigenvalues of a system, rad/s, in the order of [`sort`](crate::sort).
+/// Spectrum: all finite eigenvalues of a system, rad/s, in the order of [`sort`](crate::sort).
 ///
 /// Complex ones come in exact conjugate pairs, because the matrices are real.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +59,7 @@ pub fn rank_order(lambdas: &[Complex<f64>]) -> Vec<usize> {
 }
 
 impl Spectrum {
-    /// One eigenvalue of each conjugate pair, the one with Im lambda > 0, ascending in frequency.
+    /// Eigenvalues of the conjugate pairs, of each the one with Im lambda > 0, ascending in frequency.
     pub fn oscillatory(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
         self.eigenvalues.iter().copied().filter(|l| l.im > 0.0)
     }

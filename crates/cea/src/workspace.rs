@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign};
 pub struct Counters {
     /// Whole spectra computed.
     pub eigenvalue_solves: u64,
-    /// Those of them that a [`QrSolver`](crate::QrSolver) left to [`certified`](crate::certified), up to a hundred times slower.
+    /// Number of whole spectra that a [`QrSolver`](crate::QrSolver) left to [`certified`](crate::certified), up to a hundred times slower.
     pub certified_solves: u64,
     /// Factorisations of `Q(lambda)` or of a pencil.
     pub factorisations: u64,
@@ -68,12 +68,12 @@ impl Sum for Counters {
     }
 }
 
-/// What belongs to one thread of work: counters now, scratch memory where a solver wants it.
+/// Workspace of one thread: counters, and scratch memory where a solver wants it.
 #[derive(Debug, Default)]
 pub struct Workspace {
     /// Computations so far.
     pub counters: Counters,
-    /// How many `certified_solves` a solver may come to before it gives up; `None` is any number.
+    /// Number of `certified_solves` that a solver may come to before it gives up; `None` is any number.
     pub most_certified_solves: Option<u64>,
     /// Memory of the batched solver, kept between batches.
     pub(crate) scratch: Vec<f64>,
@@ -86,7 +86,7 @@ impl Workspace {
         Self { most_certified_solves: Some(most), ..Self::default() }
     }
 
-    /// What [`certified`] computes, counted here.
+    /// Computes by [`certified`], and counts here what that takes.
     pub fn counting<T>(&mut self, compute: impl FnOnce(&mut certified::Counters) -> T) -> T {
         let mut counters = certified::Counters::default();
         let computed = compute(&mut counters);

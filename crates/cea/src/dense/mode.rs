@@ -1,4 +1,4 @@
-//! One oscillating mode: its eigenvalue and its shape.
+//! Oscillating mode: its eigenvalue and its shape.
 
 use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
@@ -7,7 +7,7 @@ use num_complex::Complex;
 use super::vectors::fix_phase;
 use crate::{CeaError, Workspace, right_vectors_of_all};
 
-/// One oscillating mode: its eigenvalue (rad/s, Im > 0) and its shape over the free degrees of freedom.
+/// Oscillating mode: its eigenvalue (rad/s, Im > 0) and its shape over the free degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
     /// lambda, rad/s.
@@ -40,7 +40,7 @@ impl Mode {
         Self::weighted(mass, lambda, shape).0
     }
 
-    /// The same with `M phi`.
+    /// The mode at `lambda` with this shape, normalised, and `M phi`, length n.
     #[must_use]
     pub fn weighted(
         mass: &DMatrix<f64>,

@@ -1,4 +1,4 @@
-//! Which eigenvalues are modes, and the two ways of numbering modes by frequency.
+//! Modes among the eigenvalues, and the two ways of numbering them by frequency.
 
 use std::iter::repeat_n;
 
@@ -134,13 +134,13 @@ fn all_near_decay(near_real: &[Complex<f64>], system: &SecondOrder) -> bool {
     real.iter().zip(&decay).all(|(l, a)| (l - a).abs() <= LARGEST_SHIFT_OF_DECAY * a.abs())
 }
 
-/// Whether the motion goes through several periods before it has decayed or grown by much: a mode, whatever its vector, because a
+/// True if the motion goes through several periods before it has decayed or grown by much: a mode, whatever its vector, because a
 /// growing oscillation must not be passed over as that of a state.
 fn is_oscillation(lambda: Complex<f64>) -> bool {
     lambda.im.abs() > lambda.re.abs()
 }
 
-/// Whether the internal states make up more than half of the squared norm of the scaled state vector.
+/// True if the internal states make up more than half of the squared norm of the scaled state vector.
 fn is_internal(
     system: &SecondOrder,
     form: &StandardForm,

@@ -9,7 +9,7 @@ use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, sort};
 /// to take more than 60.
 pub(crate) const MOST_QR_STEPS: usize = 300;
 
-/// One system at a time by Francis' QR iteration on the [`StandardForm`], with a limit on its steps.
+/// Solver of all eigenvalues of a system by Francis' QR iteration on the [`StandardForm`], with a limit on its steps.
 ///
 /// Internal states much faster than the vibrations are split off first. Where dashpots are a hundred times faster, the
 /// iteration has no digits left for slow eigenvalues: [`certified::solve`] takes its place, refined, up to a

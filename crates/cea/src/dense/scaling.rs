@@ -88,7 +88,7 @@ impl StandardForm {
         Ok(Self { state, gamma, state_weights })
     }
 
-    /// Whether dashpots or internal states are so much faster than the vibrations that the batched iteration would lose digits.
+    /// True if dashpots or internal states are so much faster than the vibrations that the batched iteration would lose digits.
     pub(crate) fn is_steep(&self) -> bool {
         self.is_strongly_damped() || self.fastest_state() > FASTEST_STATE_IN_LANE
     }
@@ -105,7 +105,7 @@ impl StandardForm {
         }
     }
 
-    /// How much faster dashpots or internal states are than the rest.
+    /// Ratio by which dashpots or internal states are faster than the rest.
     pub(crate) fn steepness(&self) -> f64 {
         self.damping().max(self.fastest_state())
     }

@@ -9,7 +9,7 @@ use crate::{CeaError, Spectrum, Workspace, by_frequency};
 ///
 /// Eigenvectors are computed separately, by [`right_vector`](crate::right_vector) and [`left_vector`](crate::left_vector).
 pub trait EigenSolver: Sync {
-    /// All 2 n + s eigenvalues.
+    /// Spectrum of a system: all 2 n + s eigenvalues.
     ///
     /// # Errors
     /// A system that the solver does not support (one with a singular mass matrix, for example), or no convergence.

@@ -209,7 +209,7 @@ pub(crate) fn start(n: usize, to_avoid: usize) -> DVector<Complex<f64>> {
     })
 }
 
-/// Whether the last backward error is at rounding, or small and hardly less than the one before.
+/// True if the last backward error is at rounding, or small and hardly less than the one before.
 fn has_converged([before, now]: [f64; 2]) -> bool {
     now <= 1e-14 || (now <= LARGEST_BACKWARD_ERROR && now >= 0.5 * before)
 }

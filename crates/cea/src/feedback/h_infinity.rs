@@ -48,11 +48,11 @@ impl Channels {
 pub struct NormBound {
     /// g.
     pub bound: f64,
-    /// How far from the axis eigenvalues were while it was sought.
+    /// Margins: how far from the axis eigenvalues were while the bound was sought.
     pub margins: AxisMargins,
 }
 
-/// How far the eigenvalues of Hamiltonian matrices are from the imaginary axis, as parts of the norms of the matrices. One nearer
+/// Margins: distances of the eigenvalues of Hamiltonian matrices from the imaginary axis, as fractions of the norms of the matrices. One nearer
 /// than 1.5e-8, the allowance for rounding, counts as on it: the gap between the two numbers shows what that is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisMargins {
@@ -80,7 +80,7 @@ impl AxisMargins {
         }
     }
 
-    /// Those of some matrices and of others.
+    /// Margins of some matrices and of others together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -91,7 +91,7 @@ impl AxisMargins {
     }
 }
 
-/// Why [`h_infinity_norm_bound`] gives no bound.
+/// Reason why [`h_infinity_norm_bound`] gives no bound.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoNormBound {

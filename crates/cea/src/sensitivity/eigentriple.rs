@@ -58,7 +58,7 @@ impl Eigentriple {
         Ok(Self::of_vectors(system, lambda, right_vector(system, lambda, work)?, left_vector(system, lambda, work)?))
     }
 
-    /// Of vectors that are known, length n, unit 2-norm.
+    /// The eigentriple of vectors that are known, length n, unit 2-norm.
     #[must_use]
     pub fn of_vectors(
         system: &SecondOrder,
@@ -103,7 +103,7 @@ impl Eigentriple {
         self.rate_over(derivative, 1.0)
     }
 
-    /// The same for the difference of Q(lambda), n x n, of two systems whose parameters are `distance` apart.
+    /// Rate of lambda, as by [`Eigentriple::rate`], for the difference of Q(lambda), n x n, of two systems whose parameters are `distance` apart.
     #[must_use]
     pub fn rate_over(&self, difference: &DMatrix<Complex<f64>>, distance: f64) -> Complex<f64> {
         -self.left.dotc(&(difference * &self.right)) / (self.slope * distance)
@@ -136,7 +136,7 @@ impl Eigentriple {
         self.right.dotc(&other.right).norm()
     }
 
-    /// How far the other eigenvalues are; `spectrum` holds all of the system, this one included.
+    /// Distance of the other eigenvalues; `spectrum` holds all of the system, this one included.
     #[must_use]
     pub fn separation(&self, spectrum: &[Complex<f64>]) -> Separation {
         let distance = |other: &Complex<f64>| (other - self.lambda).norm();
@@ -176,7 +176,7 @@ fn unit(vector: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
     (norm.is_finite() && norm > 0.0).then(|| vector.unscale(norm))
 }
 
-/// How far an eigenvalue is from the next one, and what that leaves of its derivatives.
+/// Separation: the distance of an eigenvalue from the next one, and what that leaves of its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
     /// Distance of the next eigenvalue, rad/s; infinite where there is none.
@@ -186,7 +186,7 @@ pub struct Separation {
 }
 
 impl Separation {
-    /// Whether the eigenvalue is simple as far as can be told, so that its derivatives exist and keep three digits or more. Two
+    /// True if the eigenvalue is simple as far as can be told, so that its derivatives exist and keep three digits or more. Two
     /// eigenvalues that are nearer coalesce, or are equal by a symmetry.
     #[must_use]
     pub fn is_simple(&self) -> bool {

@@ -27,13 +27,14 @@ impl Rates {
         reach(self.first.norm(), self.second.norm())
     }
 
-    /// The same for the growth alone, and never beyond [`Rates::holds_to`]: 0 where the growth has no first order.
+    /// The change of p at which the second order of the growth is a tenth of its first, and never beyond [`Rates::holds_to`]: 0 where the growth has
+    /// no first order.
     #[must_use]
     pub fn growth_holds_to(&self) -> f64 {
         reach(self.first.re, self.second.re).min(self.holds_to())
     }
 
-    /// The same for the angular frequency.
+    /// The change of p at which the second order of the angular frequency is a tenth of its first, and never beyond [`Rates::holds_to`].
     #[must_use]
     pub fn frequency_holds_to(&self) -> f64 {
         reach(self.first.im, self.second.im).min(self.holds_to())
@@ -93,7 +94,7 @@ impl<'a> Expansion<'a> {
         Ok(Self { triple, bordered, slope_on_right, slope_on_left, bend })
     }
 
-    /// Both derivatives by a parameter.
+    /// First and second derivative by a parameter.
     ///
     /// # Errors
     /// [`CeaError::Defective`] where they are no numbers.

@@ -1,4 +1,4 @@
-//! How an eigenvalue moves with the numbers of its system: derivatives from its right and left vector.
+//! Sensitivity of an eigenvalue to the numbers of its system: derivatives from its right and left vector.
 //!
 //! ```text
 //! Q x = 0,  y^H Q = 0        d lambda / d p = -y^H Q_p x / (y^H Q' x)

@@ -1,4 +1,4 @@
-//! What a parameter does to Q, as an eigenvalue sees it.
+//! Perturbation of Q by a parameter, as an eigenvalue sees it.
 
 use linsys::SecondOrder;
 use nalgebra::DVector;

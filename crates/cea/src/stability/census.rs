@@ -1,4 +1,4 @@
-//! What a stability analysis asks of a system, in one call.
+//! Census: the answer to what a stability analysis asks of a system, in one call.
 
 use super::Threshold;
 use super::judge::Judge;
@@ -17,20 +17,20 @@ pub struct StabilityCensus {
     pub marginal: Vec<JudgedEigenvalue>,
     /// Eigenvalues of which the certified bounds cannot tell either.
     pub undecided: Vec<JudgedEigenvalue>,
-    /// How many eigenvalues are left of the axis.
+    /// Number of eigenvalues that are left of the axis.
     pub damped: usize,
-    /// Whether all eigenvalues were found and bounded by [`certified`](crate::certified), because the fast route could not decide on one.
+    /// True if all eigenvalues were found and bounded by [`certified`](crate::certified), because the fast route could not decide on one.
     pub is_certified: bool,
 }
 
 impl StabilityCensus {
-    /// Whether anything grows, with or without oscillation.
+    /// True if anything grows, with or without oscillation.
     #[must_use]
     pub fn is_unstable(&self) -> bool {
         !(self.growing.is_empty() && self.divergent.is_empty())
     }
 
-    /// Whether nothing is known to grow and something may.
+    /// True if nothing is known to grow and something may.
     #[must_use]
     pub fn is_open(&self) -> bool {
         !self.is_unstable() && !self.undecided.is_empty()
@@ -47,7 +47,7 @@ impl StabilityCensus {
     }
 }
 
-/// Which eigenvalues of a system grow, which are damped, and of which this cannot be said.
+/// Census of the eigenvalues of a system: those that grow, those that are damped, and those of which this cannot be said.
 ///
 /// The fast route comes first: [`QrSolver`], and for each eigenvalue that is not clearly left of the axis the
 /// bound of [`verdict`](crate::verdict). Where this leaves one eigenvalue undecided (undamped systems have all theirs on

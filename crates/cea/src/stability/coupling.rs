@@ -1,4 +1,4 @@
-//! What couples the vibrations of a system with each other, told from the decay of internal states.
+//! Coupling of the vibrations of a system with each other, told from the decay of internal states.
 
 use linsys::SecondOrder;
 use nalgebra::DMatrix;

@@ -8,7 +8,7 @@ use super::Threshold;
 use super::coupling::Coupling;
 use crate::{CeaError, Eigentriple, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
-/// What a solver's errors are taken to be, in units of the problem's scale. A backward stable one errs by some 1e-14.
+/// Assumed error of a solver, in units of the problem's scale. A backward stable one errs by some 1e-14.
 const SOLVER_ERROR: f64 = 1e-12;
 /// Real parts up to this part of the problem's scale are near the axis: two eigenvalues that meet in one vector move by the root
 /// of SOLVER_ERROR, and a simple one of condition 1e6 by as much.
@@ -23,7 +23,7 @@ pub const ROUNDED_DATA: f64 = 32.0;
 /// (docs/error-bounds.md, section 8).
 const MOST_COALESCING: usize = 4;
 
-/// Whether the motion of eigenvalue `lambda` of `spectrum` grows: [`verdicts`] of one.
+/// Verdict on the motion of eigenvalue `lambda` of `spectrum`, whether it grows: [`verdicts`] of one.
 ///
 /// # Errors
 /// Those of [`verdicts`].
@@ -36,7 +36,7 @@ pub fn verdict(
     verdicts(system, &[lambda], spectrum, work).map(|verdicts| verdicts[0])
 }
 
-/// Whether the motions of some eigenvalues of `spectrum` grow: the one rule of studies, sweeps and maps.
+/// Verdicts on the motions of some eigenvalues of `spectrum`, whether they grow: the one rule of studies, sweeps and maps.
 ///
 /// *On the axis*, [`Verdict::Marginal`], is what is no farther from it than 1e-12 of [`Spectrum::scale`](crate::Spectrum::scale), or than
 /// 32 times [`Eigentriple::rounding`]: undamped modes, conservative gyroscopic ones and rigid motions, though a solver gives their
@@ -63,7 +63,7 @@ pub fn verdicts(
     verdicts_beyond(&Threshold::AXIS, system, lambdas, spectrum, work)
 }
 
-/// Whether some eigenvalues of `spectrum` are beyond a threshold: [`verdicts`] with the nearest point of the threshold in place of
+/// Verdicts on some eigenvalues of `spectrum`, whether they are beyond a threshold: [`verdicts`] with the nearest point of the threshold in place of
 /// that of the axis. Near it [`Verdict::Undecided`] is where the certified bound straddles the threshold.
 ///
 /// # Errors
@@ -86,7 +86,7 @@ pub(crate) struct Judge<'a> {
     spectrum: &'a Spectrum,
     coupling: Option<Coupling>,
     certifier: Option<SingleCertifier<'a>>,
-    /// All eigenvalues with bounds, by the general route, which takes ten times as long; the inner `None` where that has no answer.
+    /// Eigenvalues, all of them, with bounds, by the general route, which takes ten times as long; the inner `None` where that has no answer.
     certified: Option<Option<Certified>>,
 }
 
@@ -95,7 +95,7 @@ impl<'a> Judge<'a> {
         Self { system, spectrum, coupling: None, certifier: None, certified: None }
     }
 
-    /// Whether an eigenvalue is beyond a threshold: the rule of [`verdicts`].
+    /// Verdict on an eigenvalue, whether it is beyond a threshold: the rule of [`verdicts`].
     pub(super) fn verdict(
         &mut self,
         lambda: Complex<f64>,
@@ -129,7 +129,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether an eigenvalue is so near the threshold that a sign alone says nothing.
+    /// True if an eigenvalue is so near the threshold that a sign alone says nothing.
     pub(super) fn is_near(&self, lambda: Complex<f64>, threshold: &Threshold) -> bool {
         threshold.margin(lambda).abs() <= NEAR_AXIS * self.spectrum.scale
     }
@@ -140,7 +140,7 @@ impl<'a> Judge<'a> {
         (ON_AXIS * self.spectrum.scale).max(ROUNDED_DATA * rounding)
     }
 
-    /// Whether it is beyond doubt on which side of the threshold an eigenvalue is.
+    /// True if it is beyond doubt on which side of the threshold an eigenvalue is.
     pub(crate) fn is_clear(&mut self, lambda: Complex<f64>, threshold: &Threshold) -> bool {
         let scale = self.spectrum.scale;
         if self.is_near(lambda, threshold) {

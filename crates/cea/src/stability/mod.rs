@@ -1,4 +1,4 @@
-//! Whether motions grow: the verdict on one eigenvalue, the census of a system, thresholds from where on growth counts.
+//! Stability: the verdict on one eigenvalue, the census of a system, thresholds from where on growth counts.
 
 mod census;
 mod counted;

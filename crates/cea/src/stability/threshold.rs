@@ -1,4 +1,4 @@
-//! From where on a growing motion counts: thresholds on its growth rate and its damping ratio, beside the bare sign.
+//! Thresholds from where on a growing motion counts, on its growth rate and its damping ratio, beside the bare sign.
 
 use num_complex::Complex;
 
@@ -49,7 +49,7 @@ impl Threshold {
         is_allowed.then_some(Self { growth: growth_above + 0.0, ratio: damping_ratio_below + 0.0 })
     }
 
-    /// Whether this is the bare sign of Re lambda.
+    /// True if this is the bare sign of Re lambda.
     #[must_use]
     pub fn is_axis(&self) -> bool {
         *self == Self::AXIS
@@ -75,14 +75,14 @@ impl Threshold {
         if of_ratio <= of_growth { (Complex::new(s, -c), of_ratio) } else { (Complex::from(1.0), of_growth) }
     }
 
-    /// How far an eigenvalue is beyond the threshold, rad/s; below zero where it is not, and then no more than its distance. For
+    /// Margin: the distance of an eigenvalue beyond the threshold, rad/s; below zero where it is not beyond, and then no more than its distance. For
     /// the axis it is Re lambda.
     #[must_use]
     pub fn margin(&self, lambda: Complex<f64>) -> f64 {
         self.boundary(lambda).1
     }
 
-    /// How fast the margin of an eigenvalue with Im >= 0 changes where the eigenvalue changes at a rate.
+    /// Rate at which the margin of an eigenvalue with Im >= 0 changes where the eigenvalue changes at `rate`.
     #[must_use]
     pub fn margin_rate(&self, lambda: Complex<f64>, rate: Complex<f64>) -> f64 {
         let (normal, _) = self.boundary(lambda);
@@ -104,14 +104,14 @@ impl Threshold {
         Complex::new((margin + self.growth).max((margin + omega * c) / s), omega)
     }
 
-    /// Whether an eigenvalue that is known to within `bound`, rad/s, is beyond the threshold: [`Verdict::Unstable`] where it surely
+    /// Verdict on an eigenvalue that is known to within `bound`, rad/s, whether it is beyond the threshold: [`Verdict::Unstable`] where it surely
     /// is, [`Verdict::Stable`] where it surely is not.
     pub fn verdict(&self, lambda: Complex<f64>, bound: f64) -> Verdict {
         Verdict::of(Complex::from(self.margin(lambda)), bound)
     }
 }
 
-/// In words, as in "a damping ratio below -0.001".
+/// Threshold in words, as in "a damping ratio below -0.001".
 impl std::fmt::Display for Threshold {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (self.growth > 0.0, self.ratio < 0.0) {

@@ -5,7 +5,7 @@ pub(super) const REFLECTORS_PER_WINDOW: usize = 6;
 /// Spare rows above each column: the sweep works on groups of four rows and may begin up to four rows above row 0.
 const ROWS_ABOVE: usize = 4;
 
-/// One register holds entry (i, j) of all matrices of a batch. Columns are contiguous, with zeros around the matrix, so that
+/// Layout of a batch: a register holds entry (i, j) of all its matrices. Columns are contiguous, with zeros around the matrix, so that
 /// the sweep needs no special cases at the edges.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {

@@ -31,7 +31,7 @@ use certified::lanes::{Ops, narrow, registers, wide_part};
 use layout::Layout;
 use pack::FrequencyScale;
 
-/// All eigenvalues of many systems at once, for studies.
+/// Solver of all eigenvalues of many systems at once, for studies.
 ///
 /// The accuracy is that of [`QrSolver`]: normwise backward stable on the same scaled [`StandardForm`](crate::StandardForm).
 /// A system that does not converge, is malformed, cannot be scaled, or has dashpots or internal states a hundred times faster

@@ -1,4 +1,4 @@
-//! One implicit double-shift QR sweep (Francis, Computer J. 4, 1961-62) of all lanes, each in its own blocks.
+//! Sweep of implicit double-shift QR (Francis, Computer J. 4, 1961-62) over all lanes, each in its own blocks.
 //!
 //! A bulge of three rows starts at the top of each block and is chased down the block. Steps are taken in windows: the
 //! reflectors of a window are found on a small diagonal block, which stays in the first cache level. They are then applied to
@@ -64,7 +64,7 @@ fn begin<S: Simd>(
     [o.select(here, x, column[0]), o.select(here, y, column[1]), o.select(here, z, column[2])]
 }
 
-/// One sweep of all blocks of the input.
+/// Makes a sweep over all blocks of the input.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     o: Ops<S>,

@@ -22,7 +22,7 @@ pub struct Anchors {
     spread: [f64; 2],
 }
 
-/// One gain with its eigenvalues, in the units of the resolvent.
+/// Anchor: a gain with its eigenvalues, in the units of the resolvent.
 #[derive(Debug, Clone, PartialEq)]
 struct Anchor {
     gain: Gain,
@@ -31,7 +31,7 @@ struct Anchor {
     sigmas: Vec<Complex<f64>>,
     /// Derivatives of each eigenvalue by mu and by the slope.
     rates: Vec<[Complex<f64>; 2]>,
-    /// Of the eigenvalues of internal states: the distance of their mean from -decay, and their spread; both over decay.
+    /// Eigenvalues of internal states: the distance of their mean from -decay, and their spread; both over decay.
     internal: [f64; 2],
 }
 

@@ -107,7 +107,7 @@ impl Enclosure {
     }
 }
 
-/// What a search is to find.
+/// Modes that a search is to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Wanted {
     /// The growing modes, and which other modes have lower frequencies.

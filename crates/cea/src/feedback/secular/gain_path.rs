@@ -34,7 +34,7 @@ pub struct GainPath<'a> {
     pub to: Gain,
 }
 
-/// One step of Newton's method next to an eigenvalue on a path.
+/// Step of Newton's method next to an eigenvalue on a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewtonStep {
     /// The next guess of the eigenvalue, rad/s.
@@ -51,7 +51,7 @@ impl GainPath<'_> {
         Point { sigma, mu: mix * from.mu + t * to.mu, slope: from.slope * mix + to.slope * t }
     }
 
-    /// One step of Newton's method for the secular equation from each of some guesses of an eigenvalue, rad/s, at a position t on
+    /// Steps of Newton's method for the secular equation, one from each of some guesses of an eigenvalue, rad/s, at a position t on
     /// a path. Each step costs three values of the equation, computed in batches per structure. The derivatives are
     /// differences, with relative errors of about 1e-7. A step is not finite where the equation has no value or no slope.
     pub fn correct(at: &[(Self, f64, Complex<f64>)], work: &mut Workspace) -> Vec<NewtonStep> {

@@ -79,7 +79,7 @@ pub struct Secular {
 /// The modes of one system: the growing modes to rounding accuracy, the damped ones with error bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Growing {
-    /// One eigenvalue with Im > 0 per mode, ascending in frequency, rad/s: exact to rounding for a growing mode, a guess for a
+    /// Eigenvalues, one with Im > 0 per mode, ascending in frequency, rad/s: exact to rounding for a growing mode, a guess for a
     /// damped one. The frequency rank of a growing mode is right.
     pub modes: Vec<Complex<f64>>,
     /// Error bound of each eigenvalue, rad/s; 0 for growing modes, which err by rounding only.
@@ -92,7 +92,7 @@ impl Growing {
         self.modes.iter().filter(|mode| mode.re > 0.0).map(|mode| mode.im)
     }
 
-    /// Whether the error bounds leave open which modes lie below one of these frequencies, rad/s.
+    /// True if the error bounds leave open which modes lie below one of these frequencies, rad/s.
     #[must_use]
     pub fn leaves_order_open(&self, frequencies: &[f64]) -> bool {
         let mut bounds = self.modes.iter().zip(&self.radii);
@@ -165,7 +165,7 @@ impl Secular {
         found
     }
 
-    /// With each of the gains, the eigenvalues with Im > 0 and `Re lambda > -part |lambda|`, rad/s; or the reason to compute a
+    /// Eigenvalues with Im > 0 and `Re lambda > -part |lambda|`, rad/s, with each of the gains; or the reason to compute a
     /// spectrum instead.
     pub fn near_axis(
         &self,

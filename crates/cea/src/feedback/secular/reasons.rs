@@ -1,12 +1,12 @@
-//! Why the secular equation is not used: for any gain of a structure, or for one gain.
+//! Reasons why the secular equation is not used: for any gain of a structure, or for one gain.
 
 use num_complex::Complex;
 
-/// Why a structure with feedback is left to spectra.
+/// Reason why a structure with feedback is left to spectra.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoSecular {
-    /// With so many ports a spectrum costs less than the secular equation.
+    /// A structure with so many ports that a spectrum costs less than the secular equation.
     #[error("{ports} ports; with {order} degrees of freedom spectra cost less from {most} on")]
     ManyPorts {
         /// Number of ports.
@@ -44,7 +44,7 @@ pub enum NoSecular {
     },
 }
 
-/// Why the modes with one gain have to be found by a spectrum.
+/// Reason why the modes with one gain have to be found by a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
 pub enum LeftOpen {

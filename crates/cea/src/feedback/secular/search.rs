@@ -35,7 +35,7 @@ struct Search {
 enum SearchStage {
     /// The polynomial is to be evaluated at the guesses of these modes.
     Enclose(Vec<usize>),
-    /// All eigenvalues are enclosed; the wanted ones are refined within their discs.
+    /// Enclosures of all eigenvalues; the wanted ones are refined within their discs.
     Refine(Enclosure, Vec<Secant>),
     GivenUp,
 }
