@@ -16,9 +16,9 @@ pub enum SparseError {
     Shape {
         /// The matrix.
         matrix: Matrix,
-        /// Its rows.
+        /// Number of its rows.
         rows: usize,
-        /// Its columns.
+        /// Number of its columns.
         columns: usize,
         /// Degrees of freedom of the mass matrix.
         order: usize,
@@ -63,13 +63,13 @@ pub enum SparseError {
     Projected {
         /// The shift, rad/s.
         shift: Complex<f64>,
-        /// Its order.
+        /// Order of the projected problem.
         order: usize,
     },
     /// A pair that inverse iteration did not make one.
     #[error("an eigenvalue near {lambda:.6e} rad/s does not converge: its backward error stays at {residual:.1e}")]
     NotConverged {
-        /// Where, rad/s.
+        /// Eigenvalue near which the pair was sought, rad/s.
         lambda: Complex<f64>,
         /// The backward error reached.
         residual: f64,
@@ -81,27 +81,27 @@ pub enum SparseError {
     Multiplicity {
         /// The shift, rad/s.
         shift: Complex<f64>,
-        /// How often it was found.
+        /// Number of copies that were found.
         copies: usize,
     },
     /// A group of eigenvalues that were not found again in the space of their vectors.
     #[error("{found} eigenvalues next to {lambda:.6e} rad/s were found, but {settled} in the space of their vectors")]
     GroupLost {
-        /// One of them, rad/s.
+        /// Eigenvalue of the group, one of them, rad/s.
         lambda: Complex<f64>,
-        /// How many a disc has.
+        /// Number of eigenvalues that a disc has.
         found: usize,
-        /// How many the space has.
+        /// Number of eigenvalues that the space has.
         settled: usize,
     },
     /// A rectangle of no extent, or without end.
     #[error("{part} from {from} to {to} rad/s; both must be finite and the first below the second")]
     Rectangle {
-        /// Which part of lambda.
+        /// Name of the side: `Re lambda` or `Im lambda`.
         part: &'static str,
-        /// Its lower border.
+        /// Lower border of that side, rad/s.
         from: f64,
-        /// Its upper border.
+        /// Upper border of that side, rad/s.
         to: f64,
     },
     /// A rectangle that needs more than is allowed.
@@ -125,7 +125,7 @@ pub enum SparseError {
     /// A rectangle around all eigenvalues of a system that has more of them than is allowed.
     #[error("the rectangle holds all {eigenvalues} eigenvalues; allowed: {most}, in a smaller rectangle")]
     WholeSpectrum {
-        /// How many there are.
+        /// Number of eigenvalues of the system.
         eigenvalues: usize,
         /// The eigenvalues allowed: their vectors take memory.
         most: usize,
@@ -136,19 +136,19 @@ pub enum SparseError {
          to be trusted"
     )]
     CountsDiffer {
-        /// How many were found.
+        /// Number of eigenvalues that were found.
         listed: usize,
-        /// How many zeros det Q has there.
+        /// Number of zeros that det Q has there.
         counted: usize,
         /// The centre of the circle, rad/s.
         centre: Complex<f64>,
-        /// Its radius, rad/s.
+        /// Radius of the circle, rad/s.
         radius: f64,
     },
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
     #[error("the {what} could not be computed")]
     Decomposition {
-        /// What was computed.
+        /// Name of what was to be computed.
         what: &'static str,
     },
     /// An argument that is out of its range.
@@ -156,7 +156,7 @@ pub enum SparseError {
     Option {
         /// The argument.
         option: &'static str,
-        /// Its value.
+        /// Value of the argument.
         value: f64,
         /// The values that it may have.
         allowed: &'static str,
@@ -170,7 +170,7 @@ pub enum SparseError {
 }
 
 impl SparseError {
-    /// The same where the unit of time is another: shifts and eigenvalues of a scaled system in rad/s.
+    /// The error of the system in its own units from that of a scaled one: shifts, eigenvalues and circles times `gamma`, rad/s.
     pub(crate) fn times(self, gamma: f64) -> Self {
         match self {
             Self::CountsDiffer { listed, counted, centre, radius } => {

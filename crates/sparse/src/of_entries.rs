@@ -2,7 +2,7 @@
 
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 
-/// Of order n, from rows, columns and values, which add up.
+/// A matrix of order n from rows, columns and values, which add up.
 pub(crate) fn of_entries(n: usize, entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
     let mut sum = CooMatrix::new(n, n);
     entries.iter().for_each(|&(row, column, value)| sum.push(row, column, value));

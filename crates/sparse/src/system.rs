@@ -21,7 +21,7 @@ pub struct SparseSecondOrder {
     pub states: Vec<State>,
 }
 
-/// One first-order state: `z' = -a z + e^T u'`, which adds the force `f z` on the right-hand side.
+/// First-order state: `z' = -a z + e^T u'`, which adds the force `f z` on the right-hand side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// a, 1/s.

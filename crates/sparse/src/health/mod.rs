@@ -1,4 +1,4 @@
-//! Whether a large model is healthy: what its matrices are, which rows make them singular, and whether Q can be solved with.
+//! Health of a large model: what its matrices are, which rows make them singular, and whether Q can be solved with.
 //!
 //! A model whose stiffness or mass is singular by a mistake (a node that nothing holds, a rotation without inertia) still has
 //! eigenvalues, some of which are rounding. A solver does not say so by itself.
@@ -32,7 +32,7 @@ pub struct Signs {
     pub positive: usize,
 }
 
-/// What a square sparse matrix is.
+/// Health of a square sparse matrix.
 ///
 /// Signs, rank and singular rows are those of its symmetric part, scaled to `S_ij = A_ij / sqrt(d_i d_j)` with the diagonal d, so that
 /// metres and radians weigh alike, on the rows that are not empty.
@@ -51,13 +51,13 @@ pub struct MatrixHealth {
     pub smallest: f64,
     /// Null vectors found: as many as `null`, or 12 of more. Fewer where inverse iteration did not find what the signs say.
     pub null_vectors: usize,
-    /// Which rows the null vectors move, the largest first: the sum of the squares of their entries over all null vectors found,
+    /// Rows that the null vectors move, the largest first: the sum of the squares of their entries over all null vectors found,
     /// which are orthonormal. None where there are no null vectors.
     pub null_rows: Vec<(usize, f64)>,
 }
 
 impl MatrixHealth {
-    /// Of a square matrix.
+    /// The health of a square matrix.
     ///
     /// # Errors
     /// A factorisation that does not fit into memory, a decomposition that fails.

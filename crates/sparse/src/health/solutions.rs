@@ -1,14 +1,14 @@
-//! How well a model can be solved with at some points.
+//! Errors of solutions with a model at some points.
 
 use num_complex::Complex;
 
 use crate::solver::Problem;
 use crate::{SparseError, SparseSecondOrder};
 
-/// What a solution with `Q(lambda)` is good to.
+/// Errors of a solution with `Q(lambda)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolutionErrors {
-    /// Where, rad/s.
+    /// Point lambda at which it was solved with Q, rad/s.
     pub lambda: Complex<f64>,
     /// `|Q x - b| / (|Q| |x| + |b|)`: some rounding errors where the factorisation is sound. Infinite where there is no solution.
     pub backward: f64,

@@ -49,7 +49,7 @@ pub(super) struct Around<'a> {
     pub(super) radii: &'a [f64],
     /// The eigenvalues that are known: all of those inside, and any number outside.
     pub(super) known: &'a [Known],
-    /// Whether all copies of each are known: where not, more of them are no contradiction.
+    /// True if all copies of each are known: where not, more of them are no contradiction.
     pub(super) is_all: bool,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct Counting<'a> {
     problem: &'a Problem,
     /// The unit of time of the problem, rad/s.
     gamma: f64,
-    /// Whether the matrices are small enough to be full.
+    /// True if the matrices are small enough to be full.
     is_dense: bool,
     circles: Vec<Circle>,
     points: usize,
@@ -100,7 +100,7 @@ impl<'a> Counting<'a> {
         Ok(())
     }
 
-    /// What was counted.
+    /// The count along all circles.
     pub(super) fn done(self) -> Count {
         match self {
             Self { is_clear: true, circles, points, .. } => Count::Argument { circles, points },
@@ -108,7 +108,7 @@ impl<'a> Counting<'a> {
         }
     }
 
-    /// How many more eigenvalues are inside than are known; `None` where the phase jumps.
+    /// Excess of the eigenvalues inside over those that are known; `None` where the phase jumps.
     fn excess(&mut self, around: &Around<'_>, radius: f64) -> Option<i64> {
         let at = |angle: f64| around.centre + Complex::from_polar(radius, angle);
         let irregular = |i: usize| (i as f64 + unpatterned(i as f64) / 3.0) * TAU / FIRST_POINTS as f64;

@@ -1,11 +1,11 @@
-//! What all that computes with blocks of vectors shares.
+//! Blocks of vectors: what all that computes with them shares.
 
 use faer::{Mat, Par};
 use num_complex::Complex;
 
 use crate::unpatterned::unpatterned;
 
-/// One thread: the bits of a factorisation depend on their number, and this library has none without it.
+/// Parallelism of one thread: the bits of a factorisation depend on the number of threads, and this library has none without it.
 pub(crate) const PAR: Par = Par::Seq;
 
 /// The 2-norm, summed in eight parts, which a processor adds at once.
@@ -35,7 +35,7 @@ pub(super) fn starting_block(rows: usize, columns: usize) -> Mat<Complex<f64>> {
     another_block(rows, columns, 0)
 }
 
-/// The same, another one for each `number` of columns that there were before.
+/// A fixed block without structure as [`starting_block`], another one for each `number` of columns that there were before.
 pub(super) fn another_block(rows: usize, columns: usize, number: usize) -> Mat<Complex<f64>> {
     Mat::from_fn(rows, columns, |i, j| {
         let k = (i * columns + j + 1 + 7919 * number) as f64;

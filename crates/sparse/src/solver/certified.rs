@@ -12,12 +12,12 @@ use super::scaling::Scaled;
 use super::types::{Counters, Eigenpair, Found, Known, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
-/// How far outwards of the circle around the rectangle one is tried, as parts of its radius.
+/// Steps outwards from the circle around the rectangle at which a circle is tried, as fractions of its radius.
 const OUTWARDS: [f64; 10] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 /// A rectangle that goes farther from zero than so many times the largest eigenvalue is counted there.
 const BEYOND: f64 = 2.0;
 
-/// What the dense solver certifies of a system in a rectangle, counted once more by the argument principle; `None` where it does not
+/// Eigenpairs of a system in a rectangle that the dense solver certifies, counted once more by the argument principle; `None` where it does not
 /// find the spectrum: it is to be searched then.
 ///
 /// # Errors
@@ -61,7 +61,7 @@ pub(super) fn certified_in(system: &SparseSecondOrder, rectangle: &Rectangle) ->
     Ok(Some(Found { pairs, discs: Vec::new(), reach: None, is_certified: true, count, counters: Counters::default() }))
 }
 
-/// How far from an eigenvalue its exact place may be: its bound, or where nothing encloses it what rounding moves a double one by.
+/// Distance of an eigenvalue from its exact place, at most: its bound, or where nothing encloses it what rounding moves a double one by.
 pub(super) fn reach(lambda: Complex<f64>, bound: f64, gamma: f64) -> f64 {
     if bound.is_finite() { bound } else { f64::EPSILON.sqrt() * lambda.norm().max(gamma) }
 }

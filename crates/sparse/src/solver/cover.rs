@@ -1,4 +1,4 @@
-//! All eigenvalues of a rectangle: discs until they cover it.
+//! Eigenvalues of a rectangle, all of them: discs until they cover it.
 
 use num_complex::Complex;
 
@@ -19,7 +19,7 @@ const THINNEST: f64 = 0.1;
 /// eigenvalues are not spread evenly.
 const ESTIMATED: usize = 10;
 const ESTIMATE_MARGIN: f64 = 4.0;
-/// How many times as wide the blocks are of a second search, where the count contradicts the first; chosen.
+/// Factor by which the blocks of a second search are wider, where the count contradicts the first; chosen.
 const WIDER: usize = 4;
 
 /// Circles about a disc that may be counted along, from around what it covers to so many times its radius, which is 0.95 of where
@@ -30,7 +30,7 @@ const WIDEST: f64 = 1.5;
 /// Radii up to which Ritz values that are none of the list are divided out; chosen.
 const NEAR: f64 = 3.0;
 
-/// All eigenvalues in `rectangle`, its border included, with their vectors.
+/// Eigenpairs in `rectangle`, its border included, all of them.
 ///
 /// A system of up to `options.certified` degrees of freedom is solved whole by `cea::certified`, and the list counted again by the
 /// argument principle. Of larger ones discs around shifts cover the rectangle, and where M is positive definite nothing beyond the
@@ -160,7 +160,7 @@ fn counted(
     Ok(counting.done())
 }
 
-/// What has to be searched with Im lambda >= 0, since eigenvalues of real matrices are real or come in conjugate pairs.
+/// Part of a rectangle that has to be searched with Im lambda >= 0, since eigenvalues of real matrices are real or come in conjugate pairs.
 fn upper_part(rectangle: &Rectangle) -> Rectangle {
     let [from, to] = rectangle.im;
     let im = if from >= 0.0 {
@@ -173,11 +173,11 @@ fn upper_part(rectangle: &Rectangle) -> Rectangle {
     Rectangle { re: rectangle.re, im }
 }
 
-/// What a disc covers of the rectangle, and how far around it pairs are listed.
+/// Part of the rectangle that a disc covers, and how far around it pairs are listed.
 struct Covered {
     part: Rectangle,
     margin: f64,
-    /// All Ritz values.
+    /// Ritz values of the disc, all of them.
     seen: Vec<Known>,
 }
 
@@ -188,9 +188,9 @@ struct Search<'a> {
     /// Shifts at which was searched, also those whose disc was too small to be of use.
     tried: usize,
     discs: Vec<Disc>,
-    /// Of each disc.
+    /// Parts that the discs cover, one of each disc.
     covered: Vec<Covered>,
-    /// With the number of the disc that found them.
+    /// Pairs that were found, each with the number of the disc that found it.
     found: Vec<(usize, Polished)>,
 }
 

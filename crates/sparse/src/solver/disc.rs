@@ -1,4 +1,4 @@
-//! All eigenvalues near one shift: a right and a left Krylov space with one factorisation.
+//! Disc: all eigenvalues near one shift, by a right and a left Krylov space with one factorisation.
 
 use faer::Mat;
 use nalgebra::DMatrix;
@@ -18,26 +18,29 @@ use crate::{SparseError, SparseSecondOrder};
 
 /// Residual of a Ritz value, relative, from which on it counts as known to be there.
 const SEEN: f64 = 1e-6;
-/// The same of a right Ritz vector that is wanted, whose backward error is at most `ENOUGH`, some rounding errors; and where backward
-/// errors do not become so small. Chosen.
+/// Residual of a Ritz value inside the rectangle, relative, from which on it counts as known to be there; chosen.
 const NEARLY: f64 = 1e-8;
+/// Backward error at which a right Ritz vector that is wanted is good enough: some rounding errors.
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
+/// Residual of a Ritz value, relative, at which its vector is good enough though its backward error does not become so small; chosen.
 const CONVERGED: f64 = 1e-13;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
 /// Columns before the first look at the Ritz values.
 const FIRST_LOOK: usize = 40;
-/// The radius grows about evenly from this many columns on; after a look the basis grows by this part of what is missing by that
-/// rule. Chosen.
+/// Number of columns from which on the radius of a disc grows about evenly; chosen.
 const HIDDEN: usize = 20;
+/// Fraction of the columns that are missing, as the radius grows evenly beyond [`HIDDEN`], by which the basis grows after a look; chosen.
 const OF_MISSING: f64 = 0.75;
 /// Columns of the block by which another one is checked, and steps that both then make together.
 const CHECKED_BY: usize = 2;
 const CHECK_STEPS: usize = 3;
-/// How many times more columns a space may have where blocks come back full, and such blocks the same of the larger of theirs and this.
+/// Factor by which a space may have more columns where blocks come back full, and such a block more than the larger of its own number and
+/// [`WIDEST`]; chosen.
 const GROWN: usize = 4;
+/// Width of a block, in columns, that a narrower one counts as in [`GROWN`]; chosen.
 const WIDEST: usize = 16;
-/// How often another shift is tried where Q(shift) is singular.
+/// Number of shifts that are tried, the first one included, where Q(shift) is singular.
 const ATTEMPTS: usize = 4;
 
 /// A system that is ready to be solved with at many lambda: its matrices, and the elimination order of their pattern.
@@ -196,7 +199,7 @@ impl Problem {
         (0..ritz.lambdas.len()).filter(|&j| is_wanted(ritz.lambdas[j])).collect()
     }
 
-    /// How far outside a rectangle eigenvalues are found with those inside.
+    /// Margin outside a rectangle up to which eigenvalues are found with those inside.
     pub(crate) fn margin(&self, target: &Rectangle) -> f64 {
         (1e-6 * target.half_diagonal()).max(4.0 * self.pencil.blur(Complex::from(target.reach())))
     }

@@ -1,11 +1,11 @@
-//! What is left of the errors of Ritz vectors.
+//! Errors of Ritz vectors: how large they are, and how many blocks more make them small.
 
 use super::blocks::length;
 use super::krylov::Krylov;
 use super::products::Parts;
 use super::ritz::Ritz;
 
-/// By what a block more divides backward errors, at least; chosen.
+/// Factor by which a block more divides backward errors, at least; chosen.
 const FALL: f64 = 2.5;
 
 /// The backward errors of some Ritz values with their vectors.
@@ -19,7 +19,7 @@ pub(super) fn errors(krylov: &Krylov<'_>, ritz: &Ritz, some: &[usize]) -> Vec<f6
     parts.iter().zip(some).enumerate().map(error).collect()
 }
 
-/// How many blocks more an error needs to be as small as is wanted.
+/// Number of blocks more that an error needs to be as small as is wanted.
 pub(super) fn blocks_until(wanted: f64, error: f64) -> usize {
     (error / wanted).log(FALL).ceil() as usize
 }

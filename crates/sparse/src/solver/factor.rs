@@ -116,7 +116,7 @@ impl<'a> Factor<'a> {
         logarithm.is_finite().then_some(logarithm)
     }
 
-    /// Whether a solution known beforehand is found again. A small residual says nothing of it where Q(sigma) is singular.
+    /// True if a solution known beforehand is found again. A small residual says nothing of it where Q(sigma) is singular.
     ///
     /// # Errors
     /// As [`solve`](Self::solve), but for a solution that is not accurate.

@@ -93,11 +93,11 @@ pub(super) struct Factors {
     pub(super) groups: Vec<Eliminated>,
     /// T without its diagonal and L21 of all groups, by rows.
     pub(super) lower: Vec<Complex<f64>>,
-    /// The same of the transposed matrix: U11 and `D^-1 U12`, by columns.
+    /// U11 without its diagonal and `D^-1 U12` of all groups, by columns: the same for the transposed matrix.
     pub(super) upper: Vec<Complex<f64>>,
 }
 
-/// One group, and where it stands in both factors.
+/// Group that was eliminated, and where it stands in both factors.
 pub(super) struct Eliminated {
     pub(super) from: usize,
     /// The row of A11 at each place of `P A11`.
@@ -113,14 +113,14 @@ impl Eliminated {
         self.pivots.len()
     }
 
-    /// Where row k of T stands, or column k of U11: k entries.
+    /// Range in which row k of T stands, or column k of U11: k entries.
     #[inline(always)]
     pub(super) fn own_row(&self, k: usize) -> Range<usize> {
         let from = self.at + triangle(k);
         from..from + k
     }
 
-    /// Where row i of L21 stands, or column i of U12.
+    /// Range in which row i of L21 stands, or column i of U12.
     #[inline(always)]
     pub(super) fn row_below(&self, i: usize) -> Range<usize> {
         let from = self.at + triangle(self.width()) + i * self.width();

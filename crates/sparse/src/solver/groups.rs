@@ -1,4 +1,4 @@
-//! Which numbers belong together because rounding does not tell them apart.
+//! Groups of numbers that belong together because rounding does not tell them apart.
 
 use cea::certified::enclosures::unions;
 use num_complex::Complex;

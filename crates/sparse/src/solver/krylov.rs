@@ -106,7 +106,7 @@ impl<'a> Krylov<'a> {
         self.vectors.columns() - self.multiplied
     }
 
-    /// Whether the basis spans an invariant subspace.
+    /// True if the basis spans an invariant subspace.
     pub(crate) fn is_complete(&self) -> bool {
         self.pending() == 0
     }

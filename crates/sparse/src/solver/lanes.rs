@@ -14,10 +14,10 @@ const LINE: usize = 4;
 
 type Block = Mat<Complex<f64>>;
 
-/// One row of a few columns, real and imaginary parts by turns, in N registers.
+/// Row of a few columns, real and imaginary parts by turns, in N registers.
 pub(super) type Row<S, const N: usize> = [<S as Simd>::f64s; N];
 
-/// What is computed with rows.
+/// Kernel: a computation with rows.
 pub(super) trait Kernel {
     fn run<S: Simd, const N: usize>(self, simd: S);
 }
@@ -139,7 +139,7 @@ pub(super) fn bring<'a>(values: impl Iterator<Item = &'a Complex<f64>>) {
     std::hint::black_box(values.step_by(LINE).fold(0, |bits, value| bits ^ value.re.to_bits()));
 }
 
-/// Some columns of a block, as many as a row has or fewer, side by side; row i is row `order(i)` of the block.
+/// Rows of some columns of a block, as many as a row has or fewer, side by side; row i is row `order(i)` of the block.
 #[inline(always)]
 pub(super) fn gathered<S: Simd, const N: usize>(
     simd: S,
@@ -177,7 +177,7 @@ pub(super) fn scatter<S: Simd, const N: usize>(
     }
 }
 
-/// One row of a block, some of its columns.
+/// Puts a row back into a block, for some of its columns.
 #[inline(always)]
 pub(super) fn put<S: Simd, const N: usize>(row: Row<S, N>, block: &mut Block, i: usize, from: usize) {
     let numbers: &[Complex<f64>] = cast_slice(&row);

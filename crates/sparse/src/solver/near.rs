@@ -1,4 +1,4 @@
-//! One eigenvalue of which a neighbour is known.
+//! Eigenvalue of which a neighbour is known.
 
 use nalgebra::DVector;
 use num_complex::Complex;

@@ -16,7 +16,7 @@ pub(crate) struct Pencil {
     order: usize,
     column_starts: Vec<usize>,
     rows: Vec<usize>,
-    /// Where the transposed entry stands: the pattern is symmetric.
+    /// Index of the transposed entry of each one: the pattern is symmetric.
     mirror: Vec<usize>,
     /// The rows of all entries, and of those that M or C has.
     all: Rows,
@@ -26,7 +26,7 @@ pub(crate) struct Pencil {
     stiffness: Vec<f64>,
     /// The values by rows, of each side that is asked for.
     sides: [OnceLock<Values>; 2],
-    /// Where the entry `f_k e_l` of each state, k outermost, stands in the pattern.
+    /// Indices in the pattern of the entries `f_k e_l` of each state, k outermost.
     coupling: Vec<Vec<usize>>,
     states: Vec<State>,
     norms: Norms,
@@ -60,7 +60,7 @@ type Block = Mat<Complex<f64>>;
 type Coefficients = [(usize, f64)];
 
 impl State {
-    /// What drives the state and where it acts, of the system or the transposed one.
+    /// Coefficients that drive the state, and those by which it acts, of the system or the transposed one.
     pub(super) fn sides(&self, side: Side) -> (&Coefficients, &Coefficients) {
         match side {
             Side::Right => (&self.drive, &self.force),
@@ -139,7 +139,7 @@ impl Pencil {
         &self.states
     }
 
-    /// Whether M, C and K are symmetric to the last bit, and there are no states: then conjugates of left vectors are right ones.
+    /// True if M, C and K are symmetric to the last bit, and there are no states: then conjugates of left vectors are right ones.
     pub(crate) fn is_symmetric(&self) -> bool {
         let is_symmetric = |values: &[f64]| values.iter().zip(&self.mirror).all(|(value, &at)| *value == values[at]);
         self.states.is_empty() && [&self.mass, &self.damping, &self.stiffness].into_iter().all(|m| is_symmetric(m))
@@ -150,7 +150,7 @@ impl Pencil {
         (&self.column_starts, &self.rows)
     }
 
-    /// Where the transposed entry of each one stands.
+    /// Index of the transposed entry of each one.
     pub(crate) fn mirror(&self) -> &[usize] {
         &self.mirror
     }
@@ -214,7 +214,7 @@ impl Pencil {
         }
     }
 
-    /// How far rounding may move two eigenvalues apart that are one, rad/s: as the root of a rounding error where they have one vector.
+    /// Distance to which rounding may move two eigenvalues apart that are one, rad/s: as the root of a rounding error where they have one vector.
     pub(crate) fn blur(&self, lambda: Complex<f64>) -> f64 {
         let size = self.size(Complex::from(lambda.norm().max(self.natural())));
         let scales = [(size / self.norms.mass).sqrt(), size / self.norms.damping];
@@ -223,7 +223,7 @@ impl Pencil {
         (APART * f64::EPSILON.sqrt() * scale).max(TOLD_APART * lambda.norm())
     }
 
-    /// What a residual at lambda is a part of: [`size`](Self::size), or for an eigenvalue that rounding does not tell from zero that at
+    /// Size to which a residual at lambda is compared: [`size`](Self::size), or for an eigenvalue that rounding does not tell from zero that at
     /// gamma. There K may vanish, and with it all that the computed eigenvalue could be compared with.
     pub(crate) fn measure(&self, lambda: Complex<f64>) -> f64 {
         let is_zero = lambda.norm() <= self.blur(lambda);

@@ -1,4 +1,4 @@
-//! From Ritz values to eigenpairs: two-sided Rayleigh quotients, backward errors and condition numbers.
+//! Eigenpairs from Ritz values: two-sided Rayleigh quotients, backward errors and condition numbers.
 
 use cea::Verdict;
 use faer::Mat;
@@ -39,12 +39,12 @@ const LARGEST_MARGINAL_TOLERANCE: f64 = 1e-6;
 
 type Vector = DVector<Complex<f64>>;
 
-/// What a Ritz value became.
+/// Eigenpair that a Ritz value became.
 pub(super) struct Polished {
     /// The Ritz value.
     pub(super) ritz: Complex<f64>,
     pub(super) pair: Eigenpair,
-    /// Whether both vectors are as good as they are asked to be.
+    /// True if both vectors are as good as they are asked to be.
     pub(super) is_good: bool,
 }
 
@@ -72,7 +72,7 @@ impl Problem {
         }
     }
 
-    /// What becomes of candidates of one disc. One that does not converge keeps the backward error that it has.
+    /// Eigenpairs that the candidates of one disc become. One that does not converge keeps the backward error that it has.
     ///
     /// # Errors
     /// A factorisation that does not fit into memory.
@@ -120,7 +120,7 @@ impl Problem {
         Ok(all.map(|((pair, is_good), ritz)| Polished { ritz, pair, is_good }).collect())
     }
 
-    /// Both vectors by solving with Q next to the eigenvalue, and again next to what their quotient says it is, while that helps. Apart from
+    /// Right and left vector by solving with Q next to the eigenvalue, and again next to what their quotient says it is, while that helps. Apart from
     /// [`cea::Eigentriple::of_neighbour`]: a sparse factorisation is dear, so that each makes several steps, and what is best of them stays.
     fn by_inverse_iteration(
         &self,
@@ -171,8 +171,8 @@ struct Trial {
 }
 
 impl Trial {
-    /// With the quotient of the vectors, whatever residual that has: vectors from a shift that is not yet the eigenvalue leave less of Q at the
-    /// shift than at the eigenvalue, which they are next to all the same.
+    /// A trial with the quotient of the vectors, whatever residual that has: vectors from a shift that is not yet the eigenvalue leave less of Q
+    /// at the shift than at the eigenvalue, which they are next to all the same.
     fn with_quotient(pencil: &Pencil, shift: Complex<f64>, x: Vector, y: Vector) -> (Self, Complex<f64>) {
         let x = [x];
         let parts = pencil.parts(Side::Right, &columns(&x));
@@ -249,7 +249,7 @@ pub(super) fn judged(lambda: Complex<f64>, motion: f64, backward_error: f64) -> 
     (bound, if is_marginal { Verdict::Marginal { tolerance } } else { Verdict::of(lambda, bound) })
 }
 
-/// How far an eigenvalue may be from the exact one of these matrices or of any that round to them, to first order, given by how
+/// Error bound of an eigenvalue, to first order: its distance from the exact one of these matrices or of any that round to them, given by how
 /// much it moves when the matrices do, rad/s.
 fn first_order(motion: f64, backward_error: f64) -> f64 {
     let bound = FIRST_ORDER_SAFETY * motion * backward_error.max(0.5 * f64::EPSILON);

@@ -10,12 +10,12 @@ use crate::State;
 
 type Block = Mat<Complex<f64>>;
 
-/// Whether a matrix acts as it is or transposed.
+/// Side of a matrix: it acts as it is or transposed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
-    /// As it is: right vectors.
+    /// The matrix as it is: right vectors.
     Right,
-    /// Transposed: conjugates of left vectors.
+    /// The transposed matrix: conjugates of left vectors.
     Left,
 }
 
@@ -32,14 +32,14 @@ pub(crate) struct Weights {
 #[derive(Debug, Clone)]
 pub(super) struct Rows {
     pub(super) starts: Vec<usize>,
-    /// Of fewer than 2^32: half the memory to read.
+    /// Columns of the entries, fewer than 2^32: half the memory to read.
     pub(super) columns: Vec<u32>,
-    /// Where the transposed entries stand in the pattern.
+    /// Indices of the transposed entries in the pattern.
     pub(super) places: Vec<usize>,
 }
 
 impl Rows {
-    /// Of the entries of a symmetric pattern that are wanted.
+    /// The rows of those entries of a symmetric pattern that are wanted.
     pub(super) fn new(starts: &[usize], others: &[usize], is_wanted: impl Fn(usize) -> bool) -> Self {
         let mut rows = Self { starts: vec![0], columns: Vec::new(), places: Vec::new() };
         for row in starts.windows(2) {
@@ -63,7 +63,7 @@ pub(crate) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Their weighted sum.
+    /// Weighted sum of the products.
     pub(crate) fn sum(&self, weights: &Weights) -> DVector<Complex<f64>> {
         let Weights { mass, damping, stiffness, states } = weights;
         let [m, c, k] = &self.products;

@@ -1,4 +1,4 @@
-//! How far from zero an eigenvalue can be, so that a rectangle need not be searched beyond.
+//! Reach of a spectrum: how far from zero an eigenvalue can be, so that a rectangle need not be searched beyond.
 
 use nalgebra_sparse::CscMatrix;
 
@@ -24,7 +24,7 @@ pub(super) fn least_reach(system: &SparseSecondOrder) -> f64 {
     ratios.filter(|ratio| ratio.is_finite()).fold(0.0, f64::max).sqrt()
 }
 
-/// How far eigenvalues can be from zero and from the imaginary axis; `None` where the symmetric part of M is not positive definite.
+/// Reach of the eigenvalues from zero and from the imaginary axis; `None` where the symmetric part of M is not positive definite.
 ///
 /// With the diagonal D of M and `x^H D x = 1`, `lambda^2 x^H M x + lambda x^H C x + x^H K x = 0` for an eigenvector x, and
 /// `Re x^H M x >= tau` where the symmetric part of `M - tau D` has no negative eigenvalue, by its factorisation. So
@@ -101,7 +101,7 @@ impl Reach {
         part.check().is_ok().then_some(part)
     }
 
-    /// Whether the upper half of the spectrum is in a rectangle.
+    /// True if the upper half of the spectrum is in a rectangle.
     pub(super) fn is_within(&self, rectangle: &Rectangle) -> bool {
         let [low, high] = rectangle.re;
         low <= -self.real && high >= self.real && rectangle.im[0] <= 0.0 && rectangle.im[1] >= self.modulus

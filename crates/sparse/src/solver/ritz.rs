@@ -60,7 +60,7 @@ impl Ritz {
         Mat::from_fn(self.images.nrows(), wanted.len(), |i, j| self.images[(i, wanted[j])] / self.mus[wanted[j]])
     }
 
-    /// Of some of the vectors those whose residuals are largest, as many as are multiplied at once.
+    /// Indices, of some of the vectors, of those whose residuals are largest, as many as are multiplied at once.
     pub(crate) fn worst(&self, wanted: &[usize]) -> Vec<usize> {
         let mut all = wanted.to_vec();
         all.sort_by(|&a, &b| self.residuals[b].total_cmp(&self.residuals[a]));

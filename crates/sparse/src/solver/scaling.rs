@@ -60,7 +60,7 @@ impl Scaled {
         Self { system: SparseSecondOrder { m, c, k, states }, gamma, left, right }
     }
 
-    /// Whether rows or columns are so different that a search needs the scaling: left alone what needs none keeps its bits.
+    /// True if rows or columns are so different that a search needs the scaling: left alone what needs none keeps its bits.
     pub(super) fn is_uneven(&self) -> bool {
         let is_uneven = |factors: &[f64]| {
             let (least, most) =
@@ -70,7 +70,7 @@ impl Scaled {
         is_uneven(&self.left) || is_uneven(&self.right)
     }
 
-    /// What was found in the scaled system, as of the one given.
+    /// Results of the scaled system in the units of the one given.
     pub(super) fn in_given_units(&self, found: Found, given: &SparseSecondOrder) -> Found {
         let (pencil, gamma) = (Pencil::new(given), self.gamma);
         let pair = |pair: Eigenpair| {

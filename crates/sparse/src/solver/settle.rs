@@ -1,4 +1,4 @@
-//! From what all discs found to eigenvalues that are there once each.
+//! Eigenvalues that are there once each, from what all discs found.
 //!
 //! The matrices are real, so the spectrum is symmetric about the real axis, and what rounding does not tell apart from the axis has an
 //! invariant space with a real basis. Groups of eigenvalues that rounding does not tell apart are solved in their space: Q is projected

@@ -1,4 +1,4 @@
-//! What is asked of the solver and what it answers.
+//! Questions to the solver, and its answers.
 
 use cea::Verdict;
 use nalgebra::DVector;
@@ -16,7 +16,7 @@ pub struct Rectangle {
 }
 
 impl Rectangle {
-    /// Whether the borders are finite and in order.
+    /// Checks that the borders are finite and in order.
     ///
     /// # Errors
     /// [`SparseError::Rectangle`].
@@ -29,7 +29,7 @@ impl Rectangle {
         Ok(())
     }
 
-    /// Whether lambda is inside or within `margin` of the border.
+    /// True if lambda is inside or within `margin` of the border.
     #[must_use]
     #[inline]
     pub fn contains(&self, lambda: Complex<f64>, margin: f64) -> bool {
@@ -37,7 +37,7 @@ impl Rectangle {
         within(lambda.re, self.re) && within(lambda.im, self.im)
     }
 
-    /// Whether lambda is inside, or to the right of the rectangle, or within `margin` of where it would be.
+    /// True if lambda is inside, or to the right of the rectangle, or within `margin` of where it would be.
     #[must_use]
     #[inline]
     pub fn contains_to_the_right(&self, lambda: Complex<f64>, margin: f64) -> bool {
@@ -53,7 +53,7 @@ impl Rectangle {
         if outside > 0.0 { outside } else { nearest(lambda.re, self.re).min(nearest(lambda.im, self.im)) }
     }
 
-    /// In another unit.
+    /// The rectangle in another unit.
     pub(super) fn times(&self, factor: f64) -> Self {
         Self { re: self.re.map(|x| x * factor), im: self.im.map(|x| x * factor) }
     }
@@ -63,7 +63,7 @@ impl Rectangle {
         Complex::new(middle(self.re), middle(self.im))
     }
 
-    /// From the centre to a corner.
+    /// Distance of the centre from a corner.
     pub(super) fn half_diagonal(&self) -> f64 {
         0.5 * (self.re[1] - self.re[0]).hypot(self.im[1] - self.im[0])
     }
@@ -80,7 +80,8 @@ impl Rectangle {
 pub struct Options {
     /// Largest backward error of an eigenpair.
     pub tolerance: f64,
-    /// The same of its left vector. An eigenvalue has an error of the order of the product of both, and a condition number needs few digits.
+    /// Largest backward error of its left vector. An eigenvalue has an error of the order of the product of both, and a condition number needs few
+    /// digits.
     pub left_tolerance: f64,
     /// Right-hand sides that are solved together, and so the largest multiplicity that a Krylov space surely shows.
     pub block: usize,
@@ -127,12 +128,12 @@ pub struct Eigenpair {
     /// `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as
     /// [`cea::certified::CertifiedEigenvalue::condition`]. Infinite for lambda = 0 and where the vectors are orthogonal.
     pub condition: f64,
-    /// How far the eigenvalue may be from the exact one of these matrices or of any that round to them, rad/s: that of
+    /// Error bound, rad/s: how far the eigenvalue may be from the exact one of these matrices or of any that round to them; that of
     /// `cea::certified` where the spectrum is certified ([`Options::certified`]), else to first order. Infinite where nothing is known.
     pub bound: f64,
-    /// Whether the motion grows, as far as the bound tells.
+    /// Verdict: whether the motion grows, as far as the bound tells.
     pub verdict: Verdict,
-    /// Whether the border of the rectangle is within the bound, so that it may be outside.
+    /// True if the border of the rectangle is within the bound, so that the eigenvalue may be outside.
     pub on_border: bool,
 }
 
@@ -149,7 +150,7 @@ pub struct Disc {
     pub columns: usize,
 }
 
-/// All eigenpairs of a rectangle and why they are all.
+/// Results of a search: all eigenpairs of a rectangle, and why they are all.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// The eigenpairs, by frequency as [`cea::by_frequency`] orders them.
@@ -157,11 +158,11 @@ pub struct Found {
     /// Discs whose union covers the rectangle, or of a rectangle on both sides of the real axis its larger half: the matrices
     /// are real.
     pub discs: Vec<Disc>,
-    /// Where eigenvalues can be at all, where the rectangle is larger and M positive definite: what is beyond has no discs.
+    /// Reach of the eigenvalues, where the rectangle is larger and M positive definite: what is beyond has no discs.
     pub reach: Option<Reach>,
-    /// Whether the pairs are of the whole certified spectrum ([`Options::certified`]), and not of a search.
+    /// True if the pairs are of the whole certified spectrum ([`Options::certified`]), and not of a search.
     pub is_certified: bool,
-    /// How the pairs were counted once more, without regard to how they were found.
+    /// Second count of the pairs, without regard to how they were found.
     pub count: Count,
     /// The work done.
     pub counters: Counters,
@@ -186,15 +187,15 @@ pub enum Count {
 /// A circle along which det Q was evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circle {
-    /// Its centre, rad/s.
+    /// Centre of the circle, rad/s.
     pub centre: Complex<f64>,
-    /// Its radius, rad/s.
+    /// Radius of the circle, rad/s.
     pub radius: f64,
     /// Eigenvalues inside.
     pub eigenvalues: usize,
 }
 
-/// How far any eigenvalue of a system can be from zero and from the imaginary axis.
+/// Reach of the eigenvalues of a system: how far any can be from zero and from the imaginary axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
     /// The largest |lambda|, rad/s.
@@ -203,7 +204,7 @@ pub struct Reach {
     pub real: f64,
 }
 
-/// What was computed.
+/// Counters of what was computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Sparse factorisations.
@@ -212,7 +213,7 @@ pub struct Counters {
     pub solves: usize,
 }
 
-/// How far a search is.
+/// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Part of the rectangle that is covered, 0 to 1.

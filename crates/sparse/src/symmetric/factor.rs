@@ -23,7 +23,7 @@ use crate::unpatterned::unpatterned;
 pub(crate) struct Factor {
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
-    /// Of B.
+    /// Subdiagonal of B.
     subdiagonal: Vec<f64>,
     forward: Vec<usize>,
     inverse: Vec<usize>,
@@ -70,7 +70,7 @@ impl Factor {
         Ok(factor)
     }
 
-    /// Of the solution for a right-hand side without pattern; infinite where there is none, as with a pivot that is zero.
+    /// Backward error of the solution for a right-hand side without pattern; infinite where there is none, as with a pivot that is zero.
     fn backward_error(&self, a: &CscMatrix<f64>) -> f64 {
         let b = DMatrix::from_fn(a.nrows(), 1, |i, _| unpatterned((i + 1) as f64) - 0.3);
         let x = self.solve(&b);
@@ -80,7 +80,7 @@ impl Factor {
         (times(a, &x) - &b).norm() / (norm(a) * x.norm() + b.norm())
     }
 
-    /// How many eigenvalues are negative, by Sylvester's law of inertia: as many as B has. `None` where the factorisation is unsound.
+    /// Number of negative eigenvalues, by Sylvester's law of inertia: as many as B has. `None` where the factorisation is unsound.
     pub(crate) fn negative(&self) -> Option<usize> {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return None };
         if !self.is_sound {
