@@ -39,7 +39,7 @@ impl fmt::Display for Tied {
     }
 }
 
-/// Rows that are held, from 0 and growing, of a square matrix by its entries (row, column, value), each place at most once.
+/// Rows that are held, from 0 and ascending, of a square matrix by its entries (row, column, value), each entry at most once.
 ///
 /// # Errors
 /// [`Tied`].

@@ -43,7 +43,7 @@ impl MatricesBrake {
         varying.next().filter(|_| varying.next().is_none())
     }
 
-    /// The parameters that are not constant, with their places.
+    /// Parameters that are not constant, with their indices.
     fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
         let varies =
             |(_, parameter): &(usize, &Parameter)| !matches!(parameter.distribution, Distribution::Constant { .. });

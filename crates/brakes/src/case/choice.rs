@@ -141,7 +141,7 @@ fn fixed(speed: f64) -> SpeedRange {
     SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }
 }
 
-/// The place of a name; the first where none is given.
+/// Index of a name in a list; 0 where none is given.
 fn chosen(what: &'static str, given: Option<&str>, names: &[&str]) -> Result<usize, CaseError> {
     let Some(given) = given else { return Ok(0) };
     names.iter().position(|name| *name == given).ok_or_else(|| refused(what, given, names.join(", ")))

@@ -47,9 +47,9 @@ impl Kernel {
 /// Correlation of the parameters of a draw: which of them depend on each other, and how, in one contact or in several with a draw each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
-    /// Places in the list of parameters.
+    /// Indices in the list of parameters.
     parameters: Vec<usize>,
-    /// Over these in the first contact, then in the second, and so on.
+    /// Copula over these in the first contact, then in the second, and so on.
     copula: GaussianCopula,
 }
 
@@ -166,7 +166,7 @@ impl Check<'_> {
 }
 
 impl Correlation {
-    /// Places in the list of parameters.
+    /// Indices in the list of parameters.
     pub(super) fn places(&self) -> &[usize] {
         &self.parameters
     }

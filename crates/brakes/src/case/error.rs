@@ -24,7 +24,7 @@ pub enum CaseError {
         /// Values that the case has, in words.
         allowed: String,
     },
-    /// Not TOML, an unknown or missing field, a wrong type.
+    /// A file that is not TOML, an unknown or missing field, a wrong type.
     #[error("{}: line {line}: {message}", path.display())]
     Syntax {
         /// The file.

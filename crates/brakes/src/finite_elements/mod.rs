@@ -245,7 +245,7 @@ impl FiniteElementBrake {
         range.is_some_and(|range| range.to > range.from)
     }
 
-    /// The parameters of coefficients that are not constant, with their places.
+    /// Parameters of coefficients that are not constant, with their indices.
     fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
         let varies =
             |(_, parameter): &(usize, &Parameter)| !matches!(parameter.distribution, Distribution::Constant { .. });

@@ -15,7 +15,7 @@ use crate::case::{
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
 const ANY_SPEED: f64 = 1.0;
 
-/// A law with the place of its range of speed, where it has one; `None` without a contact.
+/// A law with the index of its range of speed, where it has one; `None` without a contact.
 pub(super) type State = Option<(Law, Option<usize>)>;
 
 /// The law of a state, with the sliding speed of a sample, m/s.
@@ -240,7 +240,7 @@ pub(super) fn all_patches(case: &FiniteElementCase) -> Vec<usize> {
     (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
 }
 
-/// The channels of closed patches, as places in the system.
+/// Channels of closed patches, by their indices in the system.
 pub(super) fn closed_channels<'a>(
     case: &'a FiniteElementCase,
     closed: &'a [usize],
@@ -248,7 +248,7 @@ pub(super) fn closed_channels<'a>(
     closed.iter().flat_map(|&patch| channels_of(case, patch))
 }
 
-/// The channels of a patch, as places in the system.
+/// Channels of a patch, by their indices in the system.
 pub(super) fn channels_of(case: &FiniteElementCase, patch: usize) -> std::ops::Range<usize> {
     let patches = case.contact.as_ref().map_or(&[][..], |contact| &contact.patches);
     patches.get(patch).map_or(0..0, |patch| patch.channels.clone())

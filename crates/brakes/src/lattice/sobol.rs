@@ -78,7 +78,7 @@ impl DrawnFriction<'_> {
         self.drawn(closed).into_iter().map(|(contact, place)| sample.contact(contact).values()[place]).collect()
     }
 
-    /// The contacts with a draw of their own, with the places of what is drawn in each and matters.
+    /// Contacts with a draw of their own, each with the index of a parameter that is drawn there and matters.
     fn drawn(&self, closed: &[usize]) -> Vec<(usize, usize)> {
         let contacts = if self.draws == Draws::Each { closed } else { &[0] };
         let from = self.from.of_draw();

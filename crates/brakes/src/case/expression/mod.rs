@@ -67,7 +67,7 @@ fn at(values: &[String]) -> String {
 pub struct Expression {
     text: String,
     parsed: FlatEx<f64, Operators>,
-    /// For each variable of `parsed` its name and the index of the parameter.
+    /// Variables of `parsed`: the name of each and the index of its parameter.
     variables: Vec<(String, usize)>,
 }
 

@@ -40,7 +40,7 @@ impl<'a> Solids<'a> {
         Ok(Self { model, mesh, rows, places })
     }
 
-    /// The elements of sets and numbers, as places in the mesh, each once.
+    /// Elements of sets and numbers, by their indices in the mesh, each once.
     pub fn elements(&self, field: &str, names: &Nodes) -> Result<Vec<usize>, CaseError> {
         let place = |label: i64| self.places.get(&label).copied();
         let mut places = BTreeSet::new();

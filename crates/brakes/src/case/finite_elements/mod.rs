@@ -132,14 +132,14 @@ pub struct Patch {
     pub name: String,
     /// Pairs of nodes (pad, disc); of a point between faces the nodes next to it.
     pub pairs: Vec<[i64; 2]>,
-    /// The sliding speed of each of its pairs as a multiple of that of a scene: 1 where sliding is a direction, the pair's radius over the
+    /// Ratios of the sliding speed of each pair to that of a scene: 1 where sliding is a direction, the pair's radius over the
     /// mean radius of all pairs of the contact where the disc turns about its normal.
     pub speeds: Vec<f64>,
-    /// The places of its channels in the system: of friction along the sliding of each pair, then across it.
+    /// Indices of its channels in the system: of friction along the sliding of each pair, then across it.
     pub channels: Range<usize>,
-    /// The mean normal load of its pairs while it is closed, N.
+    /// Mean normal load of its pairs while it is closed, N.
     pub load: f64,
-    /// The load of each of its pairs as a multiple of that: 1 where they share it equally.
+    /// Ratios of the load of each pair to that mean: 1 where they share it equally.
     pub shares: Vec<f64>,
 }
 

@@ -85,7 +85,7 @@ fn refused(model: &Model<'_>, normal: &Vector3<f64>, body: &str, by: String, rig
     model.check.value("contact.normal", found, &allowed)
 }
 
-/// For each outer face of a solid all of whose corners are nodes of the contact: its area times the direction into its element.
+/// Areas of the outer faces of solids all of whose corners are nodes of the contact, each times the direction into its element.
 fn inward_directions(mesh: &Mesh, surface: &Surface, of_contact: &HashSet<usize>) -> Vec<Vector3<f64>> {
     let place = |node: usize| surface.nodes[node];
     let at = |node: usize| Vector3::from(mesh.nodes[place(node)].position);
@@ -95,7 +95,7 @@ fn inward_directions(mesh: &Mesh, surface: &Surface, of_contact: &HashSet<usize>
     faces.map(inward).filter(|inward| inward.norm() > 0.0).collect()
 }
 
-/// For each solid element at nodes of the contact: from the middle of these nodes to its own.
+/// Offsets of the solid elements at nodes of the contact: from the middle of these nodes of an element to its own middle.
 fn offsets(mesh: &Mesh, of_contact: &HashSet<usize>) -> Vec<Vector3<f64>> {
     let middle = |nodes: &[usize]| {
         let sum: Vector3<f64> = nodes.iter().map(|&node| Vector3::from(mesh.nodes[node].position)).sum();

@@ -83,7 +83,7 @@ impl<'t> SurfaceContact<'t> {
         format!("contact {:?}", self.table.name)
     }
 
-    /// The patch of each point by its place in a list of names.
+    /// Names of the patches, and the patch of each point by its index among them.
     fn patches(&self, solids: &Solids<'_>) -> Result<(Vec<String>, Vec<usize>), CaseError> {
         let (check, key) = (solids.model.check, field("contact", &self.table.name, "patches"));
         if self.table.patches.is_empty() {
