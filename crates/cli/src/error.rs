@@ -74,7 +74,7 @@ pub enum Error {
         failed: u64,
         /// Number of evaluations in all.
         evaluations: u64,
-        /// The first of them.
+        /// Message of the first evaluation that failed.
         first: String,
     },
     /// A brake that diverges where its samples do not look.

@@ -5,7 +5,7 @@ use squeal::memory;
 
 use crate::Error;
 
-/// More worker threads than any machine has cores for.
+/// Largest number of worker threads that may be asked for; chosen, more than any machine has cores for.
 const MOST_THREADS: usize = 1024;
 
 /// The value of an option that is a whole number.

@@ -54,7 +54,7 @@ pub(super) fn counts_from(threshold: &Threshold) -> String {
     if threshold.is_axis() { String::new() } else { format!("; unstable: with {threshold}") }
 }
 
-/// The place of the name that an option gives; the first where it is not given.
+/// Index of the name that an option gives; 0 where it is not given.
 pub(super) fn chosen(option: &'static str, given: Option<&str>, names: &[&str]) -> Result<usize, Error> {
     let Some(given) = given else { return Ok(0) };
     let refused = || Error::Option { option, value: given.into(), allowed: names.join(", ") };

@@ -151,7 +151,7 @@ fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -
     line("", &format!("moved by a translation in x, y and z: {x:.4}, {y:.4} and {z:.4} kg"))
 }
 
-/// The first of many names.
+/// Names in a line, the first of many.
 fn first(names: impl Iterator<Item = String>, count: usize) -> String {
     let listed = names.take(ROWS_LISTED).collect::<Vec<_>>().join(", ");
     if count > ROWS_LISTED { format!("{listed} and {} more", count - ROWS_LISTED) } else { listed }
