@@ -2,16 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Entries of a tableau below this are rounding; chosen, problems here are scaled to about 1.
+/// Size of an entry of a tableau below which it is rounding; chosen, problems here are scaled to about 1.
 const PIVOT: f64 = 1e-11;
 /// Tolerance of z and of w below zero, as a fraction of the largest; chosen, above rounding of the last solution.
 const NEGATIVE: f64 = 1e-10;
 /// A solution that is larger than this times what matrix and right-hand side ask for is one of a singular matrix; chosen: a million times what
 /// gaps of contacts are.
 const SINGULAR: f64 = 1e10;
-/// Steps by number of unknowns after which a search ends; chosen, far more than were ever needed.
+/// Number of steps by number of unknowns after which a search ends; chosen, far more than were ever needed.
 const STEPS: usize = 50;
-/// Two solutions that differ by less than this part are one.
+/// Difference of two solutions, relative to the largest |q|, below which they are one.
 const ALIKE: f64 = 1e-8;
 
 /// Solution of a complementarity problem.

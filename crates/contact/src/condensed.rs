@@ -25,11 +25,11 @@ const NOT_HELD: f64 = 1e13;
 /// contact alone holds is allowed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condensed {
-    /// k, N/m.
+    /// Stiffness k of each point as if it were closed, N/m.
     pub(crate) stiffness: DVector<f64>,
-    /// A.
+    /// Matrix A: gaps by normal forces.
     pub(crate) normal: DMatrix<f64>,
-    /// B.
+    /// Matrix B: gaps by friction.
     pub(crate) friction: DMatrix<f64>,
     /// `G^T K_s^-1 f` of each load, a column each.
     pub(crate) loads: DMatrix<f64>,

@@ -34,7 +34,7 @@ pub struct Balance {
 /// Static equilibrium of all contact points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// N of each point, N: 0 where it is open.
+    /// Normal force N of each point, N: 0 where it is open.
     pub forces: Vec<f64>,
     /// The gap of each point: 0 or more where it is open, `- N / k` where it is closed.
     pub gaps: Vec<f64>,

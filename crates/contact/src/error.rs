@@ -125,7 +125,7 @@ pub enum ContactError {
         node: i64,
         /// A patch.
         first: String,
-        /// Another one.
+        /// Another patch.
         second: String,
     },
     /// A list of another length.

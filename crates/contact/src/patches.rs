@@ -6,7 +6,7 @@ use elements::Mesh;
 
 use crate::{ContactError, Interface};
 
-/// Two patches that share this much of a point's weight have it alike; chosen, above rounding.
+/// Difference of the weights of two patches at a point, relative, below which they have it alike; chosen, above rounding.
 const ALIKE: f64 = 1e-9;
 
 impl Interface {

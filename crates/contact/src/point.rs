@@ -22,14 +22,14 @@ pub struct ContactPoint {
     pub slave_face: FaceId,
     /// The face of the master opposite to it.
     pub master_face: FaceId,
-    /// Nodes of the slave, by their places in the mesh, with the shape function of each at the point.
+    /// Nodes of the slave, by their indices in the mesh, with the shape function of each at the point.
     pub slave: Vec<(usize, f64)>,
     /// Nodes of the master, by their indices in the mesh, with the shape function of each at the point opposite.
     pub master: Vec<(usize, f64)>,
 }
 
 impl ContactPoint {
-    /// The place of the slave's node that is weighed most here: a name for the point.
+    /// Index in the mesh of the slave's node that is weighed most here: a name for the point.
     #[must_use]
     pub fn node(&self) -> usize {
         let largest = self.slave.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));

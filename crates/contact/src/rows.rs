@@ -99,7 +99,7 @@ impl Interface {
         Ok(symmetric(&self.sum(rows, forces, |point| [point.slip_row(rows), point.slip_row(rows)])?))
     }
 
-    /// Friction along the sliding, a channel for each point with b = s and r = k g, named by the node of the slave and the place of the point.
+    /// Friction along the sliding, a channel for each point with b = s and r = k g, named by the node of the slave and the number of the point.
     ///
     /// # Errors
     /// Not a stiffness of each point.

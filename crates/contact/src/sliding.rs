@@ -20,7 +20,7 @@ pub enum Sliding {
     About {
         /// The axis, positive by the right hand.
         axis: Axis,
-        /// rad/s, of any sign but not 0.
+        /// Speed, rad/s, of any sign but not 0.
         speed: f64,
     },
 }

@@ -12,15 +12,15 @@ pub enum Stiffness {
     InAll(f64),
     /// `p = c g^m` of the overlap g of rough faces, m about 2 to 3.3: stiffer where the pressure is higher.
     Power {
-        /// c, a pressure by the m-th power of a length.
+        /// Factor c, a pressure by the m-th power of a length.
         c: f64,
-        /// m, >= 1.
+        /// Exponent m, >= 1.
         m: f64,
     },
 }
 
 impl Stiffness {
-    /// Checks its numbers.
+    /// Checks the numbers of the stiffness.
     ///
     /// # Errors
     /// One that is not finite and > 0, an exponent below 1.
