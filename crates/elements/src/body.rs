@@ -15,10 +15,10 @@ pub struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// The body of the elements at these places of the mesh.
+    /// The body of the elements with these indices in the mesh.
     ///
     /// # Errors
-    /// No elements, a place without one, an element that is inverted or has no volume.
+    /// No elements, an index without one, an element that is inverted or has no volume.
     pub fn new(mesh: &'a Mesh, elements: Vec<usize>, rows: &'a Rows) -> Result<Self, ElementsError> {
         if elements.is_empty() {
             return Err(ElementsError::Empty { what: "elements" });
@@ -36,7 +36,7 @@ impl<'a> Body<'a> {
     }
 
     /// `sum_points w f_ab I_3`: a number for each pair of nodes of an element, alike in x, y and z. The function is told the
-    /// place of the element.
+    /// index of the element.
     pub(crate) fn scalar(&self, f: impl Fn(usize, &Point, &mut DMatrix<f64>)) -> Result<CscMatrix<f64>, ElementsError> {
         let mut sum = CooMatrix::new(self.rows.order(), self.rows.order());
         for &place in &self.elements {

@@ -44,10 +44,10 @@ pub enum ElementsError {
         /// The number of the node.
         node: i64,
     },
-    /// A place of an element beyond the last.
+    /// An index of an element beyond the last.
     #[error("there is no element at place {place}; the mesh has {total}, from 0")]
     NoElement {
-        /// The place, from 0.
+        /// Index, from 0.
         place: usize,
         /// Number of elements.
         total: usize,

@@ -49,7 +49,7 @@ impl Kind {
         }
     }
 
-    /// Nodes of a face by its number from 1 (S1, S2, ...), as places from 0 in the element: corners so that seen from outside they go
+    /// Nodes of a face by its number from 1 (S1, S2, ...), as indices from 0 in the element: corners so that seen from outside they go
     /// around against the clock, then the middles of the edges between them. `None` where there is no such face.
     ///
     /// ```

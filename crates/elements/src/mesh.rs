@@ -78,40 +78,40 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Numbers of the nodes, by their places.
+    /// Numbers of the nodes in the model, by their indices.
     #[must_use]
     pub fn labels(&self) -> &[i64] {
         &self.labels
     }
 
-    /// Positions of the nodes, by their places.
+    /// Positions of the nodes, by their indices.
     #[must_use]
     pub fn positions(&self) -> &[Vector3<f64>] {
         &self.positions
     }
 
-    /// The place of a node by its number; `None` where the mesh lacks it.
+    /// Index of a node by its number in the model; `None` where the mesh lacks it.
     #[must_use]
     pub fn place(&self, label: i64) -> Option<usize> {
         self.places.get(&label).copied()
     }
 
-    /// The elements, by their places.
+    /// Elements, by their indices.
     #[must_use]
     pub fn elements(&self) -> &[Element] {
         &self.elements
     }
 
-    /// The element at a place.
+    /// The element with an index, from 0.
     ///
     /// # Errors
-    /// No such place.
+    /// No such element.
     pub fn element(&self, place: usize) -> Result<&Element, ElementsError> {
         let total = self.elements.len();
         self.elements.get(place).ok_or(ElementsError::NoElement { place, total })
     }
 
-    /// Places of all elements.
+    /// Indices of all elements.
     #[must_use]
     pub fn all(&self) -> Vec<usize> {
         (0..self.elements.len()).collect()
@@ -158,7 +158,7 @@ impl Rows {
         self.order
     }
 
-    /// The row of the node at a place in a direction, 0 to 2 for x to z; `None` where the model has none.
+    /// Row of a node, by its index in the mesh, in a direction, 0 to 2 for x to z; `None` where the model has none.
     #[must_use]
     pub fn row(&self, place: usize, direction: usize) -> Option<usize> {
         self.of.get(place)?.get(direction).copied().flatten()

@@ -22,7 +22,7 @@ pub(crate) struct Point {
 }
 
 impl Mesh {
-    /// The points of integration of the element at a place, by the rule of its kind.
+    /// Points of integration of the element with an index, by the rule of its kind.
     ///
     /// # Errors
     /// No such element; one that is inverted or has no volume there.
@@ -52,7 +52,7 @@ impl Mesh {
         Ok(points)
     }
 
-    /// The volume of the element at a place.
+    /// Volume of the element with an index, in cubic units of length.
     ///
     /// # Errors
     /// No such element; one that is inverted or has no volume at a point of integration.

@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 use crate::faces::{FaceKind, FaceShape};
 use crate::{ElementsError, Mesh};
 
-/// Face of an element: the place of the element in the mesh, and the number of the face from 1 (S1, S2, ...).
+/// Face of an element: the index of the element in the mesh, and the number of the face from 1 (S1, S2, ...).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FaceId {
-    /// The place of the element in the mesh, from 0.
+    /// Index of the element in the mesh, from 0.
     pub element: usize,
     /// The number of the face, from 1.
     pub number: usize,
@@ -83,7 +83,7 @@ impl Mesh {
     /// The faces of these elements that no other element of the mesh has, element by element.
     ///
     /// # Errors
-    /// A place without an element.
+    /// An index without an element.
     pub fn outer_faces(&self, elements: &[usize]) -> Result<Vec<FaceId>, ElementsError> {
         let mut count: HashMap<Vec<usize>, usize> = HashMap::new();
         for place in 0..self.elements().len() {
@@ -103,7 +103,7 @@ impl Mesh {
         Ok(outer)
     }
 
-    /// The outer faces all of whose corners are among these nodes, given by their places: the surface that a node set means.
+    /// Outer faces all of whose corners are among these nodes, given by their indices: the surface that a node set means.
     ///
     /// # Errors
     /// None; faces are those of the mesh.
