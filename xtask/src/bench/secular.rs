@@ -17,7 +17,7 @@ pub struct SecularRoute {
 }
 
 impl SecularRoute {
-    /// `None` for a structure that has no secular equation, and for draws whose channels differ.
+    /// The route for a lattice; `None` for a structure that has no secular equation, and for draws whose channels differ.
     ///
     /// # Errors
     /// Those of the model and of the solver.
