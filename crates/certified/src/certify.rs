@@ -205,7 +205,7 @@ pub fn improved(
     Ok(better.into_iter().map(|sigma| sigma * gamma).collect())
 }
 
-/// For each eigenvalue the earlier one that it is the conjugate of, if any.
+/// Conjugates: for each eigenvalue the index of the earlier one that it is the conjugate of, if any.
 fn conjugates(sigmas: &[Complex<f64>]) -> Vec<Option<usize>> {
     let mut taken = vec![false; sigmas.len()];
     let mut partners = vec![None; sigmas.len()];

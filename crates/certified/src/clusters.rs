@@ -154,7 +154,7 @@ fn largest_radius(centre: Complex<f64>, next: f64) -> f64 {
     (next / MARGIN).min(centre.norm().max(1.0))
 }
 
-/// Two eigenvalues that are told apart, with nearly parallel vectors.
+/// True if two eigenvalues that are told apart are near, with nearly parallel vectors.
 pub(super) fn nearly_defective((a, x): (Complex<f64>, &Vector), (b, y): (Complex<f64>, &Vector)) -> bool {
     (a - b).norm() <= NEARLY_DEFECTIVE_GAP * a.norm() && x.dotc(y).norm_sqr() >= NEARLY_DEFECTIVE_COSINE
 }

@@ -132,7 +132,7 @@ impl Lane for Dd {
         o.store(&mut block[0][row][..S::F64_LANES], x[0]);
         o.store(&mut block[1][row][..S::F64_LANES], x[1]);
     }
-    /// Wrong by some 2^-104 of |a| + |b|, which is what an orthogonal reduction needs, and half the price of a sum that
+    /// `a + b`, wrong by some 2^-104 of |a| + |b|, which is what an orthogonal reduction needs, and half the price of a sum that
     /// is right to that part of |a + b|.
     #[inline(always)]
     fn plus<S: Simd>(o: Ops<S>, a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {

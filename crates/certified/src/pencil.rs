@@ -46,7 +46,7 @@ impl<T: Lane> Pencil<T> {
         Self { a: Planar::from(a), b: Planar::from(b), norms: (a.norm(), b.norm()) }
     }
 
-    /// Without its infinite eigenvalues, whose chains come off with these widths.
+    /// The pencil without its infinite eigenvalues, whose chains come off with these widths.
     pub(crate) fn without_infinite(mut self, widths: &[usize]) -> Self {
         for &width in widths {
             (self.b, self.a) = remove_null_space(self.b, self.a, width);
@@ -54,7 +54,7 @@ impl<T: Lane> Pencil<T> {
         self
     }
 
-    /// Without its zero eigenvalues.
+    /// The pencil without its zero eigenvalues, whose chains come off with these widths.
     pub(crate) fn without_zero(mut self, widths: &[usize]) -> Self {
         for &width in widths {
             (self.a, self.b) = remove_null_space(self.a, self.b, width);

@@ -48,9 +48,9 @@ pub(crate) fn eigenvalues<T: Lane>(a: Planar<T>, b: Planar<T>) -> Result<Vec<Com
 const EXCEPTIONAL_START: [f64; 3] = [0.0, 1.0, 1.1605];
 
 struct HessenbergTriangular<T> {
-    /// Upper Hessenberg.
+    /// H, upper Hessenberg.
     h: Planar<T>,
-    /// Upper triangular, no zero on its diagonal.
+    /// T, upper triangular, no zero on its diagonal.
     t: Planar<T>,
     /// Frobenius norm of h.
     norm: f64,

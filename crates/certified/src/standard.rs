@@ -188,7 +188,7 @@ mod tests {
             }
         }
 
-        /// Overdamped problems, fast and slow eigenvalues ten to sixteen powers of ten apart, have those of QZ, which inverts
+        /// Eigenvalues of overdamped problems, fast and slow ones ten to sixteen powers of ten apart, are those of QZ, which inverts
         /// nothing: by M's inverse, whose rows are graded downwards, to the digits of a double, by K's as norms promise.
         #[test]
         fn overdamped_problems_have_the_eigenvalues_of_qz(

@@ -22,7 +22,7 @@ impl<'a> Factor<'a> {
         Self::with_least_pivot(problem, sigma, f64::EPSILON * f64::EPSILON)
     }
 
-    /// For several null vectors: no pivot is below a rounding error, or the first vector drowns the others.
+    /// The factors for several null vectors: no pivot is below a rounding error, or the first vector drowns the others.
     pub(crate) fn for_several(problem: &'a Scaled, sigma: Complex<f64>) -> Self {
         Self::with_least_pivot(problem, sigma, f64::EPSILON)
     }
@@ -85,7 +85,7 @@ impl<'a> Factor<'a> {
         g
     }
 
-    /// Without a symmetry to be orthogonal to the wanted vector by; real for a real sigma, as all that follows.
+    /// Starting vector without a symmetry to be orthogonal to the wanted one by; real for a real sigma, as all that follows.
     fn start(&self, v: usize) -> Vector {
         DVector::from_fn(self.problem.order(), |i, _| {
             let angle = 2.399_963_229_728_653 * ((i + 1) * (i + 2) + 7 * v * (i + 1)) as f64;
@@ -137,7 +137,7 @@ pub(crate) fn by_norms<const N: usize, R>(
     None
 }
 
-/// No more than the norm that [`by_norms`] concludes from at the end, whatever vectors are still to come: all of it, which is that of a
+/// Lower bound of the norm that [`by_norms`] concludes from at the end, whatever vectors are still to come: all of it, which is that of a
 /// vector's image over the vector's own at least, or what the last line of [`NORM_ESTIMATES`] makes of the sum of squares.
 fn least_conclusion(n: usize, made: usize, squares: f64) -> f64 {
     let (probes, safety) = NORM_ESTIMATES[NORM_ESTIMATES.len() - 1];
