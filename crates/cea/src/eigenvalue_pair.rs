@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex;
 
-/// Difference of places on the path from which derivatives are taken; chosen near the square root of machine epsilon.
+/// Difference of positions on the path from which derivatives are taken; chosen near the square root of machine epsilon.
 const DIFFERENCE_STEP: f64 = 1e-7;
 /// Number of values on the circle, and so of Taylor coefficients; chosen.
 const CIRCLE_VALUES: usize = 8;
@@ -29,9 +29,9 @@ const MOST_CIRCLES: usize = 4;
 /// Two eigenvalues `m +- sqrt(s)` by their mean m and the square s of half the gap between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EigenvaluePair {
-    /// m, rad/s.
+    /// Mean m, rad/s.
     pub mean: Complex<f64>,
-    /// s, rad^2/s^2.
+    /// Square s of half the gap, rad^2/s^2.
     pub half_gap_squared: Complex<f64>,
 }
 
@@ -50,10 +50,10 @@ impl EigenvaluePair {
     }
 }
 
-/// A path, a place on it, and an eigenvalue or a guess of one, rad/s.
+/// A path, a position t on it, and an eigenvalue or a guess of one, rad/s.
 pub type OnPath<P> = (P, f64, Complex<f64>);
 
-/// The two eigenvalues next to each of some guesses at a place t on a path, and the derivative of their mean and square by t; `None` where
+/// Pairs of eigenvalues next to each of some guesses at a position t on a path, and the derivative of their mean and square by t; `None` where
 /// there are no two such eigenvalues, or a third is as near.
 ///
 /// `characteristic` gives values of a function of lambda and t that is analytic next to the guesses and has the eigenvalues as zeros, up to

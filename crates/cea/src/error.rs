@@ -47,7 +47,7 @@ pub enum CeaError {
          ones in exact conjugate pairs"
     )]
     SpectrumOrder {
-        /// The first that does not fit.
+        /// Eigenvalue that does not fit, the first one.
         lambda: Complex<f64>,
     },
     /// A solver that has not given one spectrum for each system.

@@ -33,7 +33,7 @@ pub fn real_count(lambda: Complex<f64>) -> usize {
     }
 }
 
-/// The places of the eigenvalues of oscillating modes in the order of their frequency ranks: ascending in frequency; of equal
+/// Indices of the eigenvalues of oscillating modes in the order of their frequency ranks: ascending in frequency; of equal
 /// frequencies, as two modes that flutter can have, the damped one first and the one of the largest growth last. Equal is what
 /// differs by 1e-10 of |lambda| or less, else the last bits of a solver would decide. Where both parts are equal, as for the double
 /// eigenvalues of a symmetric brake, which are alike but for their shapes, the order given stays.

@@ -86,7 +86,7 @@ pub fn stability_census(system: &SecondOrder, work: &mut Workspace) -> Result<St
     }
 }
 
-/// `None` as soon as one eigenvalue is left undecided.
+/// Census by the fast route and single bounds; `None` as soon as one eigenvalue is left undecided.
 fn by_single_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option<StabilityCensus>, CeaError> {
     let spectrum = QrSolver.eigenvalues(system, work)?;
     let (mut census, mut judge) = (StabilityCensus::default(), Judge::new(system, &spectrum));

@@ -35,13 +35,13 @@ use crate::{CeaError, Spectrum, Verdict, Workspace, real_count};
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CountedSpectrum {
-    /// Oscillating and beyond the threshold, ascending in frequency, rad/s.
+    /// Oscillating eigenvalues beyond the threshold, ascending in frequency, rad/s.
     pub flutter: Vec<Complex<f64>>,
-    /// Real and beyond it, ascending, 1/s.
+    /// Real eigenvalues beyond the threshold, ascending, 1/s.
     pub divergence: Vec<f64>,
-    /// On it to within rounding: neither growing nor decaying where the threshold is the axis.
+    /// Eigenvalues on the threshold to within rounding, rad/s: neither growing nor decaying where it is the axis.
     pub marginal: Vec<Complex<f64>>,
-    /// Not beyond it.
+    /// Eigenvalues that are not beyond the threshold, rad/s.
     pub below: Vec<Complex<f64>>,
     /// Number of eigenvalues whose bound leaves their side open though they are not next to the threshold; they are counted by
     /// the side that they are computed on.

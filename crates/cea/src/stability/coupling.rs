@@ -40,7 +40,7 @@ impl Coupling {
         Self { gamma, numbers: (force <= 1.0 && drive <= 1.0).then_some(numbers) }
     }
 
-    /// For eigenvalues near the axis at this distance from zero, rad/s: how much more than the perturbation of the whole that of
+    /// Coupling for eigenvalues near the axis at this distance from zero, rad/s: how much more than the perturbation of the whole that of
     /// the vibrations may be, as a factor, and a bound of the norm of what couples them, rad/s. `None` where states are too slow.
     pub(super) fn at(&self, frequency: f64) -> Option<(f64, f64)> {
         let [damping, force, drive] = self.numbers?;

@@ -36,7 +36,7 @@ struct Anchor {
 }
 
 impl Anchor {
-    /// `None` where some modes do not oscillate.
+    /// The anchor of a gain and its spectrum; `None` where some modes do not oscillate.
     fn new(resolvent: &Resolvent, gain: Gain, spectrum: &Spectrum) -> Option<Self> {
         let (n, m) = (resolvent.poles.len(), resolvent.ports);
         let is_real = |l: &&Complex<f64>| l.im.abs() <= NEARLY_REAL * l.norm();

@@ -91,7 +91,7 @@ impl Approximations {
 pub(super) struct Enclosure {
     /// Radii of the discs, which contain all eigenvalues if `total < 1`.
     pub radii: Vec<f64>,
-    /// For each guess an upper bound of its share and that of its conjugate, `2 |w_i| / r_i`.
+    /// Upper bounds of the shares, for each guess with that of its conjugate, `2 |w_i| / r_i`.
     pub shares: Vec<f64>,
     /// The sum of all shares, including those of internal states.
     pub total: f64,

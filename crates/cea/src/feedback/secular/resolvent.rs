@@ -44,7 +44,7 @@ pub(crate) struct Resolvent {
     pub poles: Vec<Complex<f64>>,
     /// Eigenvalues with Im > 0 of uncontrollable modes: they do not move the ports, so no feedback moves their eigenvalues.
     pub uncontrollable: Vec<Complex<f64>>,
-    /// m, the number of ports.
+    /// Number m of ports.
     pub ports: usize,
     /// U_k and V_k of `R Q_0^-1 B`: for each entry of the m x m matrix by rows, those of all poles.
     pub reading: Vec<[f64; 2]>,
