@@ -24,11 +24,11 @@ pub struct SparseSecondOrder {
 /// First-order state: `z' = -a z + e^T u'`, which adds the force `f z` on the right-hand side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// a, 1/s.
+    /// Decay rate a, 1/s.
     pub decay: f64,
-    /// e: degrees of freedom, from 0, with coefficients.
+    /// Drive e: degrees of freedom, from 0, with coefficients.
     pub drive: Vec<(usize, f64)>,
-    /// f: degrees of freedom, from 0, with coefficients.
+    /// Force f: degrees of freedom, from 0, with coefficients.
     pub force: Vec<(usize, f64)>,
 }
 

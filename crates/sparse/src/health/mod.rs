@@ -24,11 +24,11 @@ const FOUND: f64 = 10.0;
 /// Numbers of eigenvalues by their sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Signs {
-    /// Below `-NULL |S|`.
+    /// Number of eigenvalues below `-NULL |S|`.
     pub negative: usize,
-    /// Within `NULL |S|` of zero, without those of empty rows.
+    /// Number of eigenvalues within `NULL |S|` of zero, without those of empty rows.
     pub null: usize,
-    /// Above `NULL |S|`.
+    /// Number of eigenvalues above `NULL |S|`.
     pub positive: usize,
 }
 

@@ -61,7 +61,7 @@ pub(super) fn certified_in(system: &SparseSecondOrder, rectangle: &Rectangle) ->
     Ok(Some(Found { pairs, discs: Vec::new(), reach: None, is_certified: true, count, counters: Counters::default() }))
 }
 
-/// Distance of an eigenvalue from its exact place, at most: its bound, or where nothing encloses it what rounding moves a double one by.
+/// Distance of an eigenvalue from the exact one, at most: its bound, or where nothing encloses it what rounding moves a double one by.
 pub(super) fn reach(lambda: Complex<f64>, bound: f64, gamma: f64) -> f64 {
     if bound.is_finite() { bound } else { f64::EPSILON.sqrt() * lambda.norm().max(gamma) }
 }

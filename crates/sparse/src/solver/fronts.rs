@@ -33,7 +33,7 @@ const JOINED: &[(usize, f64)] = &[(4, 0.5), (16, 0.1)];
 struct Group {
     from: usize,
     to: usize,
-    /// Ascending, all after `to`.
+    /// Rows that they change, ascending, all after `to`.
     below: Vec<usize>,
     /// The group that comes next: of the first row below.
     next: Option<usize>,
@@ -49,14 +49,14 @@ impl Group {
 
 /// The elimination order of a pattern, by approximate minimum degree, and its groups.
 pub(super) struct Elimination {
-    /// The row at each place, and the place of each row.
+    /// Row at each position of the order, and position of each row.
     order: Vec<usize>,
     place: Vec<usize>,
     groups: Vec<Group>,
 }
 
 impl Elimination {
-    /// `None` where it does not fit into memory.
+    /// The elimination order for the pattern of a pencil; `None` where it does not fit into memory.
     pub(super) fn new(pencil: &Pencil) -> Option<Self> {
         let n = pencil.order();
         let (starts, rows) = pencil.pattern();
@@ -100,7 +100,7 @@ pub(super) struct Factors {
 /// Group that was eliminated, and where it stands in both factors.
 pub(super) struct Eliminated {
     pub(super) from: usize,
-    /// The row of A11 at each place of `P A11`.
+    /// Row of A11 at each row of `P A11`.
     pub(super) pivots: Vec<usize>,
     /// `D^-1`.
     pub(super) inverses: Vec<Complex<f64>>,

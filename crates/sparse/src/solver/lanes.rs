@@ -159,7 +159,7 @@ pub(super) fn gathered<S: Simd, const N: usize>(
     rows
 }
 
-/// Back into the columns of a block, the reverse of [`gathered`].
+/// Puts rows back into the columns of a block, the reverse of [`gathered`].
 #[inline(always)]
 pub(super) fn scatter<S: Simd, const N: usize>(
     rows: &[Row<S, N>],

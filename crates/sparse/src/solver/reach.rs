@@ -10,7 +10,7 @@ use crate::{SparseError, SparseSecondOrder};
 const PARTS: [f64; 4] = [0.9, 0.5, 0.1, 0.01];
 /// Shifts, as parts of the norm, with which a stiffness may have no negative eigenvalue: of rounding, and of small faults; chosen.
 const SHIFTS: [f64; 4] = [1e-13, 1e-10, 1e-7, 1e-4];
-/// For the rounding of norms.
+/// Factor for the rounding of norms.
 const MARGIN: f64 = 1.0 + 1e-9;
 
 /// The largest `sqrt(K_ii / M_ii)`, rad/s: a rectangle that ends below it ends below what [`reach`] can say.

@@ -18,7 +18,7 @@ const PIECE: usize = 2048;
 /// `A^-1 x`, or `A^-T x`, in place, of the columns of a block.
 pub(super) struct Substitution<'a> {
     pub(super) factors: &'a Factors,
-    /// The row at each place.
+    /// Row at each position of the order.
     pub(super) order: &'a [usize],
     pub(super) side: Side,
     pub(super) x: &'a mut Mat<Complex<f64>>,

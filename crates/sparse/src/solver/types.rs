@@ -142,7 +142,7 @@ pub struct Eigenpair {
 pub struct Disc {
     /// The shift, rad/s.
     pub centre: Complex<f64>,
-    /// No eigenvalue that has not converged is nearer, rad/s; a safety factor is in it.
+    /// Radius, rad/s: no eigenvalue that has not converged is nearer; a safety factor is in it.
     pub radius: f64,
     /// Eigenvalues in it.
     pub eigenvalues: usize,
@@ -180,7 +180,7 @@ pub enum Count {
     },
     /// A second block of vectors at every shift, which found nothing that the first had not.
     SecondBlock,
-    /// None: Q is singular to rounding next to a circle, wherever it was moved, or has no factors whose determinant can be told.
+    /// No count: Q is singular to rounding next to a circle, wherever it was moved, or has no factors whose determinant can be told.
     Unclear,
 }
 
