@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::CaseError;
 use super::check::Check;
 
-/// `[correlation]`.
+/// Table `[correlation]`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CorrelationTable {

@@ -72,7 +72,7 @@ pub struct ReducedSet {
     pub dofs: DofMap,
     /// The system over the free rows.
     pub system: SparseAffineSystem,
-    /// V, n x k: it holds the brake in all arrangements.
+    /// Basis V, n x k: it holds the brake in all arrangements.
     pub basis: DMatrix<f64>,
     /// The brake on it.
     pub reduced: AffineSystem,

@@ -12,7 +12,7 @@ use crate::case::Draws;
 use crate::case::matrices::schema::Formula;
 use crate::case::schema::BristleDampingEntry;
 
-/// `[contact]`, of nodes at the same places, or `[[contact]]`, of faces.
+/// Table `[contact]`, of nodes at the same positions, or tables `[[contact]]`, of faces.
 #[derive(Debug)]
 pub(super) enum ContactEntry {
     OfNodes(Box<ContactTable>),
