@@ -17,9 +17,9 @@ const ALIKE: f64 = 1e-8;
 /// Solution of a complementarity problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Complementary {
-    /// z.
+    /// Vector z, the first of each pair of which one is 0.
     pub z: DVector<f64>,
-    /// w.
+    /// Vector w = q + M z, the second of each pair of which one is 0.
     pub w: DVector<f64>,
 }
 
@@ -119,7 +119,7 @@ fn eliminate(tableau: &mut DMatrix<f64>, row: usize, column: usize) {
     }
 }
 
-/// z and w with z free where it is said, and w there 0.
+/// Vectors z and w with z free where it is said, and w there 0.
 fn with_zeros(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<(DVector<f64>, DVector<f64>)> {
     let places: Vec<usize> = (0..q.len()).filter(|&at| opened[at]).collect();
     let mut z = DVector::zeros(q.len());

@@ -72,7 +72,7 @@ impl Condensed {
         })
     }
 
-    /// q and M of a balance.
+    /// Vector q and matrix M of the complementarity problem of a balance.
     fn problem(&self, balance: &Balance) -> Result<(DVector<f64>, DMatrix<f64>), ContactError> {
         self.check(balance)?;
         let n = self.points();

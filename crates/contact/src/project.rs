@@ -22,7 +22,7 @@ pub(crate) struct Projection {
     pub at: SurfacePoint,
     /// The normal there, of length 1.
     pub normal: Vector3<f64>,
-    /// `n . (x - x_face)`: negative inside of the body of the face.
+    /// Gap `n . (x - x_face)`: negative inside of the body of the face.
     pub gap: f64,
 }
 

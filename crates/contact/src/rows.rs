@@ -44,19 +44,19 @@ impl ContactPoint {
         row
     }
 
-    /// g: the gap opens by `g^T u`.
+    /// Row g of the gap, which opens by `g^T u`.
     #[must_use]
     pub fn gap_row(&self, rows: &Rows) -> Row {
         self.row(rows, &self.normal)
     }
 
-    /// s: the slave moves by `s^T u` along the sliding, against the master.
+    /// Row s of the slip: the slave moves by `s^T u` along the sliding, against the master.
     #[must_use]
     pub fn slip_row(&self, rows: &Rows) -> Row {
         self.row(rows, &self.sliding)
     }
 
-    /// a: the same across the sliding.
+    /// Row a of the motion across the sliding: the slave moves by `a^T u` along `n x t`, against the master.
     #[must_use]
     pub fn across_row(&self, rows: &Rows) -> Row {
         self.row(rows, &self.across())
@@ -64,7 +64,7 @@ impl ContactPoint {
 }
 
 impl Interface {
-    /// `sum k g g^T`: the springs of the points, N/m each.
+    /// Stiffness `sum k g g^T` of the springs of the points, N/m each.
     ///
     /// # Errors
     /// Not a stiffness of each point.
@@ -72,7 +72,7 @@ impl Interface {
         Ok(symmetric(&self.sum(rows, stiffness, |point| [point.gap_row(rows), point.gap_row(rows)])?))
     }
 
-    /// `sum k s g^T`: what friction adds to K for mu = 1.
+    /// Stiffness `sum k s g^T` that friction adds to K for mu = 1.
     ///
     /// # Errors
     /// Not a stiffness of each point.
@@ -80,7 +80,7 @@ impl Interface {
         self.sum(rows, stiffness, |point| [point.slip_row(rows), point.gap_row(rows)])
     }
 
-    /// `sum (N0 / v) a a^T`, which is `(N0 / v) (I - n n^T - t t^T)` on u_rel: what friction across the sliding adds to C for mu = 1. Normal
+    /// Damping `sum (N0 / v) a a^T`, `(N0 / v) (I - n n^T - t t^T)` on u_rel, that friction across the sliding adds to C for mu = 1. Normal
     /// forces are given, speeds those of the points.
     ///
     /// # Errors
@@ -91,7 +91,7 @@ impl Interface {
         Ok(symmetric(&self.sum(rows, &by_speed, |point| [point.across_row(rows), point.across_row(rows)])?))
     }
 
-    /// `sum N0 s s^T`: what the slope of a law adds to C for mu'(v) = 1.
+    /// Damping `sum N0 s s^T` that the slope of a law adds to C for mu'(v) = 1.
     ///
     /// # Errors
     /// Not a force of each point.

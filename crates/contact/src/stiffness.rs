@@ -10,7 +10,7 @@ pub enum Stiffness {
     PerArea(f64),
     /// Force by overlap of all points together, N/m, shared by their areas.
     InAll(f64),
-    /// `p = c g^m` of the overlap g of rough faces, m about 2 to 3.3: stiffer where the pressure is higher.
+    /// Pressure `p = c g^m` by the overlap g of rough faces, m about 2 to 3.3: stiffer where the pressure is higher.
     Power {
         /// Factor c, a pressure by the m-th power of a length.
         c: f64,
