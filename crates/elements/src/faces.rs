@@ -159,13 +159,13 @@ pub struct FaceShape {
 }
 
 impl FaceShape {
-    /// `N_a` of each node.
+    /// Shape functions `N_a`, one of each node.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values[..self.nodes]
     }
 
-    /// `dN_a/dr` and `dN_a/ds` of each node.
+    /// Derivatives `dN_a/dr` and `dN_a/ds` of each node.
     #[must_use]
     pub fn derivatives(&self) -> &[[f64; 2]] {
         &self.derivatives[..self.nodes]

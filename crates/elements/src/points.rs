@@ -13,7 +13,7 @@ const NO_VOLUME: f64 = 1e-12;
 pub(crate) struct Point {
     /// Shape functions and derivatives by own coordinates.
     pub shape: Shape,
-    /// `grad N_a` of each node.
+    /// Gradients `grad N_a`, one of each node.
     pub gradients: Vec<Vector3<f64>>,
     /// Position of the point.
     pub position: Vector3<f64>,

@@ -44,7 +44,7 @@ impl Axis {
         self.direction
     }
 
-    /// `axis x (x - through)`: the velocity of a point at 1 rad/s.
+    /// Velocity `axis x (x - through)` of a point at 1 rad/s.
     #[must_use]
     pub fn velocity(&self, at: &Vector3<f64>) -> Vector3<f64> {
         self.direction.cross(&(at - self.through))
@@ -54,9 +54,9 @@ impl Axis {
 /// Matrices that turning adds by the motion of particles through the mesh, for a speed of 1 rad/s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transport {
-    /// G, exactly skew: the part of `int rho N^T N_,theta` that is.
+    /// Gyroscopic matrix G, exactly skew: the part of `int rho N^T N_,theta` that is.
     pub gyroscopic: CscMatrix<f64>,
-    /// P, symmetric.
+    /// Centripetal matrix P, symmetric.
     pub centripetal: CscMatrix<f64>,
     /// The norm of the symmetric part of `int rho N^T N_,theta` over that of the skew one. It is an integral over the surface that vanishes
     /// where the surface turns into itself: a few hundredths of a coarse mesh of a body of revolution, more where the body is none, with holes or
@@ -65,7 +65,7 @@ pub struct Transport {
 }
 
 impl Body<'_> {
-    /// G and P of the body, which turns about an axis.
+    /// Matrices G and P of the body, which turns about an axis.
     ///
     /// # Errors
     /// A density that is not > 0.
@@ -102,7 +102,7 @@ impl Body<'_> {
         self.load(|point| -axis.direction.cross(&axis.velocity(&point.position)) * density)
     }
 
-    /// `K_sigma = int N_,i^T sigma_ij N_,j` of the stress that displacements make in a material: those of each node of the mesh under
+    /// Stiffness `K_sigma = int N_,i^T sigma_ij N_,j` of the stress that displacements make in a material: those of each node of the mesh under
     /// [`Body::centrifugal_load`], by the model's own stiffness or by [`Body::stiffness`]. It is proportional to them, so that
     /// displacements at 1 rad/s give it for `Omega^2 = 1`.
     ///

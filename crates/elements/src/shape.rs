@@ -22,13 +22,13 @@ impl Shape {
         shape
     }
 
-    /// `N_a` of each node.
+    /// Shape functions `N_a`, one of each node.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values[..self.nodes]
     }
 
-    /// `dN_a/dr`, `dN_a/ds` and `dN_a/dt` of each node.
+    /// Derivatives `dN_a/dr`, `dN_a/ds` and `dN_a/dt` of each node.
     #[must_use]
     pub fn derivatives(&self) -> &[[f64; 3]] {
         &self.derivatives[..self.nodes]

@@ -34,9 +34,9 @@ pub struct Face {
 pub struct SurfacePoint {
     /// Position of the point.
     pub position: Vector3<f64>,
-    /// `dx/dr` and `dx/ds` by the own coordinates of the face.
+    /// Tangents `dx/dr` and `dx/ds` by the own coordinates of the face.
     pub tangents: [Vector3<f64>; 2],
-    /// `dx/dr x dx/ds`, which points out of the element; its length is the area by area in own coordinates.
+    /// Normal `dx/dr x dx/ds`, which points out of the element; its length is the area by area in own coordinates.
     pub area: Vector3<f64>,
     /// Shape functions of the face.
     pub shape: FaceShape,
