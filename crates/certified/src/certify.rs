@@ -22,10 +22,10 @@ use crate::{CertifiedError, Counters, JudgedEigenvalue, Verdict};
 pub struct CertifiedEigenvalue {
     /// The eigenvalue, rad/s, improved where it could be.
     pub lambda: Complex<f64>,
-    /// `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, of the matrices as given
+    /// Backward error `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, of the matrices as given
     /// (Tisseur, Linear Algebra Appl. 309, 2000).
     pub backward_error: f64,
-    /// `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q'(lambda) phi|)` (Tisseur): relative
+    /// Condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q'(lambda) phi|)` (Tisseur): relative
     /// change of lambda per relative change of the matrices. Infinite for lambda = 0; that of the null space for a
     /// semisimple multiple eigenvalue.
     pub condition: f64,
@@ -34,9 +34,9 @@ pub struct CertifiedEigenvalue {
     pub bound: f64,
     /// Verdict: whether the motion grows.
     pub verdict: Verdict,
-    /// phi, length n (+ s internal states), unit 2-norm.
+    /// Right eigenvector phi, length n (+ s internal states), unit 2-norm.
     pub right: DVector<Complex<f64>>,
-    /// psi, `psi^H Q(lambda) = 0`, as phi.
+    /// Left eigenvector psi, `psi^H Q(lambda) = 0`, of the length and norm of phi.
     pub left: DVector<Complex<f64>>,
 }
 

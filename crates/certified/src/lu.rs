@@ -23,7 +23,7 @@ pub const LEAST_PIVOT: f64 = 1e-150;
 /// A complex vector.
 pub type Vector = DVector<Complex<f64>>;
 
-/// `P A = L U` by partial pivoting, with solves from both sides.
+/// Factorisation `P A = L U` by partial pivoting, with solves from both sides.
 #[derive(Debug)]
 pub struct Lu {
     /// Real and imaginary parts apart: products of real matrices are the fast ones.
