@@ -38,7 +38,7 @@ pub enum CeaError {
     SpectrumLength {
         /// Eigenvalues given.
         found: usize,
-        /// 2 n + s.
+        /// Number of eigenvalues expected: 2 n + s.
         expected: usize,
     },
     /// A solver whose eigenvalues are not those of a real system, sorted.

@@ -39,9 +39,9 @@ pub enum NoRealModes {
 /// The modes of `K phi = omega^2 M phi`, real and mass-normalised.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RealModes {
-    /// omega^2, rad^2/s^2, ascending; negative where the structure would fall away from its rest.
+    /// Squares omega^2 of the angular frequencies, rad^2/s^2, ascending; negative where the structure would fall away from its rest.
     pub omega_squared: Vec<f64>,
-    /// phi_j, n x r, in the same order, `phi_i^T M phi_j = delta_ij`; r is the rank of M.
+    /// Shapes phi_j, n x r, in the same order, `phi_i^T M phi_j = delta_ij`; r is the rank of M.
     pub shapes: DMatrix<f64>,
     mass: DMatrix<f64>,
 }
@@ -100,7 +100,7 @@ impl RealModes {
         })
     }
 
-    /// `|phi_j^T M x|^2 / (x^H M x)`: the part of each mode in a shape x of length n, in the order of the modes. The parts are not
+    /// Parts `|phi_j^T M x|^2 / (x^H M x)` of each mode in a shape x of length n, in the order of the modes. The parts are not
     /// negative and their sum is 1, since the modes span all that has mass.
     #[must_use]
     pub fn participation(&self, x: &DVector<Complex<f64>>) -> Vec<f64> {

@@ -70,13 +70,13 @@ impl Spectrum {
     }
 }
 
-/// `f = Im lambda / 2 pi`, Hz.
+/// Frequency `f = Im lambda / 2 pi`, Hz.
 #[must_use]
 pub fn frequency_hz(lambda: Complex<f64>) -> f64 {
     lambda.im / std::f64::consts::TAU
 }
 
-/// `zeta = -Re lambda / |lambda|`, the textbook's damping ratio: 1 is critical, negative is unstable.
+/// Damping ratio `zeta = -Re lambda / |lambda|`, the textbook's: 1 is critical, negative is unstable.
 ///
 /// Abaqus prints `-2 Re lambda / |lambda|`, twice this.
 #[must_use]

@@ -10,9 +10,9 @@ use crate::{CeaError, Workspace, right_vectors_of_all};
 /// Oscillating mode: its eigenvalue (rad/s, Im > 0) and its shape over the free degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
-    /// lambda, rad/s.
+    /// Eigenvalue lambda, rad/s.
     pub lambda: Complex<f64>,
-    /// phi, length n, `phi^H M phi = 1`, largest component real and positive.
+    /// Shape phi, length n, `phi^H M phi = 1`, largest component real and positive.
     pub shape: DVector<Complex<f64>>,
 }
 

@@ -166,7 +166,7 @@ fn is_internal(
     Ok(internal > kinetic * (1.0 + (lambda / form.gamma).norm_sqr()))
 }
 
-/// `phi^H M phi`, real for symmetric M.
+/// Square `phi^H M phi` of the mass norm, real for symmetric M.
 #[must_use]
 pub fn mass_norm_squared(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> f64 {
     phi.dotc(&real_times_complex(mass, phi)).re

@@ -33,9 +33,9 @@ pub(crate) const FASTEST_STATE_IN_LANE: f64 = 100.0;
 pub struct StandardForm {
     /// The scaled state matrix, (2 n + s) x (2 n + s), states ordered y, p, z.
     pub state: DMatrix<f64>,
-    /// gamma, rad/s: `lambda = gamma sigma`.
+    /// Unit gamma, rad/s: `lambda = gamma sigma`.
     pub gamma: f64,
-    /// d, the unit of each internal state: `z = d z_scaled`, length s.
+    /// Units d of the internal states: `z = d z_scaled`, length s.
     pub state_weights: Vec<f64>,
 }
 

@@ -22,7 +22,7 @@ const LARGE: usize = 64;
 /// Most solves with one factorisation; chosen: one nearly always suffices.
 const MOST_INVERSE_ITERATIONS: usize = 4;
 
-/// phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
+/// Right eigenvector phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
 ///
 /// # Errors
 /// [`CertifiedError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
@@ -35,7 +35,7 @@ pub fn right_vector(
     null_vector(&q, lambda, size(system, lambda), &[], work)
 }
 
-/// psi with `psi^H Q(lambda) = 0`, length n, normalised as [`right_vector`].
+/// Left eigenvector psi with `psi^H Q(lambda) = 0`, length n, normalised as [`right_vector`].
 ///
 /// # Errors
 /// As [`right_vector`].

@@ -46,7 +46,7 @@ impl Channels {
 /// A bound of an H-infinity norm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormBound {
-    /// g.
+    /// Bound g of the norm.
     pub bound: f64,
     /// Margins: how far from the axis eigenvalues were while the bound was sought.
     pub margins: AxisMargins,

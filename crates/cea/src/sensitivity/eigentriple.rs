@@ -37,13 +37,13 @@ const MOST_ITERATIONS: usize = 8;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Eigentriple {
-    /// lambda, rad/s.
+    /// Eigenvalue lambda, rad/s.
     pub lambda: Complex<f64>,
-    /// x, length n, unit 2-norm.
+    /// Right eigenvector x, length n, unit 2-norm.
     pub right: DVector<Complex<f64>>,
-    /// y, length n, unit 2-norm.
+    /// Left eigenvector y, length n, unit 2-norm.
     pub left: DVector<Complex<f64>>,
-    /// `y^H Q'(lambda) x`: 0 where lambda is defective.
+    /// Slope `y^H Q'(lambda) x`: 0 where lambda is defective.
     pub slope: Complex<f64>,
     /// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of internal states.
     pub(super) size: f64,
@@ -95,7 +95,7 @@ impl Eigentriple {
         None
     }
 
-    /// `d lambda / d p = -y^H Q_p x / y^H Q' x` for a given `Q_p = d Q / d p` at lambda, n x n.
+    /// Rate `d lambda / d p = -y^H Q_p x / y^H Q' x` for a given `Q_p = d Q / d p` at lambda, n x n.
     ///
     /// Not finite where lambda is defective; [`Eigentriple::separation`] tells whether it can be believed.
     #[must_use]
@@ -130,7 +130,7 @@ impl Eigentriple {
         self.size / (self.lambda.norm() * self.slope.norm())
     }
 
-    /// `|x^H z|` of the right vectors of two eigentriples: 1 where they are parallel.
+    /// Cosine `|x^H z|` of the right vectors of two eigentriples: 1 where they are parallel.
     #[must_use]
     pub fn likeness(&self, other: &Self) -> f64 {
         self.right.dotc(&other.right).norm()

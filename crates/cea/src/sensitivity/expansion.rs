@@ -13,9 +13,9 @@ const TOLERATED: f64 = 0.1;
 /// Derivatives of an eigenvalue by a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
-    /// `d lambda / d p`, rad/s per unit: its real part is that of the growth, its imaginary part that of the angular frequency.
+    /// Derivative `d lambda / d p`, rad/s per unit of p: its real part is that of the growth, its imaginary part that of the angular frequency.
     pub first: Complex<f64>,
-    /// `d^2 lambda / d p^2`.
+    /// Second derivative `d^2 lambda / d p^2`, rad/s per unit of p squared.
     pub second: Complex<f64>,
 }
 

@@ -6,7 +6,7 @@ use num_complex::Complex;
 
 use super::Eigentriple;
 
-/// `Q_p = d Q / d p` of a parameter p at an eigenvalue, through its vectors x and y. Those of several parameters that change together
+/// Derivative `Q_p = d Q / d p` by a parameter p at an eigenvalue, through its vectors x and y. Those of several parameters that change together
 /// are added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
@@ -81,7 +81,7 @@ impl Perturbation {
         by
     }
 
-    /// `d lambda / d p`, rad/s per unit of p; as [`Eigentriple::rate`], without a matrix.
+    /// Rate `d lambda / d p`, rad/s per unit of p; as [`Eigentriple::rate`], without a matrix.
     #[must_use]
     pub fn rate(&self, triple: &Eigentriple) -> Complex<f64> {
         -triple.left.dotc(&self.on_right) / triple.slope

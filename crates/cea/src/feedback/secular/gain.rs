@@ -7,7 +7,7 @@ use super::response::Point;
 /// The gain of a feedback: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gain {
-    /// mu, the proportional gain; p in the equations.
+    /// Proportional gain mu; p in the equations.
     pub mu: f64,
     /// Slope of the feedback force over the velocity, Ns/m; v in the equations.
     pub slope: f64,

@@ -39,7 +39,7 @@ pub struct GainPath<'a> {
 pub struct NewtonStep {
     /// The next guess of the eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// d lambda / d t there, rad/s.
+    /// Rate d lambda / d t there, rad/s.
     pub rate: Complex<f64>,
 }
 

@@ -29,9 +29,9 @@ const LARGEST_ERROR: f64 = 1e-11;
 /// Feedback forces on a structure: `Q(lambda) = Q_0(lambda) + B (p R + lambda v B^T)`, with numbers p and v.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Feedback {
-    /// B, the directions of the forces and of the velocities that the forces depend on, n x m.
+    /// Directions B of the forces and of the velocities that the forces depend on, n x m.
     pub force: DMatrix<f64>,
-    /// R, the displacements that the forces depend on, m x n.
+    /// Displacements R that the forces depend on, m x n.
     pub reading: DMatrix<f64>,
 }
 
