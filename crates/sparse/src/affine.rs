@@ -7,14 +7,14 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 use crate::product::times;
 use crate::{SparseError, SparseSecondOrder, State};
 
-/// `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
+/// Term `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseTerm {
     /// Name of the part.
     pub name: String,
     /// The family to which the work of its damping, and of a stiffness that is not symmetric, belongs.
     pub family: String,
-    /// M, C and K, without internal states. A part that has none of one holds an empty matrix of full order.
+    /// Matrices M, C and K, without internal states. A part that has none of one holds an empty matrix of full order.
     pub matrices: SparseSecondOrder,
 }
 
@@ -46,7 +46,7 @@ impl SparseAffineSystem {
         Ok(Self { terms, channels })
     }
 
-    /// n, the number of free degrees of freedom.
+    /// Number n of free degrees of freedom.
     #[must_use]
     pub fn order(&self) -> usize {
         self.terms.first().map_or(0, |term| term.matrices.order())
@@ -126,7 +126,7 @@ impl SparseAffineSystem {
         Ok(SparseSecondOrder { m: (&m).into(), c: (&c).into(), k: (&k).into(), states })
     }
 
-    /// `V^T Q(lambda) V` term by term and channel by channel: the same form, dense, over the columns of the real n x k matrix
+    /// Projection `V^T Q(lambda) V` term by term and channel by channel: the same form, dense, over the columns of the real n x k matrix
     /// V, which should be orthonormal. A reduced brake is a brake.
     ///
     /// Both sides have one basis, because a channel `b (mu r^T + lambda s b^T)` stays one only then. A matrix that is exactly

@@ -4,7 +4,7 @@
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 
-/// `A X`, n x k, of a sparse A, n x n, and a dense X, n x k.
+/// Product `A X`, n x k, of a sparse A, n x n, and a dense X, n x k.
 #[must_use]
 pub fn times(a: &CscMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let mut product = DMatrix::zeros(a.nrows(), x.ncols());

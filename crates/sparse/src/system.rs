@@ -5,17 +5,17 @@ use nalgebra_sparse::CscMatrix;
 
 use crate::SparseError;
 
-/// `M u'' + C u' + K u = sum_i f_i z_i`, `z_i' = -a_i z_i + e_i^T u'`, with sparse matrices.
+/// System `M u'' + C u' + K u = sum_i f_i z_i`, `z_i' = -a_i z_i + e_i^T u'`, with sparse matrices.
 ///
 /// The sparse counterpart of [`linsys::SecondOrder`]:
 /// `Q(lambda) = lambda^2 M + lambda C + K - sum_i lambda / (lambda + a_i) f_i e_i^T`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseSecondOrder {
-    /// M, n x n.
+    /// Mass matrix M, n x n.
     pub m: CscMatrix<f64>,
-    /// C, n x n.
+    /// Damping matrix C, n x n.
     pub c: CscMatrix<f64>,
-    /// K, n x n.
+    /// Stiffness matrix K, n x n.
     pub k: CscMatrix<f64>,
     /// The first-order states, none for most systems.
     pub states: Vec<State>,
@@ -48,7 +48,7 @@ impl SparseSecondOrder {
         Ok(Self { m, c, k, states: Vec::new() })
     }
 
-    /// n, the number of degrees of freedom.
+    /// Number n of degrees of freedom.
     #[must_use]
     pub fn order(&self) -> usize {
         self.m.nrows()

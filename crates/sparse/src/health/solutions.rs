@@ -10,9 +10,9 @@ use crate::{SparseError, SparseSecondOrder};
 pub struct SolutionErrors {
     /// Point lambda at which it was solved with Q, rad/s.
     pub lambda: Complex<f64>,
-    /// `|Q x - b| / (|Q| |x| + |b|)`: some rounding errors where the factorisation is sound. Infinite where there is no solution.
+    /// Backward error `|Q x - b| / (|Q| |x| + |b|)`: some rounding errors where the factorisation is sound. Infinite where there is no solution.
     pub backward: f64,
-    /// `|x - x_0| / |x_0|` for `b = Q x_0` with a known x_0: how many digits a solution has. Infinite where there is none.
+    /// Forward error `|x - x_0| / |x_0|` for `b = Q x_0` with a known x_0: how many digits a solution has. Infinite where there is none.
     pub forward: f64,
 }
 

@@ -69,7 +69,7 @@ impl Problem {
         Ok(Self { pencil, symbolic })
     }
 
-    /// `Q(lambda)^-1 F` of a real n x m block F.
+    /// Solution `Q(lambda)^-1 F`, n x m, for a real n x m block F.
     ///
     /// # Errors
     /// Q singular there, a solution that refinement does not make accurate, a factorisation that does not fit into memory.

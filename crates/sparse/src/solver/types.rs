@@ -119,13 +119,13 @@ impl Default for Options {
 pub struct Eigenpair {
     /// The eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// phi, length n, unit 2-norm: `Q(lambda) phi = 0`.
+    /// Right eigenvector phi, length n, unit 2-norm: `Q(lambda) phi = 0`.
     pub right: DVector<Complex<f64>>,
-    /// psi, length n, unit 2-norm: `psi^H Q(lambda) = 0`, to a backward error of [`Options::left_tolerance`].
+    /// Left eigenvector psi, length n, unit 2-norm: `psi^H Q(lambda) = 0`, to a backward error of [`Options::left_tolerance`].
     pub left: DVector<Complex<f64>>,
-    /// `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, as [`cea::backward_error`].
+    /// Backward error `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, as [`cea::backward_error`].
     pub backward_error: f64,
-    /// `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as
+    /// Condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as
     /// [`cea::certified::CertifiedEigenvalue::condition`]. Infinite for lambda = 0 and where the vectors are orthogonal.
     pub condition: f64,
     /// Error bound, rad/s: how far the eigenvalue may be from the exact one of these matrices or of any that round to them; that of
