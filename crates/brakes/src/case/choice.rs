@@ -117,7 +117,7 @@ fn speeds(choice: &ChosenSpeed, ranges: &[SpeedRange]) -> Result<Option<SpeedRan
     }
 }
 
-/// Speeds of a choice for a case without contact; an error where it names a law, a contact or a speed, which mean nothing there.
+/// An error where a choice names a law, a contact, a speed or a range of speed of a case in which these mean nothing.
 fn nothing_of_contact(choice: &SceneChoice, allowed: &str) -> Result<(), CaseError> {
     let SceneChoice { law, contact, constraints: _, speed } = choice;
     let given =

@@ -133,7 +133,8 @@ pub struct Patch {
     /// Pairs of nodes (pad, disc); of a point between faces the nodes next to it.
     pub pairs: Vec<[i64; 2]>,
     /// Ratios of the sliding speed of each pair to that of a scene: 1 where sliding is a direction, the pair's radius over the
-    /// mean radius of all pairs of the contact where the disc turns about its normal.
+    /// mean radius of all pairs of the contact where the disc turns about its normal; of points between faces that turn about an axis, the speed at
+    /// 1 rad/s over the mean of all such points by their areas.
     pub speeds: Vec<f64>,
     /// Indices of its channels in the system: of friction along the sliding of each pair, then across it.
     pub channels: Range<usize>,
