@@ -131,6 +131,6 @@ fn otherwise(q: &DVector<f64>, m: &DMatrix<f64>, unsolved: Unsolved) -> Result<C
             let reason = "the search for one ends in a ray; with friction this is no proof that there is none";
             Err(ContactError::NoEquilibrium { reason })
         }
-        None => Err(ContactError::NotFound { steps: q.len(), residual: f64::NAN }),
+        None => Err(ContactError::NotSolved { unknowns: q.len() }),
     }
 }

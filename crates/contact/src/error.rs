@@ -168,11 +168,17 @@ pub enum ContactError {
         reason: &'static str,
     },
     /// An iteration that did not end.
-    #[error("the equilibrium was not found in {steps} steps; what is missing to balance is {residual:e} of the forces")]
+    #[error("the equilibrium was not found in {steps} steps; gaps are out of balance by {residual:e} of the largest")]
     NotFound {
-        /// Number of steps of Newton's method; of unknowns where it was Lemke's method that found nothing.
+        /// Number of steps of Newton's method.
         steps: usize,
-        /// Largest gap that is missing to balance, relative to the largest gap; not a number where Lemke's method found nothing.
+        /// Largest gap that is missing to balance, relative to the largest gap.
         residual: f64,
+    },
+    /// A complementarity problem that Lemke's method leaves without an answer: it took all steps that it may, or lost its digits.
+    #[error("the equilibrium of {unknowns} contact points was not found: Lemke's method came to no end")]
+    NotSolved {
+        /// Number of contact points.
+        unknowns: usize,
     },
 }
