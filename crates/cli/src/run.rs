@@ -52,7 +52,7 @@ pub struct RunArgs {
     /// Only part I of N of the samples, from 1, into a folder of its own, for `squeal merge`; docs/clusters.md
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width"])]
     pub shard: Option<(u64, u64)>,
-    /// With --shard: the first sample of all parts, where those before it are a study or parts already
+    /// With --shard: the first sample of all parts, where those before it are in parts already
     #[arg(long, value_name = "K", default_value_t = 0, requires = "shard", value_parser = whole_number)]
     pub from: u64,
     /// Worker threads [default: one per core]; the results do not depend on it
