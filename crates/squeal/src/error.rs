@@ -87,18 +87,12 @@ pub enum Error {
         found: String,
     },
     /// A part of a study that was made by another program, or where numbers are rounded otherwise.
-    #[error("{}: {what} {found}, {other} {expected}; allowed: parts that agree, or mixed ones where that is asked for", path.display())]
+    #[error("{}: {difference}; allowed: parts that agree, or mixed ones where that is asked for", path.display())]
     PartDiffers {
         /// Folder of the part.
         path: PathBuf,
-        /// Property that differs, as a verb.
-        what: &'static str,
-        /// Property of the part.
-        found: String,
-        /// Part, or machine, that it is compared with.
-        other: String,
-        /// Property of that.
-        expected: String,
+        /// Difference from another part, or from this machine, in words.
+        difference: String,
     },
     /// Estimates in a folder that are truncated or altered, or of another version of the program.
     #[error(

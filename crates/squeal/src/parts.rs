@@ -228,19 +228,18 @@ fn alike(parts: &[PathBuf], manifests: &[PartManifest], prepared: &str) -> Resul
         format!("squeal {} ({})", manifest.version, manifest.commit.as_deref().unwrap_or("commit not known"))
     };
     for (part, manifest) in parts.iter().zip(manifests) {
-        let differs = |what, found: String, other: String, expected: String| {
-            Err(Error::PartDiffers { path: part.clone(), what, found, other, expected })
-        };
-        let other = first_part.display().to_string();
+        let differs = |difference| Err(Error::PartDiffers { path: part.clone(), difference });
         if made_by(manifest) != made_by(first) {
-            return differs("was made by", made_by(manifest), other, made_by(first));
+            let (own, other) = (made_by(manifest), made_by(first));
+            return differs(format!("was made by {own}, {} by {other}", first_part.display()));
         }
         if manifest.rounding != rounding_class() {
-            return differs("was sampled on", manifest.rounding.clone(), "this machine".into(), rounding_class());
+            return differs(format!("was sampled on {}, this machine is {}", manifest.rounding, rounding_class()));
         }
         if manifest.prepared != prepared {
-            let found = "reference modes that differ in their last bits".into();
-            return differs("rests on", found, "this machine".into(), "others".into());
+            return differs(
+                "rests on reference modes that differ from those of this machine in their last bits".into(),
+            );
         }
     }
     Ok(())

@@ -167,12 +167,15 @@ pub(crate) fn sampled<B: UncertainBrake>(
     run_with(study, &sampling, empty, Some(checkpoint), options.progress.evaluation)
 }
 
+/// Function that may write the checkpoint of a study before it is sampled, from parts that it returns.
+type Begin<'a, B> = dyn FnMut(&Study<'_, B>, &Checkpoint) -> Result<Vec<PartManifest>, Error> + 'a;
+
 /// A run of which `begin` may write the checkpoint, with samples that were taken elsewhere; the manifest lists the parts that it returns.
 pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
     brake: &B,
     dir: &Path,
     options: RunOptions<'_>,
-    begin: &mut dyn FnMut(&Study<'_, B>, &Checkpoint) -> Result<Vec<PartManifest>, Error>,
+    begin: &mut Begin<'_, B>,
     draw: &mut DrawResults<'_, B, E>,
 ) -> Result<Manifest, E> {
     let RunOptions { solver, threads, until_half_width, keeps_samples, study: prepared, progress } = options;
