@@ -12,6 +12,10 @@ use crate::{ContactError, Row};
 /// 1e10 at most, one that is not 1e15 and more.
 const NOT_HELD: f64 = 1e13;
 
+/// Most right-hand sides that are solved together, which each need a vector of the structure in memory; chosen: beyond, the structure is factored
+/// once more for as many.
+const AT_ONCE: usize = 512;
+
 /// Structure condensed on its contact points: how their gaps answer to normal forces, friction and loads.
 ///
 /// With the points' springs k in it, as if all were closed, the structure has the stiffness `K_s = K + sum k g g^T`. With a gap h at each
@@ -75,38 +79,47 @@ impl Condensed {
         }
         let closed = CscMatrix::from(&closed);
         let norm = norm(&closed);
-        let mut right = DMatrix::zeros(order, loads.ncols() + 2 * points);
-        right.columns_mut(0, loads.ncols()).copy_from(loads);
-        for (column, row) in (loads.ncols()..).zip(gaps.iter().chain(slips)) {
-            row.iter().for_each(|&(dof, value)| right[(dof, column)] += value);
-        }
         // The mass plays no part at lambda = 0.
         let zero = || CscMatrix::zeros(order, order);
-        let system = SparseSecondOrder::new(zero(), zero(), closed)?;
-        let solution = match Problem::new(&system)?.solve(Complex::from(0.0), &right) {
-            Ok(solution) => solution.map(|z| z.re),
-            Err(error @ SparseError::Memory { .. }) => return Err(error.into()),
-            Err(_) => return Err(ContactError::NothingHolds { growth: f64::INFINITY }),
-        };
-        for (force, found) in right.column_iter().zip(solution.column_iter()) {
-            let growth = norm * found.amax() / force.amax();
-            let is_held = growth < NOT_HELD;
-            if force.amax() > 0.0 && !is_held {
-                return Err(ContactError::NothingHolds { growth });
+        let problem = Problem::new(&SparseSecondOrder::new(zero(), zero(), closed)?)?;
+        // Right-hand sides: the loads, then the rows of gap, then those of slip; of a solution only what the points see is kept.
+        let columns = loads.ncols() + 2 * points;
+        let mut seen = DMatrix::zeros(points, columns);
+        for first in (0..columns).step_by(AT_ONCE) {
+            let mut right = DMatrix::zeros(order, AT_ONCE.min(columns - first));
+            for (at, mut column) in right.column_iter_mut().enumerate() {
+                match (first + at).checked_sub(loads.ncols()) {
+                    None => column.copy_from(&loads.column(first + at)),
+                    Some(row) => {
+                        let row = if row < points { &gaps[row] } else { &slips[row - points] };
+                        row.iter().for_each(|&(dof, value)| column[dof] += value);
+                    }
+                }
+            }
+            let solution = match problem.solve(Complex::from(0.0), &right) {
+                Ok(solution) => solution.map(|z| z.re),
+                Err(error @ SparseError::Memory { .. }) => return Err(error.into()),
+                Err(_) => return Err(ContactError::NothingHolds { growth: f64::INFINITY }),
+            };
+            for (force, found) in right.column_iter().zip(solution.column_iter()) {
+                let growth = norm * found.amax() / force.amax();
+                let is_held = growth < NOT_HELD;
+                if force.amax() > 0.0 && !is_held {
+                    return Err(ContactError::NothingHolds { growth });
+                }
+            }
+            for (at, found) in solution.column_iter().enumerate() {
+                for (point, row) in gaps.iter().enumerate() {
+                    seen[(point, first + at)] = row.iter().map(|&(dof, value)| value * found[dof]).sum();
+                }
             }
         }
-        // Rows times columns: only the entries of a row are needed.
-        let seen = |columns: std::ops::Range<usize>| {
-            DMatrix::from_fn(points, columns.len(), |point, column| {
-                gaps[point].iter().map(|&(dof, value)| value * solution[(dof, columns.start + column)]).sum()
-            })
-        };
         let of_loads = loads.ncols();
         Ok(Self {
             stiffness: DVector::from_column_slice(stiffness),
-            normal: seen(of_loads..of_loads + points),
-            friction: seen(of_loads + points..of_loads + 2 * points),
-            loads: seen(0..of_loads),
+            normal: seen.columns(of_loads, points).into_owned(),
+            friction: seen.columns(of_loads + points, points).into_owned(),
+            loads: seen.columns(0, of_loads).into_owned(),
         })
     }
 
