@@ -16,7 +16,7 @@ use crate::Error;
 pub enum ChangeKind {
     /// A degree of freedom is held.
     Constraint,
-    /// A point mass is added to a body, or to a degree of freedom where bodies are no point masses.
+    /// One mass is added to a place, in all its directions: a body that is a point mass, another degree of freedom, a set of nodes.
     Mass,
     /// A spring to ground is added.
     Spring,
@@ -66,18 +66,19 @@ impl ChangeKind {
 /// Sizes of masses, springs and dashpots.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sizes {
-    /// Mass, kg; `None` is [`Sizes::PART`] of the mass at the place.
+    /// Mass, kg; `None`: [`Sizes::PART`] times the place's own mass, the least of those of its directions.
     pub mass: Option<f64>,
-    /// Stiffness of a spring, N/m; `None` is [`Sizes::PART`] of the stiffness of the direction.
+    /// Stiffness of a spring, N/m; `None`: [`Sizes::PART`] times the direction's own stiffness.
     pub spring: Option<f64>,
-    /// Damping of a dashpot, Ns/m; `None` gives the direction left to itself [`Sizes::DAMPING_RATIO`] more.
+    /// Damping of a dashpot, Ns/m; `None`: `2 zeta sqrt(k m)`, zeta = [`Sizes::DAMPING_RATIO`], with the direction's own stiffness k and mass m,
+    /// as if it were uncoupled.
     pub dashpot: Option<f64>,
 }
 
 impl Sizes {
     /// Fraction of a place's own mass and stiffness that is added; chosen: small enough to be built, large enough to be seen.
     pub const PART: f64 = 0.05;
-    /// Damping ratio that a dashpot of `2 zeta sqrt(k m)` adds to a direction left to itself; chosen.
+    /// Damping ratio zeta, 1, that a dashpot of `2 zeta sqrt(k m)` adds to a direction as if it were uncoupled; chosen.
     pub const DAMPING_RATIO: f64 = 0.01;
 
     /// Words for the sizes where none is given, for people.
@@ -97,6 +98,7 @@ impl Sizes {
         self.dashpot.unwrap_or(2.0 * Self::DAMPING_RATIO * (own.stiffness * own.mass).max(0.0).sqrt())
     }
 
+    /// The mass for a place, kg. Its directions may have own masses that differ; the least counts, as one mass acts in all of them.
     fn mass(&self, place: &Place) -> f64 {
         let own = place.directions.iter().map(|direction| direction.own.mass).fold(f64::INFINITY, f64::min);
         self.mass.unwrap_or(Self::PART * own)
@@ -106,7 +108,8 @@ impl Sizes {
 /// A change at one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingleChange {
-    /// Name of the place: a degree of freedom, a body, a contact.
+    /// Name of what is changed: for a mass the place (a body, a degree of freedom, a set of nodes), for a spring, a dashpot or a constraint the
+    /// direction of the place, else the contact.
     pub name: String,
     /// Change at the place.
     pub change: Change,
@@ -129,15 +132,19 @@ pub struct Candidates {
     pub kind: ChangeKind,
     /// Single changes, each at one place.
     pub singles: Vec<SingleChange>,
-    /// Images of the single changes under each symmetry of the brake, as indices into `singles`. Without symmetries the identity alone.
+    /// Images of the single changes: `images[symmetry][single]` is the index in `singles` of the image of `single`; without symmetries the
+    /// identity alone. A symmetry under which the image of some single change is not in `singles` is left out, as it has no index. Changes are
+    /// compared to the last bit, sizes included, and sizes in proportion can differ by rounding between a place and its image; what such a
+    /// symmetry would have made one is then analysed apart.
     images: Vec<Vec<usize>>,
-    /// Groups of single changes that can be made at once, as indices into `singles`: each by itself, and with its images under one symmetry
-    /// or all of them.
+    /// Groups of single changes that can be made at once, as ascending indices into `singles`: each by itself, each with its image under one
+    /// symmetry, and each with its images under all of them.
     pub groups: Vec<Vec<usize>>,
 }
 
 impl Candidates {
-    /// Candidates for changes of a brake under a set of constraints, kind by kind.
+    /// Candidates for changes of a brake under a set of constraints, kind by kind; `constraints` is an index in
+    /// [`SceneLabels::constraints`](study::SceneLabels::constraints) of [`Plan::labels`].
     ///
     /// # Errors
     /// Those of [`Modifiable::places`].
@@ -182,7 +189,8 @@ impl Candidates {
         Self { kind, singles, images, groups }
     }
 
-    /// The first, in order, of all that symmetries make of some single changes, which have the same effect over all arrangements.
+    /// The lexicographically smallest image, as ascending indices, of a set of single changes under all symmetries. All images have the same
+    /// effect over all arrangements, so one is analysed.
     pub fn representative(&self, of: &[usize]) -> Vec<usize> {
         let image = |image: &Vec<usize>| {
             let mut image: Vec<usize> = of.iter().map(|&single| image[single]).collect();
@@ -192,13 +200,13 @@ impl Candidates {
         self.images.iter().map(image).min().unwrap_or_else(|| of.to_vec())
     }
 
-    /// True if every symmetry leaves some single changes, in order, as they are; false where the brake has none.
+    /// True if every symmetry maps the set `of` onto itself; false where there is none but the identity.
     pub fn is_symmetric(&self, of: &[usize]) -> bool {
         let is_same = |image: &Vec<usize>| of.iter().all(|&single| of.contains(&image[single]));
         self.images.len() > 1 && self.images.iter().all(is_same)
     }
 
-    /// The changes of some singles.
+    /// The changes of some singles, in the order of `of`.
     pub fn changes(&self, of: &[usize]) -> Vec<Change> {
         of.iter().map(|&single| self.singles[single].change.clone()).collect()
     }
@@ -208,7 +216,8 @@ impl Candidates {
         of.iter().map(|&single| self.singles[single].name.as_str()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Sizes of some single changes: one where they are equal.
+    /// Sizes of those of some single changes that have one, in the order of `of`; of equal sizes one after another only the first is kept, so that
+    /// it is one number where all are equal.
     pub fn sizes(&self, of: &[usize]) -> Vec<f64> {
         let mut sizes: Vec<f64> = of.iter().filter_map(|&single| self.singles[single].size()).collect();
         sizes.dedup();
@@ -243,7 +252,7 @@ fn attached(kind: ChangeKind, place: &Place, sizes: &Sizes) -> Vec<SingleChange>
     }
 }
 
-/// The contacts that are closed in any scene of a set of constraints, each once.
+/// Changes that take out one contact: a change for each contact that is closed in any scene of a set of constraints, ascending by number.
 fn contacts(plan: &Plan, modifiable: &dyn Modifiable, constraints: usize) -> Vec<SingleChange> {
     let mut found: Vec<(usize, String)> = Vec::new();
     for scene in plan.scenes.iter().filter(|scene| scene.key.constraints == constraints) {
@@ -259,7 +268,8 @@ fn contacts(plan: &Plan, modifiable: &dyn Modifiable, constraints: usize) -> Vec
 }
 
 /// Free degrees of freedom as places: each body that is a point mass is one, with its directions, each other degree of freedom
-/// one by itself.
+/// one by itself. Own masses and stiffnesses are the diagonals of M and K of the origin of the set of constraints, without friction, where
+/// its modes are named.
 fn degrees_of_freedom(plan: &Plan, constraints: usize) -> Result<Vec<Place>, Error> {
     let Some(origin) = origin_of_set(plan, constraints) else { return Ok(Vec::new()) };
     let origin = &plan.origins[origin];
