@@ -20,7 +20,7 @@ use std::str::FromStr;
 pub struct Dof {
     /// Number of the node.
     pub node: i64,
-    /// Number of the direction.
+    /// Number of the direction: 1 to 6 as above, others as the program that wrote the file counts them.
     pub direction: u32,
 }
 
@@ -44,6 +44,7 @@ pub struct BadDof {
     pub found: String,
 }
 
+/// Text `node.direction`, the direction by its name in any case or by its number: `12.X`, `12.x` and `12.1` are equal, and print as `12.x`.
 impl FromStr for Dof {
     type Err = BadDof;
 

@@ -19,7 +19,7 @@ pub(crate) enum Storage {
 }
 
 impl Storage {
-    /// Bytes of a number.
+    /// Size of a number, bytes.
     pub fn size(self) -> u64 {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -29,7 +29,7 @@ impl Storage {
         }
     }
 
-    /// The next number.
+    /// The next number, as f64: 64-bit integers beyond 2^53 are rounded. `what` names the part of the file in the error of one that ends too early.
     pub fn read(self, bytes: &mut Bytes<'_>, what: &'static str) -> Result<f64, Problem> {
         let endian = bytes.endian;
         Ok(match self {
@@ -47,7 +47,8 @@ impl Storage {
     }
 }
 
-/// A whole number that is stored as any number, as an index.
+/// The number `found` as an index from 0 to `largest`, both included; refused where it is not whole. Whether the file counts from 0 or 1 is the
+/// caller's affair. `what` names the number in the error.
 pub(crate) fn index(what: &'static str, found: f64, largest: usize) -> Result<usize, Problem> {
     if found >= 0.0 && found <= largest as f64 && found.fract() == 0.0 {
         return Ok(found as usize);
