@@ -1,14 +1,18 @@
 //! Static equilibrium: states and forces of the contact points.
 //!
-//! `0 <= N, 0 <= gap opened, N gap = 0` with friction mu N in the balance is a linear complementarity problem in the opening of each point's spring,
-//! `N = k (opened - gap)`. Scaled by roots of k it reads
+//! Each point has a spring of stiffness k that presses and does not pull. With the normal force N and the opening o, the distance by which
+//! the spring is off, `N = k (o - gap)`: a closed point has `o = 0` and `N = - k gap`, an open one `N = 0` and `o = gap`. So
+//! `0 <= N, 0 <= o, N o = 0`, which with friction mu N in the balance is a linear complementarity problem. [`Condensed`] has the balance,
+//! `gap = h + a - A k h + A (N + k gap) + B mu N`, with gaps h before the loads and `a = G^T K_s^-1 f` of the loads f; in it `gap = o - N / k`
+//! and `N + k gap = k o`. Scaled by the roots of k, diagonal matrices k and mu, it reads
 //!
 //! ```text
-//! w = q + M z,   w = k^(-1/2) N,   z = k^(1/2) opened,   M = (I + B')^-1 (I - A'),   q = -(I + B')^-1 (I - A') h' - (I + B')^-1 a'
+//! w = q + M z,   w = k^(-1/2) N,   z = k^(1/2) o,   M = (I + B')^-1 (I - A'),   q = -(I + B')^-1 ((I - A') h' + a')
+//! A' = k^(1/2) A k^(1/2),   B' = k^(1/2) B mu k^(1/2),   h' = k^(1/2) h,   a' = k^(1/2) a
 //! ```
 //!
-//! with A' = k^(1/2) A k^(1/2), B' = k^(1/2) B mu k^(1/2), h' and a' of the gaps and the loads. Without friction M is symmetric and not
-//! indefinite, so that forces are unique; with friction it need not be.
+//! w and z, in N^(1/2) m^(1/2), and all matrices have a row for each point. Without friction M is symmetric and positive semi-definite, so
+//! that forces are unique; with friction it need not be.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,17 +21,18 @@ use crate::sliding::value;
 use crate::uniqueness::{Uniqueness, has_none, is_monotone, uniqueness};
 use crate::{Condensed, ContactError};
 
-/// A pivot of `I + B'` below this part of the largest locks; chosen.
+/// Smallest over largest pivot of the LU decomposition of `I + B'`, at or below which this is singular: friction locks (jams), as the balance then
+/// does not determine N; chosen.
 const LOCKED: f64 = 1e-12;
 
 /// Balance of forces that is asked for: gaps before the loads, friction and how much of each load acts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Balance {
-    /// The gap of each point before the loads, negative where meshes overlap; 0 where that is no matter.
+    /// Gap h of each point before the loads, in the model's unit of length, negative where meshes overlap; 0 if initial gaps are neglected.
     pub gaps: Vec<f64>,
-    /// The coefficient of friction of each point, of the sign of the sliding.
+    /// Coefficient of friction mu of each point, 1; negative where the master slides against the direction of the point's slip row.
     pub mu: Vec<f64>,
-    /// Factors of the loads, one of each.
+    /// Factor of each load case that the structure was condensed with, 1.
     pub loads: Vec<f64>,
 }
 
@@ -36,7 +41,7 @@ pub struct Balance {
 pub struct Equilibrium {
     /// Normal force N of each point, N: 0 where it is open.
     pub forces: Vec<f64>,
-    /// The gap of each point: 0 or more where it is open, `- N / k` where it is closed.
+    /// Gap of each point, in the model's unit of length: 0 or more where it is open, `- N / k` where it is closed.
     pub gaps: Vec<f64>,
     /// Uniqueness of these forces, and how it is known.
     pub uniqueness: Uniqueness,
@@ -72,7 +77,8 @@ impl Condensed {
         })
     }
 
-    /// Vector q and matrix M of the complementarity problem of a balance.
+    /// Vector q and matrix M of the complementarity problem of a balance, by points. In the code `free` is `I - A'`, `held` `(I - A') h' + a'`, and
+    /// `locking` `I + B'`.
     fn problem(&self, balance: &Balance) -> Result<(DVector<f64>, DMatrix<f64>), ContactError> {
         self.check(balance)?;
         let n = self.points();
@@ -84,7 +90,7 @@ impl Condensed {
         let held = &free * root.component_mul(&DVector::from_column_slice(&balance.gaps))
             + root.component_mul(&(&self.loads * DVector::from_column_slice(&balance.loads)));
         if balance.mu.iter().all(|mu| *mu == 0.0) {
-            // Symmetric exactly.
+            // B' = 0; M is made symmetric to the last bit.
             return Ok((-held, (&free + free.transpose()) * 0.5));
         }
         let locking = DMatrix::identity(n, n) + scaled(&self.friction, Some(&balance.mu));
@@ -98,6 +104,7 @@ impl Condensed {
         q.zip(m).ok_or(ContactError::Locks)
     }
 
+    /// Checks that the lists of a balance have the right lengths and finite numbers.
     pub(crate) fn check(&self, balance: &Balance) -> Result<(), ContactError> {
         let lists = [
             ("gaps", &balance.gaps, self.points()),
@@ -116,7 +123,8 @@ impl Condensed {
     }
 }
 
-/// The solution, or the reason why there is none, where Lemke's method found nothing.
+/// The solution, or the reason why there is none, where Lemke's method found nothing. Of several solutions it is any, the first of
+/// [`all_solutions`]; [`Equilibrium::uniqueness`] says that there are several.
 fn otherwise(q: &DVector<f64>, m: &DMatrix<f64>, unsolved: Unsolved) -> Result<Complementary, ContactError> {
     if unsolved == Unsolved::Ray && is_monotone(m) {
         let reason = "the loads pull the bodies off what holds them, or push one that nothing holds";
