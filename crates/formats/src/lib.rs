@@ -2,22 +2,23 @@
 //!
 //! | where | what |
 //! | --- | --- |
-//! | [`read`], [`read_with`], [`read_bytes`] | every matrix of a file, whose [`Format`] its contents tell |
-//! | [`File`] | the matrices, the one that is [`Wanted`], and what was left out with the reason |
+//! | [`read`], [`read_with`], [`read_bytes`] | every matrix of a file; its [`Format`] is told by its contents, not by its name |
+//! | [`File`] | the matrices of a file, the choice of one by [`Wanted`], and names of what was left out, with reasons |
 //! | [`read_one`], [`split_name`] | one matrix of `FILE` or `FILE:NAME` |
-//! | [`Symmetry`], [`Stored`], [`Doubt`] | how the entries of a file are taken |
-//! | [`Matrix`] | whole: entries, [`Dof`] of each row, compressed columns of [`nalgebra_sparse`], or all numbers |
+//! | [`Symmetry`], [`Stored`], [`Doubt`] | storage of a matrix, whole or a triangle: as the caller knows it, as it was taken, what is odd in that |
+//! | [`Matrix`] | a matrix, a triangle mirrored: entries, [`Dof`] of each row, compressed columns of [`nalgebra_sparse`], dense |
 //! | [`on_common_rows`], [`common_labels`], [`Matrix::on`] | matrices of one model on the same rows |
-//! | [`Limits`], [`Options`] | bounds on memory, progress |
+//! | [`Limits`], [`Options`] | bounds on sizes, and with them a listener to progress |
 //! | [`read_market`] | Matrix Market alone |
 //! | [`read_deck`] | nodes, elements and node sets of an Abaqus or CalculiX input deck |
 //! | [`write_unv`], [`write_vtu`] | a [`Mesh`] with complex [`ModeShape`]s |
-//! | [`Surface`] | what of a [`Mesh`] is seen from outside |
-//! | [`FormatsError`] | one line: [`Place`] and [`Problem`] |
+//! | [`Surface`] | the outside of a [`Mesh`], for a picture |
+//! | [`FormatsError`] | one line: the [`Place`] in the file, and the [`Problem`] there |
 //!
 //! Readers stream: memory grows with the entries that are there, never with a size that a file declares. The zip container is
 //! read by the crate `zip`, compressed data by `flate2` with its decoder in Rust; the formats themselves have readers here, because no
-//! kept crate reads them (of MATLAB's, `matfile` 0.5 has no sparse arrays and takes all memory that a compressed array asks for).
+//! maintained crate reads them (for those of MATLAB, `matfile` 0.5 has no sparse arrays, and allocates whatever size a compressed array
+//! declares).
 
 mod abaqus;
 mod builder;

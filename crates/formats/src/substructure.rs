@@ -1,10 +1,11 @@
 //! Abaqus's substructures as linear user elements: `*USER ELEMENT, NODES=n, LINEAR[, UNSYMM]`, then `*MATRIX, TYPE=STIFFNESS` and
 //! `*MATRIX, TYPE=MASS`, as `*SUBSTRUCTURE MATRIX OUTPUT, OUTPUT FILE=USER DEFINED` writes them, in CalculiX too.
 //!
-//! The nodes stand in comments after `** ELEMENT NODES`; the lines after the keyword give the directions of the first node, then
-//! `position, direction, direction, ...` from where others apply. A symmetric matrix is its upper triangle by columns, each column
-//! from the top to the diagonal; an unsymmetric one all its columns (the order in which Abaqus's results file has them). A column
-//! begins a new line and wraps after a few numbers.
+//! The nodes stand in comments after `** ELEMENT NODES`. The first line after the keyword gives the directions of the first node of the
+//! element; each further one, `position, direction, direction, ...`, those of the node at that position, from 1. Directions hold for all nodes
+//! from there to the next position. Rows are ordered by node, and within a node by direction as listed. A symmetric matrix is its upper
+//! triangle by columns, each column from the top to the diagonal; an unsymmetric one all its columns (the order in which Abaqus's
+//! results file has them). A column begins a new line and wraps after a few numbers; where lines end is not relied on.
 
 use crate::Dof;
 use crate::builder::{Builder, Found, Head, Stated};
@@ -15,7 +16,7 @@ use crate::numbers::{fortran, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
 
-/// Reads all matrices of the one element of the file; those of other types are left out by name.
+/// Reads the matrices of the one element of the file: stiffness, mass and viscous damping; those of other types are left out by name.
 pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Problem> {
     let mut found = Found::default();
     let (mut element, mut current) = (None::<Element>, None::<Packed>);
@@ -69,7 +70,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     Ok(found)
 }
 
-/// The name of a matrix by its type, and what it is, if it is one that is read.
+/// Name of a matrix and its role K, M or C, by the rest of its parameter `TYPE=...`; no role for a type that is not read.
 fn kind(parameter: Option<&str>) -> (String, Option<Kind>) {
     let kind = match parameter.unwrap_or_default().trim_start_matches(['=', ' ']) {
         "STIFFNESS" => Kind::Stiffness,
@@ -83,15 +84,16 @@ fn kind(parameter: Option<&str>) -> (String, Option<Kind>) {
 
 /// Nodes and directions of the element.
 struct Element {
+    /// Whether the element has the parameter `UNSYMM`; its matrices may be symmetric nonetheless.
     unsymmetric: bool,
-    /// The nodes, once the comment that announces them was met.
+    /// Numbers of the nodes in the order of the element; `None` before the comment that announces them.
     nodes: Option<Vec<i64>>,
-    /// Positions of nodes, from 0, each with the directions that apply from it on.
+    /// Positions in `nodes`, ascending, each with the directions of the nodes from it on, up to the next position.
     directions: Vec<(usize, Vec<u32>)>,
 }
 
 impl Element {
-    /// Takes nodes from a comment. A comment that is none is passed over.
+    /// Takes nodes from a comment after the one that announces them. A comment with anything but whole numbers is passed over.
     fn read_comment(&mut self, comment: &str) {
         match &mut self.nodes {
             None if comment.trim().eq_ignore_ascii_case("ELEMENT NODES") => self.nodes = Some(Vec::new()),
@@ -105,6 +107,7 @@ impl Element {
         }
     }
 
+    /// Takes a line of directions: the first is of position 1, any other begins with its position.
     fn read_directions(&mut self, line: &str) -> Result<(), Problem> {
         let fields = line.split(',').map(str::trim).filter(|field| !field.is_empty());
         let mut numbers = fields.map(|field| whole("direction", field)).collect::<Result<Vec<_>, _>>()?.into_iter();
@@ -117,12 +120,13 @@ impl Element {
         Ok(())
     }
 
-    /// Number of rows that a matrix must have: as many as there are labels, or as the matrix before it has.
+    /// Number of rows that a matrix must have: as many as the first matrix of the element has, else as there are labels; `None` where neither
+    /// is known.
     fn rows(&self, before: &[Matrix]) -> Option<usize> {
         before.first().map(Matrix::rows).or_else(|| self.labels().map(|labels| labels.len()))
     }
 
-    /// The name of each row, where nodes and directions are given and no name comes twice.
+    /// Name of each row; `None` where nodes or directions are not given, where a name comes twice, or where there are too many.
     fn labels(&self) -> Option<Vec<Dof>> {
         /// Most labels that are worth having; chosen: a full matrix of as many rows has 2^32 entries.
         const MOST_LABELS: usize = 1 << 16;
@@ -143,15 +147,17 @@ impl Element {
     }
 }
 
-/// A matrix of which only the numbers are known, not yet how many.
+/// Matrix while it is read: its numbers in the order of the file. Their count, known at the end, says the number of rows.
 struct Packed {
     name: String,
-    /// `None` for a type that is not read.
+    /// Role K, M or C; `None` for a type that is not read.
     kind: Option<Kind>,
+    /// Upper triangle or all entries, by columns.
     values: Vec<f64>,
 }
 
 impl Packed {
+    /// Takes the numbers of a line.
     fn push_line(&mut self, line: &str, limits: &Limits) -> Result<(), Problem> {
         if self.kind.is_none() {
             return Ok(());
@@ -177,10 +183,11 @@ impl Packed {
         Ok(())
     }
 
-    /// The matrix; `expected` is the number of rows, where nodes or another matrix of the element tell it.
+    /// The matrix; `expected` is the number n of rows, where nodes or another matrix of the element tell it.
     ///
-    /// Abaqus writes a symmetric matrix of an unsymmetric element as a triangle, so that the count decides; it is ambiguous for
-    /// 36 numbers and few others (8 rows as a triangle, 6 as a whole), where an unsymmetric element is taken as whole.
+    /// Abaqus writes a symmetric matrix of an unsymmetric element as a triangle too, so that the count of numbers decides: `n (n + 1) / 2` or
+    /// `n n`. Where n is not known a count can be both, as 36 (8 rows of a triangle, 6 of a whole matrix) and 1225 are; the matrix of an
+    /// unsymmetric element is then taken as whole.
     fn finish(self, element: &Element, expected: Option<usize>, limits: &Limits) -> Result<Matrix, Problem> {
         let count = self.values.len();
         let (whole, triangle) = (count.isqrt(), ((8 * count + 1).isqrt() - 1) / 2);
