@@ -1,4 +1,5 @@
-//! What the operating points of one reduction have in common: most differ in friction alone, which acts in few directions.
+//! Parts that the operating points of one reduction share. Most points differ in friction alone, which adds to the n x n matrix Q(lambda) one of
+//! rank m at most, m the number of channels; structures are made once for all points of equal coefficients.
 
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;
@@ -8,9 +9,11 @@ use super::dense::{add_product, product};
 use super::split;
 use crate::ReductionError;
 
-/// The systems without friction of some points, one for all of equal coefficients.
+/// Systems without friction of some operating points, one for all points of equal coefficients.
 pub(super) struct Structures {
+    /// Systems that differ, in the order of the first point of each.
     distinct: Vec<SecondOrder>,
+    /// Index in `distinct` of the system of each point.
     of_points: Vec<usize>,
 }
 
@@ -31,18 +34,19 @@ impl Structures {
         Ok(out)
     }
 
-    /// The structure of a point, and its number.
+    /// Number of the structure of a point, from 0 among those that differ, and the structure.
     pub fn of(&self, point: usize) -> (usize, &SecondOrder) {
         (self.of_points[point], &self.distinct[self.of_points[point]])
     }
 }
 
-/// The friction of all channels: `sum_i b_i (mu_i r_i^T + lambda s_i(lambda) b_i^T)`.
+/// Friction of the m channels in Q(lambda), n x n: `sum_i b_i (mu_i r_i^T + lambda s_i(lambda) b_i^T)`, with the gains mu_i, 1, and s_i, Ns/m
+/// ([`ChannelGain::complex_slope`]), which are not held here.
 #[derive(Debug, Clone)]
 pub(super) struct Friction {
-    /// b_i, n x m.
+    /// The b_i as columns, n x m.
     force: DMatrix<f64>,
-    /// b_i^T above r_i^T, 2 m x n.
+    /// The b_i^T as rows, m of them, above the r_i^T, 2 m x n.
     sides: DMatrix<f64>,
 }
 
@@ -51,7 +55,7 @@ impl Friction {
         Self::of(system.force_matrix(), &system.reading_matrix())
     }
 
-    /// With b_i as columns and r_i^T as rows.
+    /// With the b_i as columns of `force`, n x m, and the r_i^T as rows of `reading`, m x n.
     pub fn of(force: DMatrix<f64>, reading: &DMatrix<f64>) -> Self {
         let (order, count) = force.shape();
         let mut sides = DMatrix::zeros(2 * count, order);
@@ -60,8 +64,9 @@ impl Friction {
         Self { force, sides }
     }
 
-    /// What each channel pulls with along its b_i, `mu_i r_i^T x_j + lambda_j s_i(lambda_j) b_i^T x_j` with the gains of each vector j, split,
-    /// m x vectors; `None` where there is no friction.
+    /// Factors of the b_i in what friction adds to `Q(lambda_j) x_j`, `mu_i r_i^T x_j + lambda_j s_i(lambda_j) b_i^T x_j` for each channel i and
+    /// each vector j, m x vectors. `gains(j)` are those of vector j, by channel; the vectors x_j in `shapes` and the result are [`split`]. `None`
+    /// where all gains of all vectors are zero.
     pub fn pulls<'a>(
         &self,
         gains: impl Fn(usize) -> &'a [ChannelGain],
@@ -89,7 +94,8 @@ impl Friction {
         Some(pulls)
     }
 
-    /// Adds what friction adds to `Q(lambda_j) x_j` with the gains of each vector j, all split.
+    /// Adds to column j of `out` what friction adds to `Q(lambda_j) x_j`, `sum_i b_i` times its factor by [`Friction::pulls`]; all are [`split`],
+    /// n x vectors.
     pub fn add<'a>(
         &self,
         gains: impl Fn(usize) -> &'a [ChannelGain],
@@ -102,7 +108,7 @@ impl Friction {
         }
     }
 
-    /// What friction changes Q by from some gains to others.
+    /// Change of Q(lambda), n x n, where the gains of the channels go from those of `from` to those of `to`.
     pub fn change(&self, [from, to]: [&[ChannelGain]; 2], lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
         let (count, columns) = (from.len(), self.sides.ncols());
         let pull = DMatrix::from_fn(count, columns, |channel, column| {
@@ -115,16 +121,19 @@ impl Friction {
     }
 }
 
-/// A system on fewer columns, put together at points of some structures.
+/// Projection `V^T Q(lambda) V` of a system on a basis V, n x k, put together for one operating point after another.
 pub(super) struct Smaller {
+    /// Basis V, n x k, of orthonormal columns.
     basis: DMatrix<f64>,
+    /// Channels on the basis: `V^T b_i` and `r_i^T V`.
     channels: Vec<Channel>,
-    /// By number of the structure; made when a point is first asked for.
+    /// Projected structures, of one term each and with the channels, by the number in [`Structures::of`]; `None` until a point of it is asked for.
     structures: Vec<Option<AffineSystem>>,
 }
 
 impl Smaller {
-    /// On the orthonormal columns of a basis.
+    /// The projection of `system` on a basis V of orthonormal columns, n x k. Only the channels are taken from `system`; structures come with
+    /// [`Smaller::at`].
     pub fn new(basis: DMatrix<f64>, system: &AffineSystem) -> Self {
         let channels = system.channels().iter().map(|channel| channel.projected(&basis)).collect();
         Self { basis, channels, structures: Vec::new() }
@@ -138,7 +147,7 @@ impl Smaller {
         self.basis
     }
 
-    /// The system of a structure, given with its number, with friction.
+    /// The projected system of order k at the gains of the channels, for a structure of order n and its number by [`Structures::of`].
     pub fn at(
         &mut self,
         (number, structure): (usize, &SecondOrder),
