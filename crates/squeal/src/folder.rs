@@ -1,4 +1,4 @@
-//! The folder of a run: of one study, written by one process, with whole files only.
+//! Folder of a run: it belongs to one study, one process at a time writes into it, and each file appears whole or not at all.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Write};
@@ -9,7 +9,7 @@ use output::{OutputError, in_words, make_folder, write};
 
 use crate::Error;
 
-/// Name of the file that says which study the folder belongs to.
+/// Name of the file that holds the identity of the study that the folder belongs to.
 const MARKER: &str = "study.txt";
 /// Name of the file that is locked while a run works in the folder. It stays there; the lock ends with the process.
 const LOCK: &str = "run.lock";
@@ -19,14 +19,16 @@ const STAGE: &str = "results.partial";
 /// A folder in which this process alone works on one study, until it is dropped.
 pub struct RunFolder {
     path: PathBuf,
+    /// Identity of the study, one line: what tells its counts from those of another.
     identity: String,
-    /// Text that this process wrote into the lock file.
+    /// Text that this process wrote into the lock file, its number and the time.
     owner: String,
     _lock: File,
 }
 
 impl RunFolder {
-    /// Refuses a folder of another study or one in which a run works, before any work is done for it.
+    /// Refuses a folder of another study, or one in which a run works. Nothing is written or kept locked: [`RunFolder::take`] asks again, after the
+    /// work that is done before a folder is needed.
     pub fn check(path: &Path, identity: &str) -> Result<(), Error> {
         holds_study(path, identity)?;
         match File::open(path.join(LOCK)) {
@@ -35,7 +37,7 @@ impl RunFolder {
         }
     }
 
-    /// Takes a folder, which is made if it is not there.
+    /// Takes a folder for this process: makes it where it is not there, locks it, and marks it with the identity.
     pub fn take(path: &Path, identity: &str) -> Result<Self, Error> {
         make_folder(path)?;
         let lock_path = path.join(LOCK);
@@ -68,8 +70,8 @@ impl RunFolder {
         Ok(write(&self.path.join(name), contents)?)
     }
 
-    /// Publishes the files that `make` writes into the folder it is given: when it has succeeded, one after the other,
-    /// each only if this folder still belongs to this run.
+    /// Publishes the files that `make` writes into the folder it is given. When it has succeeded they are renamed into this folder, one after
+    /// the other, each only if this folder still belongs to this run; where that fails, those before are published already.
     ///
     /// # Errors
     /// Those of `make`, [`Error::FolderLost`], and files that cannot be written.
@@ -96,7 +98,7 @@ struct Stage {
 
 impl Stage {
     fn new(path: PathBuf) -> Result<Self, Error> {
-        // A run that was killed left its own.
+        // A run that was killed may have left one.
         let removed = match fs::remove_dir_all(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
             _ => fs::create_dir(&path),
@@ -123,7 +125,7 @@ fn open_lock(path: &Path) -> io::Result<File> {
     OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)
 }
 
-/// Locks a folder by its lock file.
+/// Locks a folder by its lock file, without waiting; refused where another process has the lock.
 fn try_lock(path: &Path, lock: &File) -> Result<(), Error> {
     match lock.try_lock() {
         Ok(()) => Ok(()),
@@ -134,7 +136,7 @@ fn try_lock(path: &Path, lock: &File) -> Result<(), Error> {
     }
 }
 
-/// Owner of the lock of a folder in words, as far as the lock file tells.
+/// Owner of the lock of a folder in words: its process number and how long ago it started, or "another run" where the lock file does not tell.
 fn owner_in_words(path: &Path) -> String {
     let text = fs::read_to_string(path.join(LOCK)).unwrap_or_default();
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -145,7 +147,7 @@ fn owner_in_words(path: &Path) -> String {
     format!("another run (process {process}{age})")
 }
 
-/// True if `dir` is the folder of this study already, false if it is new or empty.
+/// True if `dir` is the folder of this study already, false if it is not there or empty; refused where it is of another study or holds other files.
 fn holds_study(dir: &Path, identity: &str) -> Result<bool, Error> {
     let other = |found: &str| {
         Err(Error::OtherStudy { path: dir.to_owned(), found: found.to_owned(), wanted: identity.to_owned() })
@@ -162,7 +164,7 @@ fn holds_study(dir: &Path, identity: &str) -> Result<bool, Error> {
         Err(source) => Err(unreadable(source)),
         Ok(entries) => {
             for entry in entries {
-                // A run that was killed while it wrote the marker leaves the lock, and the beginning of a marker.
+                // A run that was killed while it wrote the marker leaves the lock, and the temporary file of `output::write` for the marker.
                 let name = entry.map_err(unreadable)?.file_name();
                 if name != LOCK && name != "study.txt.partial" {
                     return other("other files");

@@ -1,7 +1,7 @@
 //! Which modes of a brake will squeal, how sure are we, and what stops them.
 //!
 //! This crate puts the stages together. Whoever makes a brake, `brakes` from a case file or a type of one's own,
-//! implements [`study::UncertainBrake`]; a [`study::Study`] of it is sampled, and its counts become a [`results`]:
+//! implements [`study::UncertainBrake`]; a [`study::Study`] of it is sampled, and its counts become [`results::Results`]:
 //!
 //! brake + draw -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> tables and figures
 //!
@@ -10,7 +10,7 @@
 //! | study a brake of one's own | [`study::UncertainBrake`], [`study::Plan`], and `examples/` |
 //! | run a study in memory | [`results::Results::sampled`] |
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
-//! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
+//! | know the occurrence of a mode to a half width of its 95 % interval | [`estimators::scene_occurrences`] |
 //! | know which input makes squeal vary | [`influence::influence`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
 //! | know why a mode grows | [`why::Explainer`] |
@@ -18,14 +18,14 @@
 //!
 //! # Examples
 //!
-//! Two frequencies that friction couples, the flutter at the bottom of brake squeal:
+//! Flutter of two modes that friction couples, the mechanism of brake squeal in its smallest form:
 //!
 //! ```
 //! use nalgebra::dmatrix;
 //! use squeal::cea::{EigenSolver, QrSolver, Verdict, Workspace, verdict};
 //! use squeal::linsys::SecondOrder;
 //!
-//! // A mass of 0.4 kg in x and z; friction, mu = 0.5 on a contact of 3.5e7 N/m, makes the stiffness unsymmetric.
+//! // A mass of 0.4 kg in x and z. A contact of k = 3.5e7 N/m along z has friction along x, mu = 0.5: mu k is added to K_xz alone.
 //! let k = dmatrix![4.6e7, -6.7e6 + 0.5 * 3.5e7; -6.7e6, 5.8e7];
 //! let system = SecondOrder::new(dmatrix![0.4, 0.0; 0.0, 0.4], dmatrix![100.0, 0.0; 0.0, 100.0], k)?;
 //! let mut work = Workspace::default();
