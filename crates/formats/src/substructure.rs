@@ -116,7 +116,8 @@ impl Element {
         if from == 0 || before.is_some_and(|before| from <= before) {
             return Err(Problem::field("position of a node", from, "growing from 1 on"));
         }
-        self.directions.push((from - 1, numbers.map(|n| u32::try_from(n).unwrap_or(u32::MAX)).collect()));
+        let direction = |n: usize| u32::try_from(n).map_err(|_| Problem::field("direction", n, "1 to 4294967295"));
+        self.directions.push((from - 1, numbers.map(direction).collect::<Result<_, _>>()?));
         Ok(())
     }
 

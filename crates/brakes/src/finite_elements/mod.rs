@@ -119,7 +119,7 @@ impl FiniteElementBrake {
         Self::with_points(case, Bases::OfEach, &swept, &[], progress)
     }
 
-    /// Reduces the brake and lays out its scenes. Only with [`Bases::OfEachSet`] are there [`UncertainBrake::places`].
+    /// Reduces the brake and lays out its scenes. Only with [`Bases::OfEachSet`] are there [`Modifiable::places`].
     ///
     /// # Errors
     /// As [`FiniteElementBrake::new`].
