@@ -274,6 +274,33 @@ fn loads_in_equilibrium_are_those_that_press() {
     }
 }
 
+/// Elements that are not integrated over: neither do they vanish from a set, nor is a face towards them one at which a body ends.
+#[test]
+fn elements_of_other_types_are_not_passed_over() {
+    let folder = Folder::new();
+    let deck_path = folder.folder.path().join("brake.inp");
+    let deck = std::fs::read_to_string(&deck_path).unwrap();
+    let (_, lining) = deck.split_once("ELSET=OUT\n").unwrap();
+    let nodes: Vec<&str> =
+        lining.split(|c: char| !c.is_ascii_digit()).filter(|word| !word.is_empty()).skip(1).collect();
+    let corners = |count: usize| nodes[..count].join(", ");
+    folder.parse(CASE.into()).unwrap();
+    for (of_type, count) in [("C3D5", 5), ("COH3D8", 8), ("SC8R", 8)] {
+        for (set, said) in [
+            ("OUT", "\"OUT\" with element 900001, which is another; allowed: a set of solid elements".to_owned()),
+            (
+                "SHIM",
+                format!("contact \"outer\".slave = a face towards element 900001 of type {of_type}; allowed: outer"),
+            ),
+        ] {
+            let element = format!("*ELEMENT, TYPE={of_type}, ELSET={set}\n900001, {}\n", corners(count));
+            std::fs::write(&deck_path, format!("{deck}{element}")).unwrap();
+            let error = folder.parse(CASE.into()).unwrap_err();
+            assert!(error.contains(&said), "{of_type}: {error}");
+        }
+    }
+}
+
 #[test]
 fn faults_are_one_line_with_file_field_and_what_is_allowed() {
     let folder = Folder::new();

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use montecarlo::{Checkpoint, part_of, tiled};
+use montecarlo::{Checkpoint, MonteCarloError, part_of, tiled};
 use serde::{Deserialize, Serialize};
 use study::identity::{Identity, Written};
 use study::{Study, StudyTally, UncertainBrake};
@@ -91,8 +91,8 @@ fn prepared<B: UncertainBrake>(study: &Study<'_, B>) -> String {
     digest.into_line()
 }
 
-/// Samples one part of a study in a folder of its own. The same command continues a part that was stopped, and returns at once for one
-/// that is complete.
+/// Samples one part of a study in a folder of its own. The same command continues a part that was stopped, with the same program and on a
+/// processor that rounds alike, and returns at once for one that is complete.
 ///
 /// # Errors
 /// As [`run_study`](crate::run_study); a part that has no sample.
@@ -116,11 +116,17 @@ pub fn run_part<B: UncertainBrake>(
     })?;
     let identity = identity(brake, options.keeps_samples);
     let part = format!("{}..{}/{}", range.start, range.end, plan.samples);
-    let of_folder = Identity::read(&plan.name, &identity).given("part", part).into_line();
-    RunFolder::check(dir, &of_folder)?;
-    if let Some(done) = complete(dir)? {
+    // What a part rests on is of one program and class of processors, from its first sample to its last.
+    let made = format!("{}/{}/{}", VERSION, plan.commit.unwrap_or("-"), rounding_class()).replace(' ', "_");
+    let of_folder = Identity::read(&plan.name, &identity).given("part", part).given("made", made).into_line();
+    // A part that is complete is it everywhere.
+    let is_it = |done: &PartManifest| {
+        done.identity == identity && (done.from..done.to, done.of) == (range.clone(), plan.samples)
+    };
+    if let Some(done) = complete(dir)?.filter(is_it) {
         return Ok(done);
     }
+    RunFolder::check(dir, &of_folder)?;
     let start = Instant::now();
     let pool = workers(options.threads)?;
     let study =
@@ -179,9 +185,15 @@ pub fn merge_parts<B: UncertainBrake, E: From<Error> + Send>(
     let manifests = parts.iter().map(|part| checked(part, &identity)).collect::<Result<Vec<_>, _>>()?;
     let mut begin = |study: &Study<'_, B>, merged: &Checkpoint| {
         if !mixed {
-            alike(parts, &manifests, &prepared(study))?;
+            alike(parts, &manifests, study.plan().commit, &prepared(study))?;
         }
-        let scenes = study.plan().scenes.len();
+        let (scenes, wanted) = (study.plan().scenes.len(), study.plan().samples);
+        if let Ok(state) = merged.state::<Study<'_, B>, StudyTally>(study.plan().seed, scenes)
+            && state.samples > wanted
+        {
+            let (path, found) = (merged.path.clone(), state.samples);
+            return Err(MonteCarloError::CheckpointLonger { path, found, wanted }.into());
+        }
         let read = |(part, manifest): (&PathBuf, &PartManifest)| {
             let state = checkpoint(part, identity.clone()).state::<Study<'_, B>, StudyTally>(manifest.seed, scenes)?;
             match state.range() == (manifest.from..manifest.to) {
@@ -190,7 +202,7 @@ pub fn merge_parts<B: UncertainBrake, E: From<Error> + Send>(
             }
         };
         let states = parts.iter().zip(&manifests).map(read).collect::<Result<Vec<_>, Error>>()?;
-        merged.write(&tiled(states, study.plan().samples)?)?;
+        merged.write(&tiled(states, wanted)?)?;
         Ok(manifests.clone())
     };
     run_from(brake, dir, options, &mut begin, draw)
@@ -221,17 +233,16 @@ fn incomplete(part: &Path) -> Error {
     Error::PartIncomplete { path: part.to_owned(), found }
 }
 
-/// An error unless all parts are of this program and of processors that round as this one does.
-fn alike(parts: &[PathBuf], manifests: &[PartManifest], prepared: &str) -> Result<(), Error> {
-    let (Some(first), Some(first_part)) = (manifests.first(), parts.first()) else { return Ok(()) };
-    let made_by = |manifest: &PartManifest| {
-        format!("squeal {} ({})", manifest.version, manifest.commit.as_deref().unwrap_or("commit not known"))
-    };
+/// An error unless all parts are of this program, of which `commit` is one, and of processors that round as this one does.
+fn alike(parts: &[PathBuf], manifests: &[PartManifest], commit: Option<&str>, prepared: &str) -> Result<(), Error> {
+    let named =
+        |version: &str, commit: Option<&str>| format!("squeal {version} ({})", commit.unwrap_or("commit not known"));
+    let own = named(VERSION, commit);
     for (part, manifest) in parts.iter().zip(manifests) {
         let differs = |difference| Err(Error::PartDiffers { path: part.clone(), difference });
-        if made_by(manifest) != made_by(first) {
-            let (own, other) = (made_by(manifest), made_by(first));
-            return differs(format!("was made by {own}, {} by {other}", first_part.display()));
+        let maker = named(&manifest.version, manifest.commit.as_deref());
+        if maker != own {
+            return differs(format!("was made by {maker}, this program is {own}"));
         }
         if manifest.rounding != rounding_class() {
             return differs(format!("was sampled on {}, this machine is {}", manifest.rounding, rounding_class()));

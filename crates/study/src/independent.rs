@@ -1,5 +1,7 @@
 //! A brake whose draws are independent numbers: its distributions, and the operating point at some values, are all that has to be said.
 
+use std::sync::Arc;
+
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use osc_model::Brake;
@@ -129,9 +131,13 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> IndependentB
             let Some(scene) = self.plan.scenes.iter().find(|scene| scene.configuration == place) else { continue };
             let failed = |source| Error::Median { study: self.plan.name.clone(), source: Box::new(source) };
             let point = (self.at)(scene, &median).map_err(failed)?;
-            let origin = self.plan.configurations[place].origin;
-            self.plan.origins[origin].naming_point.clone_from(&point);
-            self.plan.configurations[place].naming_point = point;
+            let configuration = &mut self.plan.configurations[place];
+            let origin = &mut self.plan.origins[configuration.origin];
+            // An origin of another brake has a naming point of its own.
+            if Arc::ptr_eq(&origin.brake, &configuration.brake) {
+                origin.naming_point.clone_from(&point);
+            }
+            configuration.naming_point = point;
         }
         Ok(self)
     }

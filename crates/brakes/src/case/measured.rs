@@ -11,6 +11,15 @@ use crate::input::{LARGEST_CASE, read_text};
 impl Check<'_> {
     /// A distribution whose numbers are allowed; measured values that stand in a file are read.
     pub fn distribution(&self, field: &str, given: Distribution) -> Result<Distribution, CaseError> {
+        if let Distribution::Empirical { values, file, column } = &given {
+            if let (Some(file), false) = (file, values.is_empty()) {
+                let allowed = "the values here or in a file, not both";
+                return Err(self.value(&format!("{field}.file"), file.display(), allowed));
+            }
+            if let (None, Some(column)) = (file, column) {
+                return Err(self.value(&format!("{field}.column"), format!("{column:?}"), "only beside `file`"));
+            }
+        }
         let distribution = given.with_file(|file, column| {
             let path = self.path.parent().unwrap_or(Path::new("")).join(file);
             let refused = |found: &str, allowed: &str| {
@@ -30,6 +39,8 @@ impl Check<'_> {
 
 /// The numbers of a column of a table with `,`, `;` or tabs between its cells; what was found and what is allowed where there are none.
 fn numbers(text: &str, column: Option<&str>) -> Result<Vec<f64>, (String, String)> {
+    // A spreadsheet may begin a table with a byte order mark.
+    let text = text.trim_start_matches('\u{feff}');
     let first = text.lines().next().unwrap_or_default();
     let delimiter = [';', '\t', ','].into_iter().find(|&delimiter| first.contains(delimiter)).unwrap_or(',');
     let cells =
@@ -45,8 +56,8 @@ fn numbers(text: &str, column: Option<&str>) -> Result<Vec<f64>, (String, String
             .position(|head| head == name)
             .ok_or_else(|| (format!("no column {name:?}"), format!("one of {}", heads.join(", "))))?,
     };
-    // A first cell that is no number is a heading.
-    let has_heads = heads.get(at).is_none_or(|head| head.parse::<f64>().is_err());
+    // The first cell is a heading where it was asked for by its name, be it a number, and where it is no number.
+    let has_heads = column.is_some() || heads.get(at).is_none_or(|head| head.parse::<f64>().is_err());
     let mut values = Vec::new();
     for (number, line) in text.lines().enumerate().skip(usize::from(has_heads)) {
         if line.trim().is_empty() {
@@ -96,6 +107,17 @@ mod tests {
         };
         assert_eq!(values, &[0.1, 0.2, 0.3]);
         assert_ne!(found.identity(), case("t,d\n20,0.3\n100,0.1\n200,0.25\n").unwrap().identity());
+        for (given, said) in [
+            (
+                "file = \"d.csv\", values = [1.0, 2.0]",
+                "d.file = d.csv; allowed: the values here or in a file, not both",
+            ),
+            ("values = [1.0, 2.0], column = \"d\"", "d.column = \"d\"; allowed: only beside `file`"),
+        ] {
+            let text = text.replace("file = \"d.csv\", column = \"d\"", given);
+            let error = MatricesCase::parse(&path, text).map_err(|error| error.to_string()).unwrap_err();
+            assert!(error.ends_with(said), "{error}");
+        }
         for (measured, said) in [
             ("t,c\n20,0.3\n", "d.csv: no column \"d\"; allowed: one of t, c"),
             ("t,d\n20,high\n", "d.csv: line 2: \"high\"; allowed: a finite number, with a decimal point"),
@@ -109,6 +131,9 @@ mod tests {
     #[test]
     fn a_column_is_found_by_its_heading_or_is_the_first() {
         assert_eq!(numbers("mu,k\n0.5,1e6\n0.4, 2e6\n\n", Some("k")), Ok(vec![1e6, 2e6]));
+        assert_eq!(numbers("20,100\n0.5,0.6\n0.4,0.7\n", Some("100")), Ok(vec![0.6, 0.7]));
+        assert_eq!(numbers("\u{feff}mu\n0.5\n", Some("mu")), Ok(vec![0.5]));
+        assert_eq!(numbers("\u{feff}0.5\n0.4\n", None), Ok(vec![0.5, 0.4]));
         assert_eq!(numbers("0.5\r\n0.4\r\n", None), Ok(vec![0.5, 0.4]));
         assert_eq!(numbers("\"mu\";\"k\"\n0.5;1\n", Some("mu")), Ok(vec![0.5]));
         assert_eq!(numbers("mu\n0,5\n", None).unwrap_err().0, "line 2: 2 cells");

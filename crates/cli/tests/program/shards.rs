@@ -77,7 +77,9 @@ fn a_killed_shard_goes_on_and_a_study_is_extended_by_shards() {
     for (of, part) in [("1/2", &third), ("2/2", &fourth)] {
         assert!(shard(&case, of, part, &["--samples", "60", "--from", "21"]).status.success());
     }
-    assert!(merge(&case, &[short, third, fourth], &longer).status.success());
+    assert!(merge(&case, &[short.clone(), third, fourth], &longer).status.success());
+    let refused = said(&merge(&case, &[short], &longer));
+    assert!(refused.contains("holds 60 samples already"), "{refused}");
     run(&case, &at_once, &["--samples", "60"]);
     assert_same(&results(&at_once), &results(&longer));
 }
@@ -118,6 +120,14 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     let mut mixed = squeal();
     mixed.arg("merge").arg(&case).args(["one", "two", "three"].map(place)).arg("--mixed").arg("--out").arg(&merged);
     assert!(mixed.output().unwrap().status.success());
+    // A part that another program began, or another processor, is not gone on with; where it is complete there is nothing to do.
+    let marker = place("half").join("study.txt");
+    let text = std::fs::read_to_string(&marker).unwrap();
+    std::fs::write(&marker, text.replace("made=", "made=0.0.1/")).unwrap();
+    assert!(shard(&case, "1/2", &place("half"), &[]).status.success());
+    std::fs::remove_file(place("half").join("shard.json")).unwrap();
+    let begun = said(&shard(&case, "1/2", &place("half"), &[]));
+    assert!(begun.contains("half") && begun.contains("made"), "{begun}");
     // The folder of a part is not that of the study, nor of another part.
     for more in [&[][..], &["--shard", "1/3"]] {
         let output = squeal().arg("run").arg(&case).args(more).arg("--out").arg(place("two")).output().unwrap();

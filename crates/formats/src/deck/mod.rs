@@ -318,7 +318,7 @@ impl Reading {
                     deck.mesh.cells.push(Cell { kind, nodes });
                 }
                 elements.add(pending[0], &places, set.as_deref())?;
-                if name.starts_with("C3D") {
+                if ["C3D", "COH3D", "SC"].iter().any(|solid| name.starts_with(solid)) {
                     let nodes = pending[1..].to_vec();
                     deck.solids.push(Solid { label: pending[0], of_type: name.clone(), nodes });
                 }

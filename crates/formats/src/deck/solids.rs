@@ -3,7 +3,7 @@
 use super::keyword::{Keyword, set_name, split};
 use crate::problem::Problem;
 
-/// Solid element of a deck: its type with all nodes, where [`crate::Mesh`] has the corners alone.
+/// Solid element of a deck, a cohesive one and a shell with thickness as well: its type with all nodes, where [`crate::Mesh`] has the corners alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Solid {
     /// Its number.

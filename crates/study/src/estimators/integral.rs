@@ -52,9 +52,13 @@ pub fn integrate(
     mut unstable: impl FnMut(f64) -> Result<Vec<Vec<ModeLabel>>, EstimatorError>,
 ) -> Result<Integral, EstimatorError> {
     let mut integral = Integral::default();
+    // Nothing lies below the first end; a discrete distribution may have a value on it, which belongs to the first piece.
+    let mut below = 0.0;
     for step in ends.windows(2) {
         let names = unstable(0.5 * (step[0] + step[1]))?;
-        let part = distribution.cumulative(step[1]) - distribution.cumulative(step[0]);
+        let up_to = distribution.cumulative(step[1]);
+        let part = up_to - below;
+        below = up_to;
         for (name, is_sure) in unstable_names(&names, all_names) {
             let occurrence = integral.occurrences.entry(name).or_default();
             occurrence.upper += part;
@@ -65,4 +69,27 @@ pub fn integrate(
         integral.pieces.push(Piece { from: step[0], to: step[1], unstable: names });
     }
     Ok(integral)
+}
+
+#[cfg(test)]
+mod tests {
+    use montecarlo::Distribution;
+
+    use super::integrate;
+    use crate::ModeLabel;
+
+    #[test]
+    fn values_on_the_ends_count() {
+        let discrete = Distribution::Discrete { values: vec![0.2, 0.5, 0.9], weights: vec![1.0, 2.0, 1.0] };
+        let values = vec![0.2, 0.2, 0.5, 0.9];
+        let empirical = Distribution::Empirical { values, file: None, column: None };
+        for (distribution, expected) in [(discrete, 0.5), (empirical, 5.0 / 9.0 + 1.0 / 6.0)] {
+            let (from, to) = distribution.support();
+            // Unstable below 0.4, and beyond 0.7.
+            let growing =
+                |mu: f64| Ok(if (0.4..0.7).contains(&mu) { Vec::new() } else { vec![vec![ModeLabel::new(1)]] });
+            let found = integrate(&distribution, &[from, 0.4, 0.7, to], &[], growing).unwrap();
+            assert!((found.any - expected).abs() < 1e-12, "{distribution:?}: {}", found.any);
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use elements::{FaceId, Kind, Mesh, Rows};
+use formats::Solid;
 
 use super::nodes::Model;
 use super::schema::Nodes;
@@ -11,6 +12,9 @@ use crate::case::CaseError;
 /// Most names that a message lists; chosen, so that the message stays short.
 const MOST_NAMES_LISTED: usize = 12;
 
+/// Solid elements that are integrated over.
+const KNOWN: &str = "C3D4, C3D6, C3D8, C3D10, C3D15 or C3D20";
+
 /// The solid elements of a case with all their nodes, and their rows in its matrices.
 pub(super) struct Solids<'a> {
     pub model: &'a Model<'a>,
@@ -18,6 +22,8 @@ pub(super) struct Solids<'a> {
     pub rows: Rows,
     /// Places of the elements by their numbers.
     places: HashMap<i64, usize>,
+    /// Solids whose types cannot be integrated over, at each of their nodes: faces towards them are not outer ones.
+    unknown: HashMap<i64, Vec<&'a Solid>>,
 }
 
 impl<'a> Solids<'a> {
@@ -27,17 +33,21 @@ impl<'a> Solids<'a> {
         let missing = || model.check.value("brake.mesh", "missing", &format!("a mesh, as {field} needs its elements"));
         let drawn = model.mesh.as_ref().ok_or_else(missing)?;
         let nodes = drawn.nodes.iter().map(|node| (node.label, node.position)).collect();
-        let known = |solid: &formats::Solid| Some((solid.label, Kind::of_type(&solid.of_type)?, solid.nodes.clone()));
+        let mut unknown: HashMap<i64, Vec<&Solid>> = HashMap::new();
+        for solid in model.solids.iter().filter(|solid| Kind::of_type(&solid.of_type).is_none()) {
+            solid.nodes.iter().for_each(|&node| unknown.entry(node).or_default().push(solid));
+        }
+        let known = |solid: &Solid| Some((solid.label, Kind::of_type(&solid.of_type)?, solid.nodes.clone()));
         let elements: Vec<_> = model.solids.iter().filter_map(known).collect();
         if elements.is_empty() {
-            let allowed = "a mesh with elements C3D4, C3D6, C3D8, C3D10, C3D15 or C3D20";
-            return Err(model.check.value("brake.mesh", "no solid elements", allowed));
+            let allowed = format!("a mesh with elements {KNOWN}");
+            return Err(model.check.value("brake.mesh", "no solid elements", &allowed));
         }
         let mesh = Mesh::new(nodes, elements).map_err(model.check.contact("brake.mesh"))?;
         let row = |node: i64, direction: usize| model.row(node, direction as u32 + 1);
         let rows = Rows::new(&mesh, model.dofs.len(), row).map_err(model.check.contact("brake.mesh"))?;
         let places = mesh.elements().iter().map(|element| element.label).zip(0..).collect();
-        Ok(Self { model, mesh, rows, places })
+        Ok(Self { model, mesh, rows, places, unknown })
     }
 
     /// Elements of sets and numbers, by their indices in the mesh, each once.
@@ -46,6 +56,15 @@ impl<'a> Solids<'a> {
         let mut places = BTreeSet::new();
         for name in names.items() {
             if let Some(set) = find(&self.model.element_sets, name) {
+                // What is not integrated over would be missing from the result, and nobody would know.
+                if let Some(other) = set.iter().find(|&&label| place(label).is_none()) {
+                    let found = format!("{name:?} with element {other}, which is another");
+                    return Err(self.model.check.value(
+                        field,
+                        found,
+                        &format!("a set of solid elements {KNOWN} alone"),
+                    ));
+                }
                 places.extend(set.iter().filter_map(|&label| place(label)));
             } else if let Some(place) = name.parse().ok().and_then(place) {
                 places.insert(place);
@@ -89,6 +108,18 @@ impl<'a> Solids<'a> {
             if faces.len() == before {
                 let allowed = "a set with whole outer faces of solid elements, each once";
                 return Err(check.value(field, format!("{name:?}"), allowed));
+            }
+        }
+        for id in &faces {
+            let corners: Vec<i64> = self.mesh.face(*id).map_err(&of_mesh)?.nodes[..3]
+                .iter()
+                .map(|&node| self.mesh.labels()[node])
+                .collect();
+            let mut there = self.unknown.get(&corners[0]).into_iter().flatten();
+            if let Some(solid) = there.find(|solid| corners.iter().all(|corner| solid.nodes.contains(corner))) {
+                let found = format!("a face towards element {} of type {}", solid.label, solid.of_type);
+                let allowed = format!("outer faces of solid elements; elements {KNOWN} are known");
+                return Err(check.value(field, found, &allowed));
             }
         }
         Ok(faces.into_iter().collect())
