@@ -1,6 +1,7 @@
 // Headless Chromium over a pipe, with nothing but Node: its DevTools protocol, messages ended by a zero byte.
 import { spawn } from 'node:child_process';
-import { mkdtempSync, rmSync } from 'node:fs';
+import { mkdtempSync } from 'node:fs';
+import { rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
@@ -53,7 +54,8 @@ export class Browser {
     const ended = new Promise(resolve => this.process.on('exit', resolve));
     this.process.kill();
     await ended;
-    rmSync(this.profile, { recursive: true, force: true, maxRetries: 20, retryDelay: 200 });
+    // Children of the browser may still write: the asynchronous one tries again, the other gives up.
+    await rm(this.profile, { recursive: true, force: true, maxRetries: 20, retryDelay: 200 });
   }
 }
 
