@@ -1,6 +1,6 @@
 //! The capability of a brake that can be modified: contacts as wholes, places where something can be attached, symmetries.
 
-use linsys::{Channel, SecondOrder};
+use linsys::SecondOrder;
 
 use crate::{Error, Plan, Scene};
 
@@ -79,20 +79,25 @@ pub trait Modifiable: Sync {
     fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize;
 }
 
-/// The contacts of a brake that is known by its plan alone: each channel is one, of which only the friction can be taken away, the
-/// degrees of freedom are the places, and there are no symmetries.
+/// Modifiable parts of a brake that is known by its plan alone: the channels of one name are one contact, in whichever configurations they
+/// are, of which only the friction can be taken away; the degrees of freedom are the places, and there are no symmetries.
 pub struct ModifiablePlan<'a>(pub &'a Plan);
 
 impl Modifiable for ModifiablePlan<'_> {
     fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
-        let channels = self.0.brake(scene).system.channels().iter().enumerate();
-        let whole = |(at, channel): (usize, &Channel)| WholeContact {
-            number: at,
-            name: channel.name.clone(),
-            channels: vec![at],
-            structure: None,
+        let configurations = &self.0.configurations;
+        let mut names: Vec<&str> = Vec::new();
+        for channel in configurations.iter().flat_map(|configuration| configuration.brake.system.channels()) {
+            if !names.contains(&channel.name.as_str()) {
+                names.push(&channel.name);
+            }
+        }
+        let channels = self.0.brake(scene).system.channels();
+        let whole = |(number, name): (usize, &str)| {
+            let channels: Vec<usize> = (0..channels.len()).filter(|&at| channels[at].name == name).collect();
+            (!channels.is_empty()).then(|| WholeContact { number, name: name.into(), channels, structure: None })
         };
-        channels.map(whole).collect()
+        names.into_iter().enumerate().filter_map(whole).collect()
     }
 
     fn places(&self, _constraints: usize) -> Result<Option<Vec<Place>>, Error> {
