@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use brakes::case::{LatticeCase, MatricesCase};
 use brakes::{LatticeBrake, MatricesBrake, lattice, sliding};
 use squeal::cea::{EigenSolver, QrSolver, Workspace};
-use squeal::linsys::SecondOrder;
-use squeal::montecarlo::{Experiment as _, stream};
-use squeal::osc_model::ContactArrangement;
+use squeal::linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
+use squeal::montecarlo::{Experiment as _, StreamRng, stream};
+use squeal::osc_model::{Brake, ContactArrangement};
 use squeal::screen::{
-    Attached, Change, ChangeKind, ChangeSet, Confirmation, Modified, Screen, ScreenOptions, ScreenedSet, Sizes,
-    confirm, rank,
+    Attached, Candidates, Change, ChangeKind, ChangeSet, Confirmation, Modified, Screen, ScreenOptions, ScreenedSet,
+    Sizes, confirm, rank,
 };
-use squeal::study::UncertainBrake;
+use squeal::study::{Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SpeedLabel, UncertainBrake};
 
 fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
@@ -205,5 +205,95 @@ fn symmetric_changes_keep_sectors_and_others_do_not() {
         let whole = modified.system(scene, &modified.median()).unwrap();
         let parts = sectors.iter().flat_map(|sector| spectrum(&sector.reduced(&whole).unwrap())).collect::<Vec<_>>();
         assert_equal(&parts, &spectrum(&whole), "sectors");
+    }
+}
+
+/// Three masses in a row, each with a contact that is closed in two of three arrangements; its friction depends on all that a scene is.
+struct Row {
+    plan: Plan,
+}
+
+const ARRANGEMENTS: [[&str; 2]; 3] = [["a", "b"], ["a", "c"], ["b", "c"]];
+
+/// The row with some of its contacts closed.
+fn row(contacts: &[&str]) -> Brake {
+    let stiffness = nalgebra::dmatrix![2.0, -1.0, 0.0; -1.0, 3.0, -1.0; 0.0, -1.0, 2.0];
+    let structure = SecondOrder::new(nalgebra::DMatrix::identity(3, 3), 0.01 * &stiffness, stiffness).unwrap();
+    let channel = |name: &&str| {
+        let at = ["a", "b", "c"].iter().position(|other| other == name).unwrap();
+        Channel::new(*name, "friction", vec![(at, 1.0)], vec![((at + 1) % 3, -1.0)])
+    };
+    let terms = vec![Term::new("row", "springs", structure).unwrap()];
+    Brake::new(AffineSystem::new(terms, contacts.iter().map(channel).collect()).unwrap())
+}
+
+/// The operating point of some contacts of the row in a scene.
+fn of_scene(contacts: &[&str], scene: &Scene, mu: f64) -> OperatingPoint {
+    let (law, speed) = (scene.key.law as f64, scene.key.speed.unwrap() as f64);
+    let gain = |name: &&str| {
+        let of_contact = f64::from(name.as_bytes()[0] - b'a') + 10.0 * scene.members[0] as f64;
+        ChannelGain::proportional(mu + 100.0 * law + 1e3 * speed + of_contact)
+    };
+    OperatingPoint { coefficients: vec![1.0], channels: contacts.iter().map(gain).collect() }
+}
+
+impl Row {
+    fn new() -> Self {
+        let mut plan = Plan::without_scenes("row", "row".into(), 1, 1);
+        let arrangements = ARRANGEMENTS.map(|contacts| contacts.join(" ")).to_vec();
+        plan.labels.constraints = vec!["none".into()];
+        plan.labels.laws = ["one", "two"].map(|name| LawLabel { name: name.into(), title: String::new() }).to_vec();
+        plan.labels.speeds =
+            ["slow", "fast"].map(|name| SpeedLabel { name: name.into(), description: String::new() }).to_vec();
+        plan.labels.panels = vec![PanelLabel { in_contact: 2, arrangements: arrangements.clone() }];
+        for (member, contacts) in ARRANGEMENTS.iter().enumerate() {
+            let brake = std::sync::Arc::new(row(contacts));
+            let channels = vec![ChannelGain::proportional(0.5); 2];
+            let naming_point = OperatingPoint { coefficients: vec![1.0], channels };
+            plan.origins.push(Origin { brake: brake.clone(), naming_point: naming_point.clone() });
+            let contacts = arrangements[member].clone();
+            let configuration = Configuration { brake, naming_point, origin: 0, contacts };
+            plan.add_configuration(configuration, 0, &[member], false, |_| vec![Some(0), Some(1)]);
+        }
+        Self { plan }
+    }
+}
+
+impl UncertainBrake for Row {
+    type Sample = f64;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, _: &mut StreamRng) -> Result<f64, squeal::study::Error> {
+        Ok(0.5)
+    }
+
+    fn median(&self) -> f64 {
+        0.5
+    }
+
+    fn operating_point(&self, scene: &Scene, mu: &f64) -> Result<OperatingPoint, squeal::study::Error> {
+        Ok(of_scene(&ARRANGEMENTS[scene.members[0]], scene, *mu))
+    }
+}
+
+#[test]
+fn a_contact_of_an_own_brake_is_taken_out_by_its_name_in_every_scene() {
+    let brake = Row::new();
+    let candidates = Candidates::all(&brake, 0, &[ChangeKind::Contact], &Sizes::default()).unwrap().remove(0);
+    assert_eq!(candidates.singles.len(), 3);
+    for at in 0..3 {
+        let name = candidates.name(&[at]);
+        let set = ChangeSet { name: name.clone(), of: 0, changes: candidates.changes(&[at]) };
+        let modified = Modified::new(&brake, &[set]).unwrap();
+        assert_eq!(modified.plan().scenes.len(), 12);
+        for scene in &modified.plan().scenes {
+            let left = ARRANGEMENTS[scene.members[0]].into_iter().filter(|other| *other != name);
+            let left: Vec<&str> = left.collect();
+            let expected = row(&left).system.assemble(&of_scene(&left, scene, 0.7)).unwrap();
+            assert_eq!(modified.system(scene, &0.7).unwrap(), expected, "{name} of {left:?}, {:?}", scene.key);
+        }
     }
 }

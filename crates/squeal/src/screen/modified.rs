@@ -90,10 +90,8 @@ pub(super) fn modifiable_of<'a, B: UncertainBrake>(
 
 /// Configuration of the inner brake with changes.
 struct FromInner {
-    /// Index of the set of constraints of the inner brake.
-    constraints: usize,
-    /// Index of the configuration of the inner brake.
-    configuration: usize,
+    /// First scene of the inner brake that has the configuration.
+    scene: Scene,
     changed: ChangedBrake,
 }
 
@@ -170,8 +168,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         self.plan.origins.push(Origin { brake: Arc::clone(&brake), naming_point: naming_point.clone() });
         let (origin, contacts) = (self.plan.origins.len() - 1, from.contacts.clone());
         self.plan.configurations.push(Configuration { brake, naming_point, origin, contacts });
-        let (constraints, configuration) = (scene.key.constraints, scene.configuration);
-        self.from.push(FromInner { constraints, configuration, changed });
+        self.from.push(FromInner { scene: scene.clone(), changed });
         let place = self.from.len() - 1;
         laid_out.insert((scene.configuration, image), place);
         Ok(place)
@@ -237,10 +234,9 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
     }
 
     fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, study::Error> {
-        let FromInner { constraints, configuration, changed } = &self.from[scene.configuration];
-        let key = SceneKey { constraints: *constraints, ..scene.key };
-        let mut inner = Scene::default();
-        (inner.key, inner.configuration) = (key, *configuration);
+        let FromInner { scene: inner, changed } = &self.from[scene.configuration];
+        let mut inner = inner.clone();
+        inner.key = SceneKey { constraints: inner.key.constraints, ..scene.key };
         Ok(changed.point(self.inner.operating_point(&inner, sample)?))
     }
 
