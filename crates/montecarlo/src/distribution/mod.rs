@@ -17,6 +17,9 @@ use crate::stream::StreamRng;
 use bounded_normal::BoundedNormal;
 use quantile_table::interpolate;
 
+/// Part of a mean by which the median of a normal distribution may differ from it and be the mean; chosen: six digits, which is what is printed.
+const SAME_MEDIAN: f64 = 1e-6;
+
 /// Distribution that a parameter is drawn from. In a file: `{ distribution = "normal", mean = 0.5, deviation = 0.1 }`.
 ///
 /// ```
@@ -190,15 +193,17 @@ impl Distribution {
         })
     }
 
-    /// The median. For a normal distribution without an upper bound it is the mean, which is the median without the lower
-    /// bound: that bound keeps a coefficient positive and cuts off hardly any probability.
+    /// The median, that of what is drawn: between the bounds where there are some. It is the mean of a normal distribution as it was given,
+    /// to the last digit, where its lower bound is the only one and moves the median by less than a millionth of it.
     #[must_use]
     pub fn median(&self) -> f64 {
         match *self {
-            Self::Constant { value } => value,
-            Self::Normal { mean, at_most: None, .. } => mean,
             Self::LogNormal { median, at_least: None, at_most: None, .. } => median,
             Self::Uniform { from, to } => 0.5 * (from + to),
+            Self::Normal { mean, at_most: None, .. } => {
+                let median = self.quantile(0.5);
+                if (median - mean).abs() <= SAME_MEDIAN * mean.abs() { mean } else { median }
+            }
             _ => self.quantile(0.5),
         }
     }

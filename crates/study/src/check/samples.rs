@@ -11,9 +11,6 @@ use crate::{Contradiction, DrawnInputs, Input, Scene, SingleParameter, Uncertain
 const ROUNDING: f64 = 1e-9;
 /// Rounding of the median of a distribution by its quantile function, as a fraction of a number.
 const OF_QUANTILES: f64 = 1e-6;
-/// Largest distance of the quantile at one half from the median that is without the bounds of a distribution, as a fraction of a number;
-/// chosen.
-const OF_BOUNDS: f64 = 1e-2;
 /// Draws by which a scene with one parameter is checked.
 const DRAWS: u64 = 8;
 /// Number of values of that parameter between which a draw is looked for, evenly in probability.
@@ -81,7 +78,7 @@ fn inputs<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: 
         && let (Ok(found), Ok(expected)) =
             (brake.operating_point(scene, &middle), brake.operating_point(scene, &median))
         && let Some(Difference { what, found, expected }) =
-            points_differ(&plan.brake(scene).system, &found, &expected, OF_BOUNDS)
+            points_differ(&plan.brake(scene).system, &found, &expected, OF_QUANTILES)
     {
         let (one, other) = ("quantile_sample() at one half".into(), "median()".into());
         return Err(Contradiction::Differ { scene: plan.describe(scene), one, other, what, found, expected }.into());
