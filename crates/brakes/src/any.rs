@@ -3,6 +3,7 @@
 use linsys::OperatingPoint;
 use montecarlo::Progress;
 use osc_model::Grid;
+use output::significant;
 use serde_json::{Map, Value, json};
 use squeal::sweep::Over;
 use study::{AnySample, Cost, Erased, IndependentBrake, Scene, UncertainBrake};
@@ -71,7 +72,8 @@ pub trait CaseBrake: UncertainBrake {
 
 /// A number with its name and unit; one without a unit has "1" or nothing there.
 pub(crate) fn with_unit(name: &str, value: f64, unit: &str) -> String {
-    format!("{name} = {value:.6}{}", if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") })
+    let unit = if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") };
+    format!("{name} = {}{unit}", significant(value, 6))
 }
 
 /// A name with its family of forces, where that has another name.

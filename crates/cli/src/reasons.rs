@@ -2,6 +2,7 @@
 
 use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
 use num_complex::Complex;
+use output::significant;
 use squeal::results::hertz;
 use squeal::study::{Scene, UncertainBrake};
 use squeal::why::{Balance, Contribution, Explainer, Influence, Why};
@@ -104,7 +105,7 @@ fn influences(why: &Why) -> String {
             true => format!("{growth:+.4} "),
             false => format!("({growth:+.4})"),
         };
-        let (value, reach) = (short(*value), reach(influence));
+        let (value, reach) = (significant(*value, 4), reach(influence));
         text += &format!("  {name:<30}  {value:>10} {unit:<6}  {growth:>13}  {hz:>+10.4}  {reach:>12}\n");
     }
     let (all, shown) = (why.influences.len(), why.influences.len().min(MOST_INFLUENCES));
@@ -157,24 +158,10 @@ fn reach(influence: &Influence) -> String {
     match (influence.value == 0.0, to.is_infinite()) {
         (_, true) => "any".into(),
         (true, false) => format!("+-{to:.1e}"),
-        (false, false) => format!("+-{} %", short(100.0 * to / influence.value.abs())),
+        (false, false) => format!("+-{} %", significant(100.0 * to / influence.value.abs(), 4)),
     }
 }
 
 fn percent(part: f64) -> String {
     format!("{:.1} %", 100.0 * part)
-}
-
-/// A number to four digits.
-fn short(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 {
-        return "0".into();
-    }
-    if !(1e-3..1e5).contains(&size) {
-        return format!("{value:.3e}");
-    }
-    let decimals = (3.0 - size.log10().floor()).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }

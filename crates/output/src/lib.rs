@@ -34,6 +34,30 @@ pub enum OutputError {
     },
 }
 
+/// A number to so many significant digits, at least one, for people: without zeros at its end, and with an exponent below a thousandth and from
+/// `10^(digits + 1)` on.
+///
+/// ```
+/// let shown = [1e-7, -0.5, 1.0 / 3.0, 1234.5678, 0.0].map(|value| output::significant(value, 6));
+/// assert_eq!(shown, ["1e-7", "-0.5", "0.333333", "1234.57", "0"]);
+/// ```
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> String {
+    let last = digits.saturating_sub(1);
+    let in_powers = format!("{value:.last$e}");
+    let (mantissa, exponent) = in_powers.split_once('e').unwrap_or((&in_powers, "0"));
+    let power: i32 = exponent.parse().unwrap_or(0);
+    let trimmed = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    if power < -3 || power > digits as i32 {
+        return format!("{}e{exponent}", trimmed(mantissa));
+    }
+    let decimals = (last as i32 - power).max(0) as usize;
+    trimmed(&format!("{value:.decimals$}"))
+}
+
 /// Writes `contents` under a temporary name beside `path`, then renames it.
 ///
 /// # Errors

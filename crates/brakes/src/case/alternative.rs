@@ -2,6 +2,7 @@
 
 use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
+use output::significant;
 use study::ModeNaming;
 
 use super::{Draws, Law};
@@ -41,7 +42,7 @@ impl Alternative {
     /// The choice in words.
     pub fn choice(&self) -> String {
         match self {
-            Self::OscillatorMass(mass) => format!("oscillators of {mass:.4} kg"),
+            Self::OscillatorMass(mass) => format!("oscillators of {} kg", significant(*mass, 4)),
             Self::Lateral(Lateral::None) => "no friction in y".into(),
             Self::Lateral(Lateral::Coupled { sign }) => format!("friction in y coupled, sign {:+}", sign.value()),
             Self::Lateral(Lateral::Vector) => "friction along the relative velocity".into(),

@@ -1,6 +1,7 @@
 //! Choice of one scene of a case, by what a user calls it.
 
 use osc_model::ContactArrangement;
+use output::significant;
 
 use super::{CaseError, CaseFile, FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
 
@@ -138,7 +139,7 @@ fn in_contact(contacts: usize, numbers: &[usize], what: &str) -> Result<ContactA
 
 /// The range of one speed, m/s.
 fn fixed(speed: f64) -> SpeedRange {
-    SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }
+    SpeedRange { name: format!("{} m/s", significant(speed, 4)), from: speed, to: speed }
 }
 
 /// Index of a name in a list; 0 where none is given.

@@ -13,6 +13,7 @@ use osc_model::{
     Axis, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
     Reversal, Sliding,
 };
+use output::significant;
 use serde_json::{Value, json};
 use study::{
     Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, NamedParameter, Origin, Parametrised, Place,
@@ -388,7 +389,7 @@ impl CaseBrake for LatticeBrake {
         let scene = &self.plan.scenes[0];
         let (law, contacts) = (self.law(scene.key), self.lattice(scene).arrangement());
         let speed = self.case.speeds[scene.key.speed.unwrap_or(0)].quantile(0.5);
-        format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters")
+        format!("{law} friction at {} m/s, in contact: {contacts}; median parameters", significant(speed, 4))
     }
 
     fn scene_json(&self) -> Value {

@@ -2,7 +2,7 @@
 
 use cea::{Threshold, frequency_hz};
 use num_complex::Complex;
-use output::Table;
+use output::{Table, significant};
 use serde_json::{Value, json};
 
 use super::{
@@ -269,8 +269,11 @@ fn branch_text(sweep: &Sweep) -> String {
         let (modes, hz) = (found.modes.join(" and "), crate::results::hertz(hertz(found.omega)));
         let what = if found.distance <= found.error.max(f64::EPSILON) { "coalesce" } else { "nearly coalesce" };
         text += &format!(
-            "{:>22.9}  {:>8.1e}  {:>8.1e}  {modes:>14}  {hz:>12}  {:>12.4}  {what}\n",
-            found.at, found.error, found.distance, found.growth
+            "{:>22}  {:>8.1e}  {:>8.1e}  {modes:>14}  {hz:>12}  {:>12.4}  {what}\n",
+            significant(found.at, 7),
+            found.error,
+            found.distance,
+            found.growth
         );
     }
     let Evaluations { spectra, eigenvectors, .. } = sweep.evaluations;
@@ -310,13 +313,14 @@ fn map_text(map: &StabilityMap) -> String {
             [of(|point| hertz(point.omega), f64::min, f64::INFINITY), of(|point| hertz(point.omega), f64::max, 0.0)];
         let [x_from, x_to] = [of(|p| p.at[0], f64::min, f64::INFINITY), of(|p| p.at[0], f64::max, f64::NEG_INFINITY)];
         let [y_from, y_to] = [of(|p| p.at[1], f64::min, f64::INFINITY), of(|p| p.at[1], f64::max, f64::NEG_INFINITY)];
+        let [x_from, x_to, y_from, y_to] = [x_from, x_to, y_from, y_to].map(|end| significant(end, 6));
         let how = match ends {
             [CurveEnd::Closed, _] => ", closed",
             [CurveEnd::Edge, CurveEnd::Edge] => "",
             _ => ", cannot be followed farther",
         };
         text += &format!(
-            "{mode:>width$}  {:>6}  {:>22}  {x} = {x_from:.6} to {x_to:.6}, {y} = {y_from:.6} to {y_to:.6}{how}\n",
+            "{mode:>width$}  {:>6}  {:>22}  {x} = {x_from} to {x_to}, {y} = {y_from} to {y_to}{how}\n",
             points.len(),
             format!("{} to {}", crate::results::hertz(hz[0]), crate::results::hertz(hz[1])),
         );
