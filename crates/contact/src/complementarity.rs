@@ -2,6 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::ContactError;
+use crate::sliding::value;
+
 /// Size of an entry of a tableau below which it is rounding; chosen, problems here are scaled to about 1.
 const PIVOT: f64 = 1e-11;
 /// Tolerance of z and of w below zero, as a fraction of the largest; chosen, above rounding of the last solution.
@@ -13,6 +16,9 @@ const SINGULAR: f64 = 1e10;
 const STEPS: usize = 50;
 /// Difference of two solutions, relative to the largest |q|, below which they are one.
 const ALIKE: f64 = 1e-8;
+
+/// Most unknowns of which all 2^n sets of zeros are looked at; chosen: 2 million eliminations of a row.
+pub const MOST_ENUMERATED: usize = 14;
 
 /// Solution of a complementarity problem.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,8 +159,13 @@ fn solved(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<Complem
 
 /// Solutions w and z, all of them, from the 2^n sets of zeros; those that differ in z alone are one. Sets whose equations are singular are
 /// passed over.
-#[must_use]
-pub fn all_solutions(q: &DVector<f64>, m: &DMatrix<f64>) -> Vec<Complementary> {
+///
+/// # Errors
+/// [`ContactError::Value`] for more than [`MOST_ENUMERATED`] unknowns.
+pub fn all_solutions(q: &DVector<f64>, m: &DMatrix<f64>) -> Result<Vec<Complementary>, ContactError> {
+    if q.len() > MOST_ENUMERATED {
+        return Err(value("the number of unknowns", q.len() as f64, "at most 14, whose sets are all looked at"));
+    }
     let mut found: Vec<Complementary> = Vec::new();
     for set in 0_u64..1 << q.len() {
         let opened: Vec<bool> = (0..q.len()).map(|at| set >> at & 1 == 1).collect();
@@ -165,7 +176,7 @@ pub fn all_solutions(q: &DVector<f64>, m: &DMatrix<f64>) -> Vec<Complementary> {
             }
         }
     }
-    found
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -180,10 +191,21 @@ mod tests {
         assert_eq!(lemke(&dvector![-1.0, -2.0], &dmatrix![1.0, -1.0; -1.0, 1.0]), Err(Unsolved::Ray));
         // No P-matrix: two solutions, of which the path finds one.
         let (q, m) = (dvector![1.0, -1.0], dmatrix![1.0, -2.0; -2.0, 1.0]);
-        assert_eq!(all_solutions(&q, &m).len(), 0);
+        assert_eq!(all_solutions(&q, &m).unwrap().len(), 0);
         let (q, m) = (dvector![1.0, 1.0], dmatrix![1.0, -2.0; -2.0, 1.0]);
-        assert_eq!(all_solutions(&q, &m).len(), 2);
+        assert_eq!(all_solutions(&q, &m).unwrap().len(), 2);
         assert!(lemke(&q, &m).is_ok());
+    }
+
+    #[test]
+    fn more_sets_than_can_be_looked_at_are_refused() {
+        for n in [MOST_ENUMERATED, MOST_ENUMERATED + 1, 63, 64, 65, 200] {
+            let found = all_solutions(&DVector::repeat(n, 1.0), &DMatrix::identity(n, n));
+            match n <= MOST_ENUMERATED {
+                true => assert_eq!(found.unwrap().len(), 1),
+                false => assert!(matches!(found, Err(ContactError::Value { value, .. }) if value == n as f64), "{n}"),
+            }
+        }
     }
 
     proptest! {
@@ -198,7 +220,7 @@ mod tests {
             if let Some(other) = active_set(&q, &m) {
                 prop_assert!((other.w - &found.w).amax() < 1e-9);
             }
-            let all = all_solutions(&q, &m);
+            let all = all_solutions(&q, &m).unwrap();
             prop_assert_eq!(all.len(), 1);
             prop_assert!((&found.w - &all[0].w).amax() < 1e-9);
             prop_assert!((&found.w - &q - &m * &found.z).amax() < 1e-9 * (1.0 + found.z.amax()));

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::complementarity::{Complementary, Unsolved, active_set, all_solutions, lemke};
 use crate::sliding::value;
-use crate::uniqueness::{Uniqueness, has_none, is_monotone, uniqueness};
+use crate::uniqueness::{Uniqueness, is_monotone, uniqueness};
 use crate::{Condensed, ContactError};
 
 /// Smallest over largest pivot of the LU decomposition of `I + B'`, at or below which this is singular: friction locks (jams), as the balance then
@@ -130,15 +130,14 @@ fn otherwise(q: &DVector<f64>, m: &DMatrix<f64>, unsolved: Unsolved) -> Result<C
         let reason = "the loads pull the bodies off what holds them, or push one that nothing holds";
         return Err(ContactError::NoEquilibrium { reason });
     }
-    match has_none(q, m) {
-        Some(true) => {
-            Err(ContactError::NoEquilibrium { reason: "of all states of open and closed contacts none is in balance" })
-        }
-        Some(false) => all_solutions(q, m).into_iter().next().ok_or(ContactError::Locks),
-        None if unsolved == Unsolved::Ray => {
+    match all_solutions(q, m) {
+        Ok(all) => all.into_iter().next().ok_or(ContactError::NoEquilibrium {
+            reason: "of all states of open and closed contacts none is in balance",
+        }),
+        Err(_) if unsolved == Unsolved::Ray => {
             let reason = "the search for one ends in a ray; with friction this is no proof that there is none";
             Err(ContactError::NoEquilibrium { reason })
         }
-        None => Err(ContactError::NotSolved { unknowns: q.len() }),
+        Err(_) => Err(ContactError::NotSolved { unknowns: q.len() }),
     }
 }

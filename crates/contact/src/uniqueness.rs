@@ -4,10 +4,8 @@ use std::fmt;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::complementarity::all_solutions;
+use crate::complementarity::{MOST_ENUMERATED, all_solutions};
 
-/// Unknowns up to which all 2^n principal minors and sets are looked at; chosen: 2 million eliminations of a row.
-const MOST_ENUMERATED: usize = 14;
 /// An eigenvalue of this part of the norm is zero; chosen, above rounding.
 const ZERO: f64 = 1e-11;
 
@@ -55,16 +53,11 @@ pub(crate) fn uniqueness(q: &DVector<f64>, m: &DMatrix<f64>) -> Uniqueness {
     if are_positive {
         return Uniqueness::PrincipalMinors;
     }
-    match all_solutions(q, m).len() {
-        0 => Uniqueness::NotDecided,
-        1 => Uniqueness::Enumerated,
-        count => Uniqueness::Several(count),
+    match all_solutions(q, m).map(|all| all.len()) {
+        Ok(0) | Err(_) => Uniqueness::NotDecided,
+        Ok(1) => Uniqueness::Enumerated,
+        Ok(count) => Uniqueness::Several(count),
     }
-}
-
-/// True if the problem has no solution, where all states can be looked at; `None` where they cannot.
-pub(crate) fn has_none(q: &DVector<f64>, m: &DMatrix<f64>) -> Option<bool> {
-    (m.nrows() <= MOST_ENUMERATED).then(|| all_solutions(q, m).is_empty())
 }
 
 /// True if the symmetric part is positive semi-definite, where a ray of Lemke's method means that there is no solution.
