@@ -67,19 +67,19 @@ pub enum ContactError {
     Apart {
         /// The number of the node of the slave next to the point.
         node: i64,
-        /// Distance of the point from the nearest face that looks at it; infinite where none was near.
+        /// Distance of the point from the nearest face that it is over; infinite where it is over none.
         distance: f64,
         /// The largest that is allowed.
         reach: f64,
     },
-    /// Points of the slave beside the master.
+    /// Points of the slave beside the master, the first of them at whatever distance.
     #[error(
-        "the master is smaller than the slave: {beside} of {total} points have no face of it opposite, the first at node {node}"
+        "the master is smaller than the slave: {beside} of {total} points have no face of it within reach, the first, at node {node}, none at any distance"
     )]
     MasterSmaller {
         /// The number of the node of the slave next to the first such point.
         node: i64,
-        /// Number of points that have no face of the master opposite.
+        /// Number of points that have no face of the master opposite within reach.
         beside: usize,
         /// Number of all points.
         total: usize,

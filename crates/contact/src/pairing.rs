@@ -1,6 +1,7 @@
 //! Two sides of a contact whose meshes do not match, and the points between them.
 
 use elements::{Face, FaceId, FaceShape, Mesh};
+use nalgebra::Vector3;
 
 use crate::grid::Grid;
 use crate::point::ContactPoint;
@@ -93,7 +94,7 @@ impl Interface {
                 let outwards = at.area.normalize();
                 let Some((opposite, found)) = search.opposite(&at.position, &outwards, node)? else {
                     beside += 1;
-                    first = first.or(Some(node));
+                    first = first.or(Some((node, at.position, outwards)));
                     continue;
                 };
                 let normal = snapped(&found.normal);
@@ -112,11 +113,16 @@ impl Interface {
                 });
             }
         }
-        match first {
-            None => Ok(Self { points, projections: search.projections }),
-            Some(node) if points.is_empty() => Err(search.apart(&slave, mesh, node)),
-            Some(node) => Err(ContactError::MasterSmaller { node, beside, total }),
-        }
+        let Some((node, position, outwards)) = first else {
+            return Ok(Self { points, projections: search.projections });
+        };
+        // Where no face is within reach of any point, one that looks elsewhere says how far off it is, too.
+        let largest_cosine = if points.is_empty() { f64::INFINITY } else { pairing.largest_cosine };
+        let (distance, reach) = (search.distance(&position, &outwards, largest_cosine), pairing.reach);
+        Err(match points.is_empty() || distance.is_finite() {
+            true => ContactError::Apart { node, distance, reach },
+            false => ContactError::MasterSmaller { node, beside, total },
+        })
     }
 
     /// Faces, among some such as all outer ones of a body, that look at a master within reach with any of their points of Gauss: those that are
@@ -162,7 +168,7 @@ impl Interface {
 }
 
 /// A normal along an axis up to rounding, exactly along it: rows have a third of the entries then.
-fn snapped(normal: &nalgebra::Vector3<f64>) -> nalgebra::Vector3<f64> {
+fn snapped(normal: &Vector3<f64>) -> Vector3<f64> {
     normal.map(|x| if x.abs() < NO_WEIGHT { 0.0 } else { x }).normalize()
 }
 
@@ -191,8 +197,8 @@ impl<'a> Search<'a> {
     /// the nearer one.
     fn opposite(
         &mut self,
-        at: &nalgebra::Vector3<f64>,
-        outwards: &nalgebra::Vector3<f64>,
+        at: &Vector3<f64>,
+        outwards: &Vector3<f64>,
         node: i64,
     ) -> Result<Option<(&'a Face, Projection)>, ContactError> {
         let mut best: Option<(&Face, Projection)> = None;
@@ -222,15 +228,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Error where no point has anything opposite: how far the nearest face is from the first point.
-    fn apart(&self, slave: &[Face], mesh: &Mesh, node: i64) -> ContactError {
-        let place = mesh.place(node);
-        let position = place.map(|place| mesh.positions()[place]).unwrap_or(slave[0].positions[0]);
-        let distance = |face: &Face| {
-            let found = project(face, &position).filter(|found| found.outside <= self.pairing.slit);
-            found.map_or(f64::INFINITY, |found| found.gap.abs())
-        };
-        let distance = self.master.iter().map(distance).fold(f64::INFINITY, f64::min);
-        ContactError::Apart { node, distance, reach: self.pairing.reach }
+    /// Distance from a point to the nearest face that it is over, within reach or not, of those whose normals have at most this cosine with its
+    /// own; infinite where there is none.
+    fn distance(&self, at: &Vector3<f64>, outwards: &Vector3<f64>, largest_cosine: f64) -> f64 {
+        let is_over =
+            |found: &Projection| found.outside <= self.pairing.slit && found.normal.dot(outwards) <= largest_cosine;
+        let found = self.master.iter().filter_map(|face| project(face, at).filter(is_over));
+        found.map(|found| found.gap.abs()).fold(f64::INFINITY, f64::min)
     }
 }

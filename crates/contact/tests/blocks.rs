@@ -1,6 +1,6 @@
 //! Two blocks with meshes that do not match, pressed on each other: patch test, convergence, cost and what is refused.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lint does not recognise outside test functions.
 
 mod making;
 
@@ -221,6 +221,33 @@ fn pressures_of_nodes_are_between_them_what_shape_functions_say() {
     assert!(matches!(interface.of_pressures(&mesh, &other), Err(ContactError::Value { .. })));
     assert!(interface.uniform(0.0).is_err());
     assert!((interface.uniform(7.0).unwrap().iter().sum::<f64>() - 7.0).abs() < 1e-13);
+}
+
+/// An upper block that is tilted about one of its edges: its far part is beyond the reach, and over the master all the same.
+#[test]
+fn a_gap_beyond_the_reach_is_not_a_master_that_is_too_small() {
+    for (slope, reach) in [(0.02, 0.01), (0.1, 0.01), (0.3, 0.2)] {
+        let mut making = Making::default();
+        let tilted = |[x, y, z]: [f64; 3]| [x, y, z + slope * x];
+        making.block(Kind::Hexahedron8, [4, 4, 1], [[0.0, 0.0, 0.0], [1.0, 1.0, 0.4]], tilted);
+        let of_upper = making.elements.len();
+        making.block(Kind::Hexahedron8, [3, 3, 1], [[0.0, 0.0, -0.5], [1.0, 1.0, 0.0]], |p| p);
+        let mesh = making.mesh();
+        let slave = faces(&mesh, |p| (p.z - slope * p.x).abs() < 1e-12);
+        let master = faces(&mesh, |p| p.z.abs() < 1e-12);
+        let [slave, master] = [(slave, true), (master, false)].map(|(faces, is_upper)| {
+            faces.into_iter().filter(|id| (id.element < of_upper) == is_upper).collect::<Vec<FaceId>>()
+        });
+        let of = |master: &[FaceId], reach: f64| {
+            let pairing = Pairing { reach, ..along_x(Integration::GaussPoints) };
+            Interface::new(&mesh, &slave, master, &pairing)
+        };
+        assert!(of(&master, 1.1 * slope).is_ok());
+        let Err(ContactError::Apart { distance, .. }) = of(&master, reach) else { panic!("{slope}") };
+        assert!(distance > reach && distance < slope, "{slope}: {distance}");
+        let beside = of(&master[..6], 1.1 * slope).unwrap_err();
+        assert!(matches!(beside, ContactError::MasterSmaller { .. }), "{beside}");
+    }
 }
 
 #[test]
