@@ -172,7 +172,7 @@ fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
             occurrence(&range.largest),
         ]
     };
-    let columns = ["Mode", "Hz", "Least of a panel", "Largest of a panel", "where", "Largest of an arrangement"];
+    let columns = ["Mode", "Hz", "Least of a panel", "Largest of a panel", "Where", "Largest of an arrangement"];
     let rows = found.unstable.iter().map(row).collect();
     Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows })
 }
