@@ -274,7 +274,8 @@ fn loads_in_equilibrium_are_those_that_press() {
     }
 }
 
-/// Elements that are not integrated over: neither do they vanish from a set, nor is a face towards them one at which a body ends.
+/// Elements that are not integrated over: neither do they vanish from a set, nor is a face towards them one at which a body ends. Where a
+/// surface has it by its number it is refused, of the outer faces of a set it is none.
 #[test]
 fn elements_of_other_types_are_not_passed_over() {
     let folder = Folder::new();
@@ -290,7 +291,9 @@ fn elements_of_other_types_are_not_passed_over() {
             ("OUT", "\"OUT\" with element 900001, which is another; allowed: a set of solid elements".to_owned()),
             (
                 "SHIM",
-                format!("contact \"outer\".slave = a face towards element 900001 of type {of_type}; allowed: outer"),
+                format!(
+                    "contact \"outer\".slave = \"LINING\", S1: a face towards element 900001 of type {of_type}; allowed: outer"
+                ),
             ),
         ] {
             let element = format!("*ELEMENT, TYPE={of_type}, ELSET={set}\n900001, {}\n", corners(count));
@@ -298,6 +301,16 @@ fn elements_of_other_types_are_not_passed_over() {
             let error = folder.parse(CASE.into()).unwrap_err();
             assert!(error.contains(&said), "{of_type}: {error}");
         }
+    }
+    // A plate on the backs of two elements.
+    let backs = [4, 5, 6, 7, 25, 26, 27, 28].map(|at| nodes[at]).join(", ");
+    for (of_type, slave) in [("COH3D8", "OUT"), ("SC8R", "OUT"), ("COH3D8", "LINING")] {
+        let case = CASE.replace("slave = \"LINING\"", &format!("slave = \"{slave}\""));
+        let contact = || folder.parse(case.clone()).map(|case| format!("{:?}", case.contact)).unwrap();
+        std::fs::write(&deck_path, &deck).unwrap();
+        let without = contact();
+        std::fs::write(&deck_path, format!("{deck}*ELEMENT, TYPE={of_type}, ELSET=PLATE\n900001, {backs}\n")).unwrap();
+        assert!(contact() == without, "{of_type} {slave}");
     }
 }
 

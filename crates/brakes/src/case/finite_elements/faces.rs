@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use elements::{FaceId, Kind, Mesh, Rows};
+use elements::{ElementsError, FaceId, Kind, Mesh, Rows};
 use formats::Solid;
 
 use super::nodes::Model;
@@ -56,16 +56,14 @@ impl<'a> Solids<'a> {
         let mut places = BTreeSet::new();
         for name in names.items() {
             if let Some(set) = find(&self.model.element_sets, name) {
-                // What is not integrated over would be missing from the result, and nobody would know.
-                if let Some(other) = set.iter().find(|&&label| place(label).is_none()) {
-                    let found = format!("{name:?} with element {other}, which is another");
-                    return Err(self.model.check.value(
-                        field,
-                        found,
-                        &format!("a set of solid elements {KNOWN} alone"),
-                    ));
+                for &label in set {
+                    // What is not integrated over would be missing from the result, and nobody would know.
+                    let other = || {
+                        let found = format!("{name:?} with element {label}, which is another");
+                        self.model.check.value(field, found, &format!("a set of solid elements {KNOWN} alone"))
+                    };
+                    places.insert(place(label).ok_or_else(other)?);
                 }
-                places.extend(set.iter().filter_map(|&label| place(label)));
             } else if let Some(place) = name.parse().ok().and_then(place) {
                 places.insert(place);
             } else {
@@ -80,21 +78,19 @@ impl<'a> Solids<'a> {
         Ok(places.into_iter().collect())
     }
 
-    /// The faces of surfaces, node sets (outer faces all of whose corners are in one) and element sets (their outer faces), each once.
+    /// The faces of surfaces, node sets (outer faces all of whose corners are in one) and element sets (their outer faces), each once. A face
+    /// that a surface gives by its number must be an outer one.
     pub fn faces(&self, field: &str, names: &Nodes) -> Result<Vec<FaceId>, CaseError> {
         let check = self.model.check;
-        let of_mesh = check.contact::<elements::ElementsError>(field);
         let mut faces = BTreeSet::new();
         for name in names.items() {
             let before = faces.len();
             if find(&self.model.surfaces, name).is_some() {
                 faces.extend(self.surface(field, name)?);
             } else if let Some(nodes) = self.model.set(name) {
-                let places: Vec<usize> = nodes.iter().filter_map(|&node| self.mesh.place(node)).collect();
-                faces.extend(self.mesh.faces_on(&places).map_err(&of_mesh)?);
+                faces.extend(self.outer_on(field, nodes)?);
             } else if find(&self.model.element_sets, name).is_some() {
-                let elements = self.elements(field, &Nodes::One(name.clone()))?;
-                faces.extend(self.mesh.outer_faces(&elements).map_err(&of_mesh)?);
+                faces.extend(self.outer_of(field, &self.elements(field, &Nodes::One(name.clone()))?)?);
             } else {
                 let Model { sets, element_sets, surfaces, .. } = self.model;
                 let allowed = format!(
@@ -106,23 +102,36 @@ impl<'a> Solids<'a> {
                 return Err(check.value(field, format!("{name:?}"), &allowed));
             }
             if faces.len() == before {
-                let allowed = "a set with whole outer faces of solid elements, each once";
-                return Err(check.value(field, format!("{name:?}"), allowed));
-            }
-        }
-        for id in &faces {
-            let corners: Vec<i64> = self.mesh.face(*id).map_err(&of_mesh)?.nodes[..3]
-                .iter()
-                .map(|&node| self.mesh.labels()[node])
-                .collect();
-            let mut there = self.unknown.get(&corners[0]).into_iter().flatten();
-            if let Some(solid) = there.find(|solid| corners.iter().all(|corner| solid.nodes.contains(corner))) {
-                let found = format!("a face towards element {} of type {}", solid.label, solid.of_type);
-                let allowed = format!("outer faces of solid elements; elements {KNOWN} are known");
-                return Err(check.value(field, found, &allowed));
+                let allowed = format!("a set with whole outer faces of solid elements {KNOWN}, each once");
+                return Err(check.value(field, format!("{name:?}"), &allowed));
             }
         }
         Ok(faces.into_iter().collect())
+    }
+
+    /// Outer faces of elements.
+    fn outer_of(&self, field: &str, elements: &[usize]) -> Result<Vec<FaceId>, CaseError> {
+        self.outer(field, self.mesh.outer_faces(elements))
+    }
+
+    /// Outer faces all of whose corners are among some nodes.
+    fn outer_on(&self, field: &str, nodes: &[i64]) -> Result<Vec<FaceId>, CaseError> {
+        let places: Vec<usize> = nodes.iter().filter_map(|&node| self.mesh.place(node)).collect();
+        self.outer(field, self.mesh.faces_on(&places))
+    }
+
+    /// Faces that no solid that is known has on its other side, without those towards one of unknown type.
+    fn outer(&self, field: &str, faces: Result<Vec<FaceId>, ElementsError>) -> Result<Vec<FaceId>, CaseError> {
+        let faces = faces.map_err(self.model.check.contact(field))?;
+        Ok(faces.into_iter().filter(|&face| self.beyond(face).is_none()).collect())
+    }
+
+    /// The solid of unknown type on the other side of a face.
+    fn beyond(&self, face: FaceId) -> Option<&'a Solid> {
+        let face = self.mesh.face(face).ok()?;
+        let corners: Vec<i64> = face.nodes[..3].iter().map(|&node| self.mesh.labels()[node]).collect();
+        let mut there = self.unknown.get(&corners[0])?.iter().copied();
+        there.find(|solid| corners.iter().all(|corner| solid.nodes.contains(corner)))
     }
 
     /// True if names are of sets of elements alone, all of whose outer faces are then meant.
@@ -138,7 +147,7 @@ impl<'a> Solids<'a> {
     /// The faces of a `*SURFACE`.
     fn surface(&self, field: &str, name: &str) -> Result<Vec<FaceId>, CaseError> {
         let check = self.model.check;
-        let of_mesh = check.contact::<elements::ElementsError>(field);
+        let of_mesh = check.contact::<ElementsError>(field);
         let Some(surface) = find(&self.model.surfaces, name) else { return Ok(Vec::new()) };
         if !surface.unread.is_empty() {
             let found = format!("{name:?} with {}", surface.unread.join(", "));
@@ -148,14 +157,12 @@ impl<'a> Solids<'a> {
         for (what, face) in &surface.lines {
             let found = || format!("{name:?}, line \"{what}, {face}\"");
             if surface.of_nodes {
-                let nodes = self.model.nodes(field, std::slice::from_ref(what))?;
-                let places: Vec<usize> = nodes.iter().filter_map(|&node| self.mesh.place(node)).collect();
-                faces.extend(self.mesh.faces_on(&places).map_err(&of_mesh)?);
+                faces.extend(self.outer_on(field, &self.model.nodes(field, std::slice::from_ref(what))?)?);
                 continue;
             }
             let elements = self.elements(field, &Nodes::One(what.clone()))?;
             if face.is_empty() {
-                faces.extend(self.mesh.outer_faces(&elements).map_err(&of_mesh)?);
+                faces.extend(self.outer_of(field, &elements)?);
                 continue;
             }
             let number = face.strip_prefix('S').and_then(|number| number.parse().ok());
@@ -163,6 +170,14 @@ impl<'a> Solids<'a> {
             for element in elements {
                 let id = FaceId { element, number };
                 self.mesh.face(id).map_err(&of_mesh)?;
+                if let Some(solid) = self.beyond(id) {
+                    let found = format!(
+                        "{name:?}, S{number}: a face towards element {} of type {}",
+                        solid.label, solid.of_type
+                    );
+                    let allowed = format!("outer faces of solid elements; elements {KNOWN} are known");
+                    return Err(check.value(field, found, &allowed));
+                }
                 faces.push(id);
             }
         }
