@@ -12,12 +12,6 @@ pub enum Error {
     /// A study that would take more memory than there is.
     #[error("{0}: --memory where there is more")]
     TooLarge(squeal::study::Error),
-    /// Folders of which none has a complete part.
-    #[error("{part}: no part given is complete; allowed: folders of `squeal run --shard` that have ended")]
-    NoPart {
-        /// First folder that was given.
-        part: String,
-    },
     /// A case file, or the brake that it makes.
     #[error(transparent)]
     Brake(brakes::Error),

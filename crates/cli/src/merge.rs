@@ -4,8 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use brakes::Purpose;
-use output::printable;
-use squeal::parts::{PartManifest, complete};
+use squeal::parts::completed;
 
 use super::options::{MemoryArgs, number, override_run, threads};
 use super::run::RunArgs;
@@ -47,16 +46,11 @@ impl MergeArgs {
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = case_file::read(&self.case)?;
+        // Parts that are not complete are refused before anything large is made.
+        let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.
-        let mut known: Option<PartManifest> = None;
-        for part in &self.parts {
-            known = match (known, complete(part)?) {
-                (Some(known), Some(part)) => Some(PartManifest { of: known.of.max(part.of), ..known }),
-                (known, part) => known.or(part),
-            };
-        }
-        let known = known.ok_or_else(|| Error::NoPart { part: printable(&self.parts[0].display().to_string()) })?;
-        override_run(case.header_mut(), Some(known.of), Some(known.seed), self.threads)?;
+        let samples = parts.iter().map(|part| part.of).max();
+        override_run(case.header_mut(), samples, parts.first().map(|part| part.seed), self.threads)?;
         let run = RunArgs {
             case: self.case.clone(),
             out: self.out.clone(),
@@ -64,7 +58,7 @@ impl MergeArgs {
             seed: None,
             half_width: self.half_width.or(case.header().half_width),
             until_half_width: None,
-            keep_samples: known.identity.contains(" samples=kept"),
+            keep_samples: parts.iter().any(|part| part.identity.contains(" samples=kept")),
             shard: None,
             from: 0,
             threads: self.threads,

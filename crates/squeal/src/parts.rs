@@ -167,6 +167,14 @@ pub fn complete(dir: &Path) -> Result<Option<PartManifest>, Error> {
     }
 }
 
+/// What a folder says of the part that must be complete in it.
+///
+/// # Errors
+/// As [`complete`]; a part that is not complete.
+pub fn completed(dir: &Path) -> Result<PartManifest, Error> {
+    complete(dir)?.ok_or_else(|| incomplete(dir))
+}
+
 /// Puts parts of a study together in `dir`, in any order, and finishes it there: every file but the manifest and the lock has the bytes of
 /// one run. The plan has as many samples as all parts together. With `mixed`, parts of other programs and processors pass, and the manifest
 /// says so.
@@ -210,7 +218,7 @@ pub fn merge_parts<B: UncertainBrake, E: From<Error> + Send>(
 
 /// The manifest of a part that is complete and of this study.
 fn checked(part: &Path, identity: &str) -> Result<PartManifest, Error> {
-    let Some(manifest) = complete(part)? else { return Err(incomplete(part)) };
+    let manifest = completed(part)?;
     match manifest.identity == identity {
         true => Ok(manifest),
         false => {

@@ -109,7 +109,7 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     let other = refused(&["one", "other seed", "three"]);
     assert!(other.contains("other seed") && other.contains("seed 77"), "{other}");
     let none = refused(&["nothing"]);
-    assert!(none.contains("no part given is complete"), "{none}");
+    assert!(none.contains("nothing: is no part of a study; allowed: complete parts"), "{none}");
     // A processor that rounds otherwise.
     let file = place("two").join("shard.json");
     let text = std::fs::read_to_string(&file).unwrap();
