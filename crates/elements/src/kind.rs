@@ -1,7 +1,5 @@
 //! Kinds of solid elements: their nodes, and where these are in coordinates of their own.
 
-use crate::shape::Shape;
-
 /// Kind of a solid element, with the order of nodes of Abaqus and CalculiX: corners first, then the middles of edges.
 ///
 /// Own coordinates are `r, s, t`: of a tetrahedron from its first corner, each >= 0 with a sum <= 1; of a wedge r and s likewise and t from
@@ -118,18 +116,6 @@ impl Kind {
             }
         }
         places
-    }
-
-    /// Shape functions and their derivatives at own coordinates.
-    ///
-    /// ```
-    /// use elements::Kind;
-    /// let shape = Kind::Hexahedron20.shape([0.2, -0.3, 0.9]);
-    /// assert!((shape.values().iter().sum::<f64>() - 1.0).abs() < 1e-14);
-    /// ```
-    #[must_use]
-    pub fn shape(self, own: [f64; 3]) -> Shape {
-        Shape::new(self, own)
     }
 }
 

@@ -10,18 +10,27 @@ pub struct Shape {
     derivatives: [[f64; 3]; MOST_NODES],
 }
 
-impl Shape {
-    /// Shape functions of a kind at own coordinates.
-    pub(crate) fn new(kind: Kind, own: [f64; 3]) -> Self {
-        let mut shape = Self { nodes: kind.nodes(), values: [0.0; MOST_NODES], derivatives: [[0.0; 3]; MOST_NODES] };
-        match kind.corners() {
-            4 => shape.tetrahedron(kind, own),
-            6 => shape.wedge(kind, own),
-            _ => shape.hexahedron(kind, own),
+impl Kind {
+    /// Shape functions and their derivatives at own coordinates.
+    ///
+    /// ```
+    /// use elements::Kind;
+    /// let shape = Kind::Hexahedron20.shape([0.2, -0.3, 0.9]);
+    /// assert!((shape.values().iter().sum::<f64>() - 1.0).abs() < 1e-14);
+    /// ```
+    #[must_use]
+    pub fn shape(self, own: [f64; 3]) -> Shape {
+        let mut shape = Shape { nodes: self.nodes(), values: [0.0; MOST_NODES], derivatives: [[0.0; 3]; MOST_NODES] };
+        match self.corners() {
+            4 => shape.tetrahedron(self, own),
+            6 => shape.wedge(self, own),
+            _ => shape.hexahedron(self, own),
         }
         shape
     }
+}
 
+impl Shape {
     /// Shape functions `N_a`, one of each node.
     #[must_use]
     pub fn values(&self) -> &[f64] {

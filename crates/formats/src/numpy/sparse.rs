@@ -1,7 +1,7 @@
 //! A sparse matrix in an archive: SciPy's `csr`, `csc`, `coo`, `bsr` and `dia`, and `COO` and `GCXS` of the package `sparse`.
 
+use super::archive::{Archive, at, with};
 use super::npy::Header;
-use super::npz::{Archive, at, with};
 use crate::builder::{Builder, Found, Head, Stated};
 use crate::bytes::Bytes;
 use crate::error::{FormatsError, Place};
