@@ -162,7 +162,7 @@ impl CaseFile {
     /// The brake of the case. Only the reduction of finite elements takes time, and tells how far it has come.
     ///
     /// # Errors
-    /// What the model or the reduction refuses; [`study::Error::Median`] where the medians of the parameters have no operating point.
+    /// Refusals of the model or of the reduction; [`study::Error::Median`] where the medians of the parameters have no operating point.
     pub fn into_brake(self, purpose: Purpose<'_>, progress: &dyn Progress) -> Result<AnyBrake, Error> {
         Ok(match self {
             Self::Lattice(case) => Box::new(Erased(LatticeBrake::new(*case)?)),

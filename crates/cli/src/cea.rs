@@ -75,7 +75,7 @@ impl CeaArgs {
     /// Runs the command.
     ///
     /// # Errors
-    /// What is wrong with the case or an option.
+    /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
         let text = self.analysis(&sized::brake(case, Purpose::Analysis, self.memory, None)?)?;

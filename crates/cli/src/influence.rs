@@ -63,7 +63,7 @@ impl InfluenceArgs {
     /// Runs the command.
     ///
     /// # Errors
-    /// What is wrong with the case or an option.
+    /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
         for (option, given) in [("--samples", self.samples), ("--total", self.total)] {

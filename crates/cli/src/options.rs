@@ -11,7 +11,7 @@ const MOST_THREADS: usize = 1024;
 /// The value of an option that is a whole number.
 ///
 /// # Errors
-/// What is allowed.
+/// A text that is refused, with what is allowed.
 pub fn whole_number(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("allowed: a whole number, 0 to {}", u64::MAX))
 }
@@ -19,7 +19,7 @@ pub fn whole_number(text: &str) -> Result<u64, String> {
 /// The value of an option that is a number of threads.
 ///
 /// # Errors
-/// What is allowed.
+/// A text that is refused, with what is allowed.
 pub fn threads(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| format!("allowed: 1 to {MOST_THREADS}"))
 }
@@ -27,7 +27,7 @@ pub fn threads(text: &str) -> Result<usize, String> {
 /// The value of an option that is a number.
 ///
 /// # Errors
-/// What is allowed.
+/// A text that is refused, with what is allowed.
 pub fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "allowed: a number".to_owned())
 }

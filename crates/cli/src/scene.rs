@@ -27,7 +27,7 @@ impl SceneArgs {
     /// The case with the one scene that the options choose; `otherwise` says which speed where they give none.
     ///
     /// # Errors
-    /// What the case does not have.
+    /// Names that the case does not have.
     pub fn only(&self, case: CaseFile, otherwise: ChosenSpeed) -> Result<CaseFile, Error> {
         let Self { law, contact, constraints, speed } = self.clone();
         let speed = speed.map_or(otherwise, ChosenSpeed::Fixed);

@@ -81,7 +81,7 @@ impl ScreenArgs {
     /// Runs the command.
     ///
     /// # Errors
-    /// What is wrong with the case or an option.
+    /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = case_file::read(&self.case)?;
         override_run(case.header_mut(), self.samples, self.seed, self.threads)?;

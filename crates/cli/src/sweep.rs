@@ -65,7 +65,7 @@ impl SweepArgs {
     /// Runs the command.
     ///
     /// # Errors
-    /// What is wrong with the case or an option, and what cannot be swept.
+    /// Faults of the case or of an option; a parameter that cannot be swept.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
         let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;

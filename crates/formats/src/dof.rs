@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 /// A degree of freedom: the row or column of a matrix, as the finite element model names it.
 ///
-/// Its text is `node.direction`, such as `1042.z`. Directions 1 to 6 are x, y, z, rx, ry, rz in Abaqus, CalculiX and Nastran
+/// The text of a degree of freedom is `node.direction`, such as `1042.z`. Directions 1 to 6 are x, y, z, rx, ry, rz in Abaqus, CalculiX and Nastran
 /// alike; others (0 of a scalar point, 8 of an acoustic pressure, 11 of a temperature, ...) are written as numbers. A negative
 /// node is one that Abaqus made itself; it carries stiffness and mass like any other.
 ///

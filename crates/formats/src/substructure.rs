@@ -84,7 +84,7 @@ fn kind(parameter: Option<&str>) -> (String, Option<Kind>) {
 
 /// Nodes and directions of the element.
 struct Element {
-    /// Whether the element has the parameter `UNSYMM`; its matrices may be symmetric nonetheless.
+    /// True if the element has the parameter `UNSYMM`; its matrices may be symmetric nonetheless.
     unsymmetric: bool,
     /// Numbers of the nodes in the order of the element; `None` before the comment that announces them.
     nodes: Option<Vec<i64>>,

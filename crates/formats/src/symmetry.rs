@@ -1,11 +1,11 @@
-//! Storage of a matrix by the entries of a file: the whole matrix, or one triangle that is mirrored.
+//! Whether a file lists the whole of a matrix, or one triangle of a symmetric matrix, whose other triangle is made by mirroring it.
 
 use std::fmt;
 
 use crate::FormatsError;
 use crate::matrix::{Entry, Matrix};
 
-/// Storage of a matrix in a file. [`Matrix::entries`] are those of the whole matrix whatever it was, but for `OneSide`.
+/// Storage of a matrix in a file. Whatever it is, [`Matrix::entries`] are those of the whole matrix; only for `OneSide` they are those of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stored {
     /// Every entry of the matrix.
@@ -60,11 +60,11 @@ impl fmt::Display for Symmetry {
 /// Oddity in how a matrix was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Doubt {
-    /// Whole matrix by what the file says, with entries on this side of the diagonal only and a diagonal wherever there are such,
-    /// as if a triangle had been written under the wrong word.
+    /// The file says that it lists the whole matrix, but entries off the diagonal are on this side of it alone, and the diagonal has an
+    /// entry in each of their rows and columns: probably a triangle that was written under the wrong word.
     Triangle(Symmetry),
-    /// List with entries on both sides of the diagonal, taken as whole, of which none has a mirror image: friction, or a triangle in
-    /// another order of rows.
+    /// The list has entries on both sides of the diagonal and is taken as whole, but no entry has a mirror image: a matrix of friction, or
+    /// a triangle whose rows were put into another order.
     NoImages,
 }
 
@@ -141,7 +141,7 @@ pub(crate) fn mirrored(entries: &[Entry]) -> Vec<Entry> {
     images
 }
 
-/// Off-diagonal entries whose mirror image is given too.
+/// Entries off the diagonal whose mirror images are in the list too.
 #[derive(Default)]
 pub(crate) struct Pairs {
     /// Number of such entries; an entry and its image are both counted.
@@ -189,8 +189,8 @@ impl Matrix {
         }
     }
 
-    /// The matrix, whole: by what `asked` says of its file; else by what the file says itself; else by `otherwise`; else by its
-    /// contents.
+    /// The whole matrix, mirrored where its file lists one triangle. The first of these that says something decides whether it does: `asked`,
+    /// the file itself, `otherwise`, the entries.
     ///
     /// # Errors
     /// [`FormatsError::OneSided`] where nothing tells a triangle from an unsymmetric matrix; [`FormatsError::Symmetry`] where what
@@ -239,7 +239,7 @@ impl Matrix {
         Ok(Self { entries, stored: Stored::Triangle, known_by: KnownBy::Request, doubt: None, ..self })
     }
 
-    /// The refusal of entries of which nobody knows what they are.
+    /// The refusal of entries on one side of the diagonal, a triangle or not, where nothing decides.
     pub(crate) fn one_sided(&self) -> FormatsError {
         let side = Sides::of(&self.entries).only();
         FormatsError::OneSided { matrix: crate::shortened::cut(&self.name), side }

@@ -18,7 +18,7 @@ pub struct StribeckParameters {
 
 /// `mu(v) = g(v) + sigma2 v`, `g(v) = mu_k + (mu_s - mu_k) e^{-(v / v_s)^2}`, without delay.
 ///
-/// This law has the same steady coefficient as [`LuGre`](crate::LuGre), so that a difference between the results of the two
+/// The Stribeck law has the same steady coefficient as [`LuGre`](crate::LuGre), so that a difference between the results of the two
 /// is due to the bristles and not to the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stribeck {

@@ -25,7 +25,7 @@ impl Sealed {
     /// The body of a file, if it has the length and the checksum that its first line announces.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// [`Damage`]: the part of the file that is wrong.
     pub fn open<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], Damage> {
         let cut = bytes.iter().position(|&byte| byte == b'\n').ok_or(Damage::Header)?;
         let header = str::from_utf8(&bytes[..cut]).map_err(|_| Damage::Header)?;

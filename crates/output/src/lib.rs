@@ -69,7 +69,7 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), OutputError> {
 /// [`write()`], with the bare error.
 ///
 /// # Errors
-/// What the file system refuses.
+/// Refusals of the file system.
 pub fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".partial");

@@ -30,7 +30,7 @@ pub struct Shard {
     pub from: u64,
 }
 
-/// What a complete part says of itself.
+/// Manifest of a complete part: its study, its range of samples and what made it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartManifest {
     /// Version of the program.
@@ -153,7 +153,7 @@ pub fn run_part<B: UncertainBrake>(
     Ok(done)
 }
 
-/// What a folder says of the part that is complete in it; `None` where none is.
+/// Manifest of the part that is complete in a folder; `None` where none is.
 ///
 /// # Errors
 /// A file that cannot be read, or says something else.
@@ -167,7 +167,7 @@ pub fn complete(dir: &Path) -> Result<Option<PartManifest>, Error> {
     }
 }
 
-/// What a folder says of the part that must be complete in it.
+/// Manifest of the part in a folder, which must be complete.
 ///
 /// # Errors
 /// As [`complete`]; a part that is not complete.

@@ -82,7 +82,7 @@ impl Ord for OrderedParameter {
 
 /// The eigenvalues of systems with one real parameter, computed where they are asked for and kept.
 ///
-/// This is a trait because only the maker of the systems knows how to find a spectrum and the derivative by the parameter.
+/// A family of systems is a trait because only the maker of the systems knows how to find a spectrum and the derivative by the parameter.
 /// All methods are called many times with the same parameter.
 pub trait Branches {
     /// The error of a system or of a solution.

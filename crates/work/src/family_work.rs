@@ -67,7 +67,7 @@ impl ModeWork {
 
     /// `|total - expected_total|` over the larger of [`ModeWork::magnitude`] and `|expected_total|`.
     ///
-    /// It is at rounding level where (lambda, phi) is an eigenpair and the elastic forces are symmetric, and 0 where no force
+    /// The residual is at rounding level where (lambda, phi) is an eigenpair and the elastic forces are symmetric, and 0 where no force
     /// does work.
     #[must_use]
     pub fn identity_residual(&self) -> f64 {

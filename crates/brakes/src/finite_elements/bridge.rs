@@ -15,7 +15,7 @@ use crate::case::FiniteElementCase;
 
 /// The bridge from the naming point of a configuration's set of constraints to its own; `None` where both have one basis.
 ///
-/// Its coordinates hold the modes at both ends, and no more: both bases are made for the friction of all draws, and have several times as
+/// The coordinates of the bridge hold the modes at both ends, and no more: both bases are made for the friction of all draws, and have several times as
 /// many columns. The path between the two ends is then one in fewer coordinates, on which every mode is followed. In the 276 scenes of
 /// cases/disc-pad with seven and more patches in contact, 5,846 modes, six have other names than by whole spectra in small steps: in one
 /// configuration two modes are told apart that were in doubt.

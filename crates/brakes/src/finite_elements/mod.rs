@@ -39,22 +39,25 @@ use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
 use crate::{CaseBrake, Error};
 
-/// Allowance: the assumed relative error of an eigenvalue is so many times the sum of the largest relative distances that were measured, between
-/// the basis of a part and that of its set, and between that and the whole brake. Chosen; samples that are solved with the whole brake tell
-/// how far off they are.
+/// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two distances, each the largest that was measured,
+/// relative: of eigenvalues on the basis of a part from those on the basis of its set, and of these from those of the whole brake. Chosen;
+/// how far off samples really are is told by those that are solved with the whole brake.
 const ALLOWANCE: f64 = 100.0;
 /// Least assumed error of an eigenvalue, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were
 /// solved with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
-/// Columns that a basis is expected to have, before it is made: without contact and with one between faces, chosen, and for each closed pair of nodes, with friction along
-/// the sliding alone and across it too. Measured with cases/disc-pad (27 pairs), the latter with its refinement of 75 pairs too.
+/// Columns that a basis of a brake without contact is expected to have, before it is made; chosen.
 const EXPECTED_COLUMNS: usize = 40;
+/// Columns that a basis is expected to have with a contact between faces; chosen.
 const EXPECTED_COLUMNS_OF_FACES: usize = 150;
+/// Columns that a basis is expected to have for each closed pair of nodes: with friction along the sliding alone, and across it too. Measured
+/// with cases/disc-pad (27 pairs), the second also with its refinement of 75 pairs.
 const EXPECTED_COLUMNS_BY_PAIR: [f64; 2] = [3.2, 4.15];
 
-/// The brake of a case in all its configurations, reduced.
+/// Finite element brake of a case, reduced: a dense brake for each configuration in place of the mesh.
 ///
-/// Each set of constraints has a basis that holds all arrangements, each part of the study a smaller one within that.
+/// Each set of constraints has one basis, in which the modes of all its arrangements of closed patches can be written. Each part, some
+/// configurations that are studied together, has a smaller basis, whose columns are combinations of those of its set.
 #[derive(Debug)]
 pub struct FiniteElementBrake {
     /// The case.
@@ -90,7 +93,7 @@ impl FiniteElementBrake {
     /// Reduces the brake, each arrangement on a basis of its own, and lays out its scenes: what a study is fastest with.
     ///
     /// # Errors
-    /// What the reduction refuses; [`study::Error::Median`] where the medians of the parameters have no operating point.
+    /// Refusals of the reduction; [`study::Error::Median`] where the medians of the parameters have no operating point.
     pub fn new(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
         Self::on(case, Bases::OfEach, progress)
     }
@@ -102,7 +105,7 @@ impl FiniteElementBrake {
         }
     }
 
-    /// How many samples each way has found so far, in all scenes.
+    /// Number of samples that each way has found so far, in all scenes.
     #[must_use]
     pub fn routes(&self) -> RouteCounts {
         // What a panic of another thread left is a count all the same.

@@ -143,7 +143,7 @@ fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> R
     Ok(own * load_factor(case, contact, sample)?.powf(contact.load_exponent))
 }
 
-/// What multiplies the load of all pairs in a sample.
+/// Factor of the load of all pairs in a sample.
 fn load_factor(
     case: &FiniteElementCase,
     contact: &PatchContact,

@@ -93,7 +93,7 @@ pub struct Part {
     pub reduced: Reduced,
     /// Growing modes on this basis where samples differ in friction alone; else `None`.
     pub friction: Option<FrictionModes>,
-    /// How many samples each way found.
+    /// Number of samples that each way found.
     pub routes: Mutex<RouteCounts>,
 }
 

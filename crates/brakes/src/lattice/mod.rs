@@ -65,7 +65,7 @@ impl LatticeBrake {
     /// speed has one scene for all speed ranges.
     ///
     /// # Errors
-    /// What the model refuses; [`study::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
+    /// Refusals of the model; [`study::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
     /// see [`LatticeBrake::least_cost`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
         let mut plan = case.header.plan(case.identity());

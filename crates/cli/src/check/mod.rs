@@ -42,7 +42,7 @@ impl CheckArgs {
     /// Runs the command.
     ///
     /// # Errors
-    /// What is wrong with the case.
+    /// Faults of the case.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = case_file::read(&self.case)?;
         override_run(case.header_mut(), self.samples, None, None)?;
@@ -175,7 +175,7 @@ fn cost<B: UncertainBrake>(
         + &of_shards)
 }
 
-/// What each of some shards takes, and which part of all their time is preparation that one run would do once.
+/// Cost of each of some shards, and which part of all their time is preparation that one run would do once.
 fn shards_in_words(shards: u64, bases: f64, expected: &ExpectedTime) -> String {
     let (preparation, samples) = (expected.preparation.as_secs_f64() + bases, expected.samples.as_secs_f64());
     let lost = shards.saturating_sub(1) as f64 * preparation / (shards as f64 * preparation + samples);

@@ -38,7 +38,7 @@ const HUNDRED: f64 = 100.0;
 /// The value of `--box`.
 ///
 /// # Errors
-/// What is allowed.
+/// A text that is refused, with what is allowed.
 pub(super) fn parse(text: &str) -> Result<Rectangle, String> {
     let allowed = format!(
         "allowed: RE0:RE1,IM0:IM1 in rad/s, as -50:1000,0:42000, each first below its second, none above {LARGEST_BORDER:e}"

@@ -14,7 +14,7 @@ pub struct SaidSymmetry {
 /// Parses one of the values of the option.
 ///
 /// # Errors
-/// What is allowed.
+/// A text that is refused, with what is allowed.
 pub(super) fn parse(text: &str) -> Result<SaidSymmetry, String> {
     let symmetry =
         |text: &str| Symmetry::NAMES.into_iter().find(|(name, _)| *name == text.trim()).map(|(_, said)| said);

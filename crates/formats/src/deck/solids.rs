@@ -6,23 +6,23 @@ use crate::problem::Problem;
 /// Solid element of a deck, a cohesive one and a shell with thickness as well: its type with all nodes, where [`crate::Mesh`] has the corners alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Solid {
-    /// Its number.
+    /// Number of the element.
     pub label: i64,
-    /// Its type in capitals, such as `C3D20R`.
+    /// Type of the element in capitals, such as `C3D20R`.
     pub of_type: String,
-    /// The numbers of its nodes, in the order of the deck.
+    /// Numbers of the nodes, in the order of the deck.
     pub nodes: Vec<i64>,
 }
 
 /// Surface of a deck, as `*SURFACE` defines it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SurfaceSet {
-    /// Whether it is one of nodes, `TYPE=NODE`; else of faces of elements.
+    /// True for a surface of nodes, `TYPE=NODE`; else it is of faces of elements.
     pub of_nodes: bool,
-    /// Its lines: the number of an element or node, or the name of a set, and the face as it is written in capitals (`S3`), empty where
+    /// Lines of the surface: the number of an element or node, or the name of a set, and the face as it is written in capitals (`S3`), empty where
     /// there is none.
     pub lines: Vec<(String, String)>,
-    /// Parameters that change what it is and are not read, such as `COMBINE`.
+    /// Parameters that change the surface and are not read, such as `COMBINE`.
     pub unread: Vec<String>,
 }
 

@@ -59,9 +59,11 @@ impl ChangeSet {
 
 /// A brake with several sets of changes as its sets of constraints, so that a study compares them on the same draws.
 ///
-/// Modes are known by their frequency ranks in each sample: the numbers of unstable modes are compared. A scene that stands for
-/// several arrangements is divided where the changes are not symmetric: to change a member of it is to make, in the configuration
-/// of the scene, the image of the changes under the inverse of the member's symmetry.
+/// Modes are known by their frequency ranks in each sample: the numbers of unstable modes are compared.
+///
+/// A scene of the brake can stand for several arrangements, its members: one configuration is computed, and a symmetry maps it onto the
+/// arrangement of each member. Changes of a member are made in that configuration, mapped back by the inverse of its symmetry. Members whose
+/// changes come out alike there share a scene; the scene is divided into as many as there are changes that differ.
 pub struct Modified<'a, B> {
     inner: &'a B,
     plan: Plan,
@@ -69,11 +71,11 @@ pub struct Modified<'a, B> {
     from: Vec<FromInner>,
 }
 
-/// Modifiable parts of a brake, as the brake says them, or as its plan shows them.
+/// Modifiable parts of a brake: those that it gives itself, else those that are seen from its plan.
 ///
 /// # Errors
-/// [`Error::NotGiven`] for a brake that does not say them, and has a scene that stands for several arrangements: which symmetry maps one
-/// onto another is not in a plan.
+/// [`Error::NotGiven`] for a brake that gives none and has a scene that stands for several arrangements: a plan does not say which symmetry
+/// maps one onto another.
 pub(super) fn modifiable_of<'a, B: UncertainBrake>(
     brake: &'a B,
     by_plan: &'a ModifiablePlan<'a>,
@@ -95,7 +97,7 @@ struct FromInner {
     changed: ChangedBrake,
 }
 
-/// Indices of the configurations that are laid out, by the index of the inner configuration and that of the image of the changes.
+/// Indices of the configurations that have been made, by the index of the inner configuration and that of the image of the changes.
 type LaidOut = HashMap<(usize, usize), usize>;
 
 impl<'a, B: UncertainBrake> Modified<'a, B> {
@@ -150,7 +152,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         Ok(())
     }
 
-    /// Index of the configuration of a scene with changes, which is added where it does not exist yet.
+    /// Index of the configuration of a scene with changes; it is made where there is none yet.
     fn configuration(
         &mut self,
         scene: &Scene,

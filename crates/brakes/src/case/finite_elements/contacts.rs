@@ -141,7 +141,7 @@ fn of_faces(
     Ok((patches, shared))
 }
 
-/// What the patches of a case share, whatever its contact is between.
+/// Numbers that the patches of a case share, whatever its contact is between.
 struct Shared {
     arranged: schema::ContactTable,
     draws: Draws,
@@ -169,7 +169,7 @@ fn load_exponent(check: &Check<'_>, tables: &[FacesTable], is_drawn: bool) -> Re
     Ok(first)
 }
 
-/// Whether friction acts across the sliding too. It depends on a speed; where nobody says which there is none, and a line that says so.
+/// True if friction acts across the sliding too. That depends on a speed; where nobody says which there is none, and a line that says so.
 fn lateral(check: &Check<'_>, table: &str, given: Option<LateralEntry>, no_speed: bool) -> bool {
     if given.is_none() && no_speed {
         check.note(format!(

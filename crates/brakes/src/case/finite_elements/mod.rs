@@ -103,7 +103,7 @@ pub struct PatchContact {
 }
 
 impl PatchContact {
-    /// Whether the stiffness of the pairs is not the same in every sample.
+    /// True if the stiffness of the pairs is not the same in every sample.
     pub(crate) fn has_drawn_stiffness(&self) -> bool {
         self.stiffness_factor.is_some() || (self.load_factor.is_some() && self.load_exponent != 0.0)
     }

@@ -35,7 +35,7 @@ pub(super) struct Approximations {
 
 /// Guesses of the eigenvalues of internal states, evenly on a circle about a real number.
 ///
-/// These eigenvalues lie together, far left of the axis; they are not wanted and matter only for the bounds of the modes.
+/// The eigenvalues lie together, far left of the axis; they are not wanted and matter only for the bounds of the modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct InternalCluster {
     pub middle: f64,
