@@ -35,7 +35,7 @@ fn root() -> std::path::PathBuf {
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return squeal_cli::refuse(&error),
+        Err(error) => return ExitCode::from(squeal_cli::refuse(&error)),
     };
     let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
         Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),

@@ -15,6 +15,8 @@ use crate::log_lines::LogLines;
 pub(crate) const PREPARED: &str = "steps of preparation";
 /// Name of the things that a bar counts while a study is sampled, in the plural.
 pub(crate) const EVALUATED: &str = "evaluations";
+/// Name of the things that a bar counts while reasons are looked for, in the plural.
+pub(crate) const REASONS: &str = "scenes asked why";
 /// Time between two looks whether a line is due; chosen.
 const LOOK: Duration = Duration::from_millis(500);
 
@@ -71,6 +73,22 @@ impl Log {
     }
 }
 
+/// Receiver of the progress of a command, stage by stage; `what` names the things that a stage counts, in the plural.
+pub trait Stages: Sync {
+    /// Receiver of the progress of one stage.
+    fn stage<'s>(&'s self, what: &'static str) -> Box<dyn Progress + 's>;
+}
+
+/// Bars, one for each stage.
+#[derive(Debug, Clone, Copy)]
+pub struct Bars;
+
+impl Stages for Bars {
+    fn stage<'s>(&'s self, what: &'static str) -> Box<dyn Progress + 's> {
+        Box::new(Bar::of(what))
+    }
+}
+
 /// The bars of a run, stage by stage.
 #[derive(Debug)]
 pub struct RunBars {
@@ -81,7 +99,7 @@ pub struct RunBars {
 
 impl Default for RunBars {
     fn default() -> Self {
-        Self { preparation: Bar::of(PREPARED), evaluation: Bar::of(EVALUATED), reasons: Bar::of("scenes asked why") }
+        Self { preparation: Bar::of(PREPARED), evaluation: Bar::of(EVALUATED), reasons: Bar::of(REASONS) }
     }
 }
 

@@ -10,6 +10,7 @@ use super::options::{MemoryArgs, number, override_run, threads};
 use super::run::RunArgs;
 use super::sized;
 use crate::Error;
+use crate::bar::Bars;
 use crate::case_file;
 
 /// Put the shards of a study together: the same tables, figures and page as those of one run, byte for byte.
@@ -65,6 +66,6 @@ impl MergeArgs {
             memory: self.memory,
         };
         let brake = sized::brake(case, Purpose::Study, self.memory, self.threads)?;
-        run.study(&brake, run.half_width, Some((&self.parts, self.mixed)), out)
+        run.study(&brake, run.half_width, Some((&self.parts, self.mixed)), &Bars, out)
     }
 }

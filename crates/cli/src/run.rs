@@ -11,14 +11,14 @@ use squeal::influence::write_kept_samples;
 use squeal::parts::{Shard, merge_parts, run_part};
 use squeal::results::{Estimates, Results, Stopped};
 use squeal::study::{FullChecks, Study};
-use squeal::{RunOptions, run_study_with};
+use squeal::{RunOptions, RunProgress, run_study_with};
 
 use super::mesh_shapes::{geometry, write_mesh_shapes};
 use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
 use super::sized;
 use crate::Error;
-use crate::bar::{Bar, RunBars};
+use crate::bar::{Bars, EVALUATED, PREPARED, REASONS, RunBars, Stages};
 use crate::case_file;
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
@@ -130,15 +130,19 @@ impl RunArgs {
         half_width: Option<f64>,
         out: &mut dyn Write,
     ) -> Result<(), Error> {
-        self.study(brake, half_width, None, out)
+        self.study(brake, half_width, None, &Bars, out)
     }
 
-    /// Runs the study of a brake, or puts it together from parts, mixed ones or not.
-    pub(super) fn study<B: CaseBrake>(
+    /// Runs the study of a brake, or puts it together from parts, mixed ones or not; the receiver of its progress can end it.
+    ///
+    /// # Errors
+    /// As [`RunArgs::run`].
+    pub fn study<B: CaseBrake>(
         &self,
         brake: &B,
         half_width: Option<f64>,
         parts: Option<(&[PathBuf], bool)>,
+        told: &dyn Stages,
         out: &mut dyn Write,
     ) -> Result<(), Error> {
         for (option, given) in [("--half-width", half_width), ("--until-half-width", self.until_half_width)] {
@@ -150,8 +154,8 @@ impl RunArgs {
         let (mut summary, mut estimates) = (String::new(), String::new());
         let mut doubts = String::new();
         let mut most_failed = None;
-        let bars = RunBars::default();
-        let progress = bars.progress();
+        let (preparation, evaluation, reasons) = (told.stage(PREPARED), told.stage(EVALUATED), told.stage(REASONS));
+        let progress = RunProgress { preparation: &*preparation, evaluation: &*evaluation, reasons: &*reasons };
         let options = RunOptions::default().with_threads(self.threads).with_progress(progress);
         let options = options.until_half_width(self.until_half_width).keeping_samples(self.keep_samples);
         let mut draw = |study: &Study<'_, B>, results: &Results, dir: &Path| -> Result<(), Error> {
@@ -163,7 +167,7 @@ impl RunArgs {
             }
             if let Some(half_width) = half_width {
                 estimates =
-                    Estimates::run(study, results, half_width, &self.out, dir, &Bar::of("scenes estimated"))?.text();
+                    Estimates::run(study, results, half_width, &self.out, dir, &*told.stage("scenes estimated"))?.text();
             }
             // Last: it shows the tables.
             write_page(results, &geometry(brake), dir)?;
