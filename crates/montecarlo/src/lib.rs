@@ -107,7 +107,7 @@ pub use run::{run, run_with};
 pub use sampling::Sampling;
 pub use sealed::Sealed;
 pub use sobol_index::{PickFreeze, SobolIndex, first_order_by_ranks};
-pub use stream::{StreamRng, stream};
+pub use stream::{StreamRng, index_of, stream};
 pub use summary::Summary;
 
 /// The example of the README.

@@ -137,11 +137,13 @@ fn complete<S: Experiment, T: Tally<S>>(
             Ok(state.next() == end)
         };
         loop {
+            // Asked after a block has come: what ended the run may have spoiled it.
+            let finished = receiver.recv_timeout(LOOK);
             if progress.is_cancelled() {
                 stop.store(true, Ordering::Relaxed);
                 return Err(MonteCarloError::Cancelled);
             }
-            let Ok(finished) = receiver.recv_timeout(LOOK) else { continue };
+            let Ok(finished) = finished else { continue };
             let finished = finished.unwrap_or_else(|panic| {
                 stop.store(true, Ordering::Relaxed);
                 resume_unwind(panic)

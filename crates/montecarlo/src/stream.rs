@@ -26,6 +26,16 @@ pub fn stream(seed: u64, index: u64) -> StreamRng {
     rng
 }
 
+/// The global index of the sample whose stream this is.
+///
+/// ```
+/// assert_eq!(montecarlo::index_of(&montecarlo::stream(42, 1_000)), 1_000);
+/// ```
+#[must_use]
+pub fn index_of(stream: &StreamRng) -> u64 {
+    stream.get_stream()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
