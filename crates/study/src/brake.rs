@@ -35,6 +35,12 @@ pub trait UncertainBrake: Sync {
     /// A sample that has no operating point there; it is counted and listed.
     fn operating_point(&self, scene: &Scene, sample: &Self::Sample) -> Result<OperatingPoint, Error>;
 
+    /// The operating points of samples of a block, in their order; none may depend on the other samples. A brake that makes several at once
+    /// for less overrides it.
+    fn operating_points(&self, scene: &Scene, samples: &[&Self::Sample]) -> Vec<Result<OperatingPoint, Error>> {
+        samples.iter().map(|sample| self.operating_point(scene, sample)).collect()
+    }
+
     /// The system of a sample in a scene of the plan.
     ///
     /// # Errors
@@ -85,6 +91,10 @@ macro_rules! forwarded {
 
             fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, Error> {
                 (**self).operating_point(scene, sample)
+            }
+
+            fn operating_points(&self, scene: &Scene, samples: &[&B::Sample]) -> Vec<Result<OperatingPoint, Error>> {
+                (**self).operating_points(scene, samples)
             }
 
             fn system(&self, scene: &Scene, sample: &B::Sample) -> Result<SecondOrder, Error> {

@@ -46,6 +46,13 @@ impl<B: UncertainBrake<Sample: 'static>> UncertainBrake for Erased<B> {
         self.0.operating_point(scene, self.own(sample).ok_or(Error::OtherSample)?)
     }
 
+    fn operating_points(&self, scene: &Scene, samples: &[&AnySample]) -> Vec<Result<OperatingPoint, Error>> {
+        match samples.iter().map(|sample| self.own(sample)).collect::<Option<Vec<_>>>() {
+            Some(own) => self.0.operating_points(scene, &own),
+            None => samples.iter().map(|_| Err(Error::OtherSample)).collect(),
+        }
+    }
+
     fn system(&self, scene: &Scene, sample: &AnySample) -> Result<SecondOrder, Error> {
         self.0.system(scene, self.own(sample).ok_or(Error::OtherSample)?)
     }

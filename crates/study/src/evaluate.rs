@@ -307,8 +307,8 @@ impl<B: UncertainBrake> montecarlo::Experiment for Study<'_, B> {
         let (mut open, mut points) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
         let mut outcomes = Vec::with_capacity(samples.len());
         timed(&mut scratch.memory.spent.states, || {
-            for (at, sample) in samples.iter().enumerate() {
-                outcomes.push(self.brake.operating_point(of_scene, sample).map(|point| {
+            for (at, point) in self.brake.operating_points(of_scene, samples).into_iter().enumerate() {
+                outcomes.push(point.map(|point| {
                     let is_certified = certificate.covers(&point);
                     if !is_certified {
                         open.push(at);
