@@ -23,6 +23,16 @@ impl MatricesCase {
     /// # Errors
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
+        let (case, formulas_use_all) = Self::parse_open(path, text)?;
+        formulas_use_all.map(|()| case)
+    }
+
+    /// Checks the text of a case of which some coefficients are computed by the program that reads it: the case, and beside it the error
+    /// for a parameter that occurs in none of its own expressions.
+    ///
+    /// # Errors
+    /// As [`MatricesCase::parse`], for any other fault.
+    pub fn parse_open(path: &Path, text: String) -> Result<(Self, Result<(), CaseError>), CaseError> {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check::new(path);
         let MatricesFile {
@@ -45,7 +55,7 @@ impl MatricesCase {
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
-        formulas.all_used()?;
+        let all_used = formulas.all_used();
         let constraints = constraint_sets(&check, &dofs, constraints)?;
         refuse_held(&check, &dofs, &terms, &constraints)?;
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
@@ -66,7 +76,7 @@ impl MatricesCase {
         case.header.notes = check.notes();
         // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;
-        Ok(case)
+        Ok((case, all_used))
     }
 }
 
