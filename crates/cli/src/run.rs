@@ -167,7 +167,8 @@ impl RunArgs {
             }
             if let Some(half_width) = half_width {
                 estimates =
-                    Estimates::run(study, results, half_width, &self.out, dir, &*told.stage("scenes estimated"))?.text();
+                    Estimates::run(study, results, half_width, &self.out, dir, &*told.stage("scenes estimated"))?
+                        .text();
             }
             // Last: it shows the tables.
             write_page(results, &geometry(brake), dir)?;

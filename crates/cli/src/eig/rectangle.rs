@@ -89,14 +89,21 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
     })
 }
 
+/// Options of a search in a rectangle: counted again however long it takes, or where that takes about as long as the search; with as many
+/// vectors as fit into memory, bytes.
+#[must_use]
+pub fn search_options(is_counted: bool, budget: u64) -> Options {
+    let counted = if is_counted { usize::MAX } else { COUNTED };
+    let bytes = (PART_OF_VECTORS * budget as f64) as usize;
+    Options { certified: CERTIFIED, counted, bytes, ..Options::default() }
+}
+
 /// The search, with its progress in hundredths of the rectangle.
 fn search(system: &SparseSecondOrder, rectangle: &Rectangle, is_counted: bool, budget: u64) -> Result<Found, Error> {
     let bar = Bar::of("% of the rectangle");
     let told = Cell::new(0_u64);
     bar.begin(HUNDRED as u64, 0);
-    let counted = if is_counted { usize::MAX } else { COUNTED };
-    let bytes = (PART_OF_VECTORS * budget as f64) as usize;
-    let options = Options { certified: CERTIFIED, counted, bytes, ..Options::default() };
+    let options = search_options(is_counted, budget);
     let found = eigenpairs_in(system, rectangle, &options, &mut |progress| {
         let covered = (progress.covered * HUNDRED) as u64;
         bar.advance(covered.saturating_sub(told.replace(covered)));
