@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 23] = [
+const LAYERS: [(&str, &str); 24] = [
     ("formats", "crates/formats"),
     ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
@@ -28,6 +28,7 @@ const LAYERS: [(&str, &str); 23] = [
     ("brakes", "crates/brakes"),
     ("report", "crates/report"),
     ("squeal-cli", "crates/cli"),
+    ("brake-squeal-python", "crates/python"),
     ("reproduction", "crates/reproduction"),
     ("validation", "crates/validation"),
     ("xtask", "xtask"),

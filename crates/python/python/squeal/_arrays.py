@@ -1,0 +1,63 @@
+"""Arrays as the native functions take them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import refused
+
+Floats = npt.NDArray[np.float64]
+Columns = tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int64], Floats]
+
+
+def is_sparse(matrix: object) -> bool:
+    """Whether a matrix is one of scipy.sparse, which need not be installed."""
+    return hasattr(matrix, "tocsc") and hasattr(matrix, "shape")
+
+
+def real(argument: str, given: Any) -> Floats:
+    """An array of finite doubles."""
+    array = np.asarray(given)
+    if array.dtype.kind not in "fiub":
+        raise refused(argument, f"an array of dtype {array.dtype}", "real numbers")
+    array = np.asarray(array, dtype=np.float64)
+    if not np.isfinite(array).all():
+        place = tuple(int(at) for at in np.argwhere(~np.isfinite(array))[0])
+        raise refused(f"{argument}[{', '.join(map(str, place))}]", array[place], "a finite number")
+    return array
+
+
+def _square(argument: str, shape: tuple[int, ...], order: int | None) -> None:
+    if len(shape) != 2 or shape[0] != shape[1] or shape[0] == 0:
+        raise refused(argument, f"an array of shape {shape}", "a square matrix")
+    if order is not None and shape[0] != order:
+        raise refused(argument, f"an array of shape {shape}", f"{(order, order)}, as M has")
+
+
+def dense(argument: str, given: Any, order: int | None = None) -> Floats:
+    """A square matrix as an array."""
+    array = real(argument, given.toarray() if is_sparse(given) else given)
+    _square(argument, array.shape, order)
+    return array
+
+
+def columns(argument: str, given: Any, order: int | None = None) -> Columns:
+    """A square matrix in compressed columns."""
+    if is_sparse(given):
+        _square(argument, given.shape, order)
+        csc = given.tocsc(copy=True)
+        csc.sum_duplicates()
+        values = real(argument, csc.data)
+        return csc.shape[0], csc.indptr.astype(np.int64), csc.indices.astype(np.int64), values
+    array = dense(argument, given, order)
+    rows, places = np.nonzero(array.T)
+    offsets = np.searchsorted(rows, np.arange(array.shape[0] + 1))
+    return array.shape[0], offsets.astype(np.int64), places.astype(np.int64), array.T[rows, places]
+
+
+def none_of(order: int) -> Columns:
+    """A matrix of zeros in compressed columns."""
+    return order, np.zeros(order + 1, np.int64), np.zeros(0, np.int64), np.zeros(0)

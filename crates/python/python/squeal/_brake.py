@@ -1,0 +1,268 @@
+"""Brakes: of a case file, and of arrays."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import tomllib
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _squeal, _toml
+from ._arrays import Floats, dense, real
+from ._errors import CaseWarning, refused
+from .distributions import Distribution
+
+#: A number, or an expression in the parameters.
+Formula = float | str
+#: From the parameters of a block of samples, arrays of one length, to the coefficients that it computes, arrays or numbers.
+Coefficients = Callable[[dict[str, Floats]], Mapping[str, npt.ArrayLike]]
+
+
+class AnyBrake:
+    """What a study, a sweep and the like are asked of."""
+
+    _native: _squeal.Brake
+
+    @property
+    def name(self) -> str:
+        """Name of the study."""
+        return self._native.header()[0]
+
+    @property
+    def samples(self) -> int:
+        """Samples of a study."""
+        return self._native.header()[1]
+
+    @property
+    def seed(self) -> int:
+        """Seed of a study."""
+        return self._native.header()[2]
+
+    @property
+    def constraint_sets(self) -> list[str]:
+        """Names of the sets of constraints."""
+        return self._native.header()[3]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name!r}, samples={self.samples}, seed={self.seed})"
+
+
+class Case(AnyBrake):
+    """The brake of a case file, of any kind.
+
+    `samples` and `seed` stand for those of the file. `set` changes fields by their names with points between, those of a list of tables
+    by the name of the table: `set={"parameters.mu.to": 1.3, "terms.springs.coefficient": "1.1", "parameters.c": squeal.Uniform(1, 2)}`.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        samples: int | None = None,
+        seed: int | None = None,
+        set: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.path = os.fspath(path)
+        text = None
+        native = _squeal.Brake(self.path, None, False)
+        if set:
+            tables = tomllib.loads(pathlib.Path(self.path).read_text(encoding="utf-8"))
+            for field, value in set.items():
+                _change(tables, field, value)
+            text = _toml.document(tables)
+            native = _squeal.Brake(self.path, text, False)
+        for note in native.notes():
+            warnings.warn(note, CaseWarning, stacklevel=2)
+        self._native = native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
+
+
+def _whole(argument: str, given: int | None, least: int) -> int | None:
+    if given is not None and not (isinstance(given, int | np.integer) and least <= given < 2**64):
+        raise refused(argument, given, f"a whole number, at least {least}")
+    return None if given is None else int(given)
+
+
+def _change(tables: dict[str, Any], field: str, value: Any) -> None:
+    """Changes a field of a case."""
+    at: Any = tables
+    *path, last = field.split(".")
+    for key in path:
+        if isinstance(at, list):
+            at = next((table for table in at if isinstance(table, dict) and table.get("name") == key), None)
+        elif isinstance(at, dict):
+            at = at.setdefault(key, {}) if at is tables else at.get(key)
+        if not isinstance(at, dict | list):
+            raise refused("set", f"{field!r}", f"fields that the case has; {key!r} is none")
+    if not isinstance(at, dict):
+        raise refused("set", f"{field!r}", "the name of a table in this list, then a field of it")
+    plain = value.table() if isinstance(value, Distribution) else value
+    try:
+        _toml.value(plain)
+    except TypeError as error:
+        raise refused("set", f"{field!r}: {error}", "numbers, text, lists, distributions") from None
+    at[last] = plain
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term of the structure: theta (lambda^2 mass + lambda damping + stiffness)."""
+
+    name: str
+    #: Matrices of NumPy or SciPy; None is zero.
+    mass: Any = None
+    damping: Any = None
+    stiffness: Any = None
+    #: The factor theta, 1 unless given: a number or an expression in the parameters.
+    coefficient: Formula | None = None
+    #: Name of its family of forces, where that is not `name`.
+    family: str | None = None
+
+
+@dataclass(frozen=True)
+class Lag:
+    """An internal state z' = -decay z + drive v, which adds the force `force` z to friction."""
+
+    decay: Formula
+    drive: Formula
+    force: Formula
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact with friction: the force mu times the reading along `force`."""
+
+    name: str
+    #: Direction of the friction force, by names of degrees of freedom.
+    force: Mapping[str, float]
+    #: What the normal load depends on, N/m, by names of degrees of freedom.
+    reading: Mapping[str, float] | None = None
+    #: Coefficient of friction.
+    mu: Formula | None = None
+    #: Normal load times the slope of the coefficient over the sliding velocity, Ns/m.
+    slope: Formula | None = None
+    #: An internal state, such as the bristle of a LuGre contact.
+    lag: Lag | None = None
+    #: Name of its family of forces, where that is not `name`.
+    family: str | None = None
+
+
+class Brake(AnyBrake):
+    """A brake of arrays: terms with matrices, friction contacts, and parameters that are drawn.
+
+    `coefficients` is a callable by blocks: it gets a dict from the names of the parameters to arrays of one length, and returns a dict
+    from names of terms, `"CONTACT.mu"` and `"CONTACT.slope"` to arrays of that length or numbers; it may be called by several threads,
+    one at a time. What it does not return has its expressions. `correlation` is (names of parameters, matrix) for a Gaussian copula,
+    `constraints` maps names of sets to names of degrees of freedom, `bodies` likewise. A growing mode counts as unstable from a growth
+    rate `growth_above`, 1/s, and a damping ratio `damping_ratio_below` on. `text` is the brake as a case file, without `coefficients`.
+    """
+
+    def __init__(
+        self,
+        *,
+        terms: Sequence[Term],
+        contacts: Sequence[Contact] = (),
+        parameters: Mapping[str, Distribution] | None = None,
+        dofs: Sequence[str] | None = None,
+        coefficients: Coefficients | None = None,
+        correlation: tuple[Sequence[str], npt.ArrayLike] | None = None,
+        constraints: Mapping[str, Sequence[str]] | None = None,
+        bodies: Mapping[str, Sequence[str]] | None = None,
+        growth_above: float | None = None,
+        damping_ratio_below: float | None = None,
+        name: str = "brake",
+        samples: int = 1000,
+        seed: int = 1,
+    ) -> None:
+        for parameter, distribution in (parameters or {}).items():
+            if not isinstance(distribution, Distribution):
+                raise refused(f"parameters[{parameter!r}]", repr(distribution), "a distribution, as squeal.Uniform(0, 1)")
+        study = {"name": name, "samples": _whole("samples", samples, 1), "seed": _whole("seed", seed, 0)}
+        tables: dict[str, Any] = {"study": study, "brake": {"kind": "matrices"}}
+        if dofs is not None:
+            tables["brake"]["dofs"] = [str(dof) for dof in dofs]
+        tables["parameters"] = {key: distribution.table() for key, distribution in (parameters or {}).items()}
+        tables["terms"] = [_term(term) for term in terms]
+        tables["contacts"] = [_contact(contact) for contact in contacts]
+        tables["bodies"] = [{"name": key, "dofs": list(of)} for key, of in (bodies or {}).items()]
+        tables["constraints"] = [{"name": key, "fixed": list(of)} for key, of in (constraints or {}).items()]
+        squeal = {"growth_above": growth_above, "damping_ratio_below": damping_ratio_below}
+        tables["squeal"] = {key: of for key, of in squeal.items() if of is not None}
+        if correlation is not None:
+            names, matrix = correlation
+            tables["correlation"] = {"parameters": list(names), "matrix": real("correlation", matrix)}
+        #: The brake as a case file.
+        self.text = _toml.document({key: table for key, table in tables.items() if table})
+        self._native = _squeal.Brake("brake", self.text, coefficients is not None)
+        if coefficients is not None:
+            medians = {of: np.array([median]) for of, _, median in self._native.parameters()}
+            found = coefficients(medians)
+            if not isinstance(found, Mapping):
+                raise refused("coefficients", f"a callable that returns {type(found).__name__}", "a dict of arrays")
+            self._native = self._native.with_callable(coefficients, [str(key) for key in found])
+
+
+def _plain(given: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: of for key, of in given.items() if of is not None}
+
+
+def _term(term: Term) -> dict[str, Any]:
+    matrices = {key: getattr(term, key) for key in ("mass", "damping", "stiffness")}
+    orders = {key: dense(f"terms {term.name!r}.{key}", of) for key, of in matrices.items() if of is not None}
+    return _plain({"name": term.name, "family": term.family, "coefficient": term.coefficient, **orders})
+
+
+def _contact(contact: Contact) -> dict[str, Any]:
+    lag = contact.lag and {"decay": contact.lag.decay, "drive": contact.lag.drive, "force": contact.lag.force}
+    force = {str(dof): float(part) for dof, part in contact.force.items()}
+    reading = {str(dof): float(part) for dof, part in (contact.reading or {}).items()}
+    of = {"mu": contact.mu, "slope": contact.slope, "lag": lag, "family": contact.family}
+    return _plain({"name": contact.name, "force": force, "reading": reading or None, **of})
+
+
+def computed(callable_: Coefficients, given: dict[str, Floats], names: list[str], length: int) -> list[Floats]:
+    """What a callable computes for a block: of each name an array, checked. Called by the native module."""
+    found = callable_(given)
+    if not isinstance(found, Mapping) or set(found) != set(names):
+        keys = sorted(found) if isinstance(found, Mapping) else type(found).__name__
+        raise refused("coefficients", f"a callable that returns {keys}", f"{sorted(names)}, as at the medians")
+    columns = []
+    for name in names:
+        array = np.asarray(found[name], dtype=float)
+        if array.shape not in ((), (length,)):
+            raise refused(f"coefficients: {name!r}", f"an array of shape {array.shape}", f"({length},), one for each sample, or a number")
+        if not np.isfinite(array).all():
+            raise refused(f"coefficients: {name!r}", array[~np.isfinite(array)][0] if array.shape else array, "finite numbers")
+        columns.append(np.broadcast_to(array, (length,)).astype(float))
+    return columns
+
+
+def table_of(points: Any, argument: str) -> tuple[list[str], Floats]:
+    """Names and rows of points: a DataFrame, a structured array, or a mapping of columns."""
+    if hasattr(points, "dtype") and getattr(points.dtype, "names", None):
+        names = list(points.dtype.names)
+        columns = [points[name] for name in names]
+    elif isinstance(points, Mapping) or hasattr(points, "columns"):
+        names = [str(name) for name in (points.columns if hasattr(points, "columns") else points)]
+        columns = [points[name] for name in names]
+    else:
+        raise refused(argument, type(points).__name__, "a DataFrame, a structured array or a dict, a column for each parameter")
+    arrays = [real(f"{argument}[{name!r}]", column) for name, column in zip(names, columns, strict=True)]
+    shapes = {array.shape for array in arrays}
+    if len(shapes) != 1 or len(next(iter(shapes))) != 1 or next(iter(shapes)) == (0,):
+        raise refused(argument, f"columns of shapes {sorted(shapes)}", "columns of one length, at least 1")
+    return names, np.ascontiguousarray(np.stack(arrays, axis=1))
+
+
+def with_design(brake: AnyBrake, design: Any) -> tuple[_squeal.Brake, int]:
+    """The brake whose samples are the rows of a design, and their number."""
+    names, rows = table_of(design, "design")
+    known = [name for name, _, _ in brake._native.parameters()]
+    if sorted(names) != sorted(known):
+        raise refused("design", f"the columns {names}", f"one for each parameter: {known}")
+    return brake._native.with_design(rows[:, [names.index(name) for name in known]]), len(rows)

@@ -1,0 +1,603 @@
+"""Studies of brakes, and what else is asked of them."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import shutil
+import tempfile
+import warnings
+import weakref
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _squeal
+from ._arrays import Floats
+from ._brake import AnyBrake, _whole, table_of, with_design
+from ._eig import workers
+from ._errors import FailureWarning, FolderError, refused
+from ._progress import Progress, receiver
+from ._tables import Table, Tables
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Folder = str | os.PathLike[str]
+#: What one process keeps for itself in a folder.
+_LOCK = "run.lock"
+
+
+class _Owned:
+    """A folder that goes with the results that are in it."""
+
+    def __init__(self) -> None:
+        self.name = tempfile.mkdtemp(prefix="squeal-")
+        weakref.finalize(self, shutil.rmtree, self.name, ignore_errors=True)
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a study has found: the files of its folder."""
+
+    #: The folder; one that the results own and take with them where the study was run without `out`.
+    folder: pathlib.Path
+    #: All tables, by the names of their files without `.csv`.
+    tables: Tables
+    #: The file `manifest.json`: what made the results.
+    manifest: dict[str, Any]
+    #: The summary that the program prints; of loaded results the file `summary.md`.
+    text: str
+    _owned: _Owned | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def occurrence(self) -> Table:
+        """How often each mode is unstable in each scene and arrangement, with limits at 95 %."""
+        return self.tables["occurrence"]
+
+    @property
+    def modes(self) -> Table:
+        """The modes of each set of constraints where they have their names."""
+        return self.tables["modes"]
+
+    @property
+    def links(self) -> Table:
+        """Which mode of a set of constraints is which of another."""
+        return self.tables["links"]
+
+    @property
+    def panels(self) -> Table:
+        """Numbers of unstable modes by constraints, law, speed and number of contacts."""
+        return self.tables["panels"]
+
+    @property
+    def differences(self) -> Table:
+        """Differences of panels, on the same draws."""
+        return self.tables["differences"]
+
+    @property
+    def net_work(self) -> Table:
+        """Work of friction and damping in unstable modes, by body."""
+        return self.tables["net_work"]
+
+    @property
+    def family_work(self) -> Table:
+        """The same by family of forces."""
+        return self.tables["family_work"]
+
+    @property
+    def sensitivities(self) -> Table:
+        """What changes the unstable modes, at the medians."""
+        return self.tables["sensitivities"]
+
+    @property
+    def failures(self) -> Table:
+        """Samples that could not be evaluated."""
+        return self.tables["failures"]
+
+    @property
+    def samples(self) -> Table:
+        """What was drawn and what grew; only with `keep_samples`."""
+        return self._optional("samples", "keep_samples=True")
+
+    @property
+    def influence(self) -> Table:
+        """Which input makes squeal vary; only with `keep_samples`."""
+        return self._optional("influence", "keep_samples=True")
+
+    @property
+    def estimates(self) -> Table:
+        """Occurrences by the cheapest estimator; only with `half_width`."""
+        return self._optional("estimates", "half_width")
+
+    def _optional(self, name: str, needed: str) -> Table:
+        if name not in self.tables:
+            raise AttributeError(f"{name}: not there; allowed: results of `run` with {needed}")
+        return self.tables[name]
+
+    def save(self, folder: Folder) -> None:
+        """Write all files into a new or empty folder: those that the program writes, which it can continue."""
+        to = pathlib.Path(folder)
+        if to.exists() and (not to.is_dir() or any(to.iterdir())):
+            raise FolderError(f"{to}: is not empty; allowed: a new or empty folder", path=str(to))
+        to.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=to.parent, prefix=f".{to.name}.") as made:
+            whole = pathlib.Path(made, "whole")
+            shutil.copytree(self.folder, whole, ignore=shutil.ignore_patterns(_LOCK))
+            whole.replace(to)
+
+    def plot_occurrence(self, ax: Axes | None = None, **chosen: str | int) -> Axes:
+        """Occurrence of each mode with its limits; `chosen` are columns of `occurrence` and their values, as law="lugre"."""
+        from .plot import occurrence
+
+        return occurrence(self.occurrence, ax, chosen)
+
+    def plot_modes(self, ax: Axes | None = None) -> Axes:
+        """Damping ratio against frequency of the modes where they have their names."""
+        from .plot import modes
+
+        return modes(self.modes, ax)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def _read(folder: pathlib.Path, text: str | None, owned: _Owned | None) -> Results:
+    try:
+        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+        tables = Tables([Table.read(path) for path in sorted(folder.glob("*.csv"))])
+        said = (folder / "summary.md").read_text(encoding="utf-8") if text is None else text
+        if "occurrence" not in tables:
+            raise FileNotFoundError("occurrence.csv is not there")
+    except (OSError, ValueError) as error:
+        raise FolderError(f"{folder}: {error}; allowed: the folder of a study that has finished", path=str(folder)) from None
+    return Results(folder, tables, manifest, said, owned)
+
+
+def load(folder: Folder) -> Results:
+    """The results in the folder of a study that has finished, of `run` or the program."""
+    return _read(pathlib.Path(folder), None, None)
+
+
+def _in_folder(out: Folder | None) -> tuple[pathlib.Path, _Owned | None]:
+    if out is not None:
+        return pathlib.Path(out), None
+    owned = _Owned()
+    return pathlib.Path(owned.name, "study"), owned
+
+
+def _number(argument: str, given: float | None) -> float | None:
+    if given is None:
+        return None
+    if not (isinstance(given, int | float | np.number) and not isinstance(given, bool)):
+        raise refused(argument, given, "a number")
+    return float(given)
+
+
+def _of_run(folder: pathlib.Path, ran: tuple[str, str | None], owned: _Owned | None) -> Results:
+    text, complaint = ran
+    if complaint is not None:
+        warnings.warn(complaint, FailureWarning, stacklevel=3)
+    return _read(folder, text, owned)
+
+
+def run(
+    brake: AnyBrake,
+    *,
+    samples: int | None = None,
+    seed: int | None = None,
+    design: Any = None,
+    half_width: float | None = None,
+    until_half_width: float | None = None,
+    keep_samples: bool = False,
+    threads: int | None = None,
+    out: Folder | None = None,
+    progress: Progress = None,
+) -> Results:
+    """Run the study of a brake: every draw in every scene.
+
+    `samples` and `seed` stand for those of the brake. `design` has samples of your own instead, a DataFrame, structured array or dict of
+    columns with a column for each parameter (of brakes given by their matrices). `half_width` adds every occurrence to this half width
+    by the cheapest estimator; `until_half_width` takes as many samples as every occurrence needs for it. With `out` the study is in
+    this folder, as that of `squeal run`: an interrupt leaves what there is, and the same call goes on. `progress` is None for a bar
+    where standard error is a terminal, False, or a function of (stage, done, total).
+    """
+    native = brake._native
+    if design is not None:
+        given = {"samples": samples, "half_width": half_width, "until_half_width": until_half_width}
+        for name in (name for name, of in given.items() if of is not None):
+            raise refused(name, given[name], "None beside `design`")
+        native, samples = with_design(brake, design)
+    if samples is not None and until_half_width is not None:
+        raise refused("samples", samples, "None beside `until_half_width`")
+    native = native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
+    folder, owned = _in_folder(out)
+    widths = (_number("half_width", half_width), _number("until_half_width", until_half_width))
+    ran = _squeal.run(native, os.fspath(folder), widths, keep_samples, workers(threads), receiver(progress))
+    return _of_run(folder, ran, owned)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a study that is complete."""
+
+    #: Its folder.
+    folder: pathlib.Path
+    #: First sample, and the one after the last.
+    samples: range
+    #: Number of evaluations.
+    evaluations: int
+    #: Number of draws and evaluations that failed.
+    failures: int
+
+
+def shard(
+    brake: AnyBrake,
+    number: int,
+    of: int,
+    *,
+    out: Folder,
+    first: int = 0,
+    samples: int | None = None,
+    seed: int | None = None,
+    keep_samples: bool = False,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Part:
+    """Sample part `number` (from 1) of `of` parts of a study in a folder of its own, for `merge`; `first` is the first sample of all.
+
+    The same call goes on where it was stopped, and returns at once where the part is complete, so that any engine may call it again.
+    """
+    part = tuple(_whole(name, given, 0) for name, given in (("number", number), ("of", of), ("first", first)))
+    native = brake._native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
+    found = _squeal.shard(native, part, os.fspath(out), keep_samples, workers(threads), receiver(progress))  # type: ignore[arg-type]
+    begin, end, evaluations, failures = found
+    return Part(pathlib.Path(out), range(begin, end), evaluations, failures)
+
+
+def merge(
+    brake: AnyBrake,
+    parts: Sequence[Folder | Part],
+    *,
+    out: Folder | None = None,
+    half_width: float | None = None,
+    mixed: bool = False,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Results:
+    """Put the parts of a study together, in any order: the files of one run, byte for byte.
+
+    `mixed` lets parts of other programs, and of processors that round differently, pass.
+    """
+    folders = [os.fspath(part.folder if isinstance(part, Part) else part) for part in parts]
+    if not folders:
+        raise refused("parts", "none", "folders of `shard` or `squeal run --shard`")
+    folder, owned = _in_folder(out)
+    ran = _squeal.merge(
+        brake._native, (folders, mixed), os.fspath(folder), _number("half_width", half_width), workers(threads), receiver(progress)
+    )
+    return _of_run(folder, ran, owned)
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a study takes, roughly, on this machine."""
+
+    #: Time of what all samples share, s.
+    preparation: float
+    #: Time of the samples, s.
+    samples: float
+    #: Time of the report, s.
+    report: float
+    #: Memory, bytes.
+    bytes: float
+
+    @property
+    def seconds(self) -> float:
+        """Time in all, s."""
+        return self.preparation + self.samples + self.report
+
+
+def estimate(brake: AnyBrake, *, samples: int | None = None) -> Expected:
+    """Time and memory that the study of a brake takes; some of its samples are timed."""
+    return Expected(*_squeal.estimate(brake._native.with_run(_whole("samples", samples, 1), None)))
+
+
+def _only(
+    brake: AnyBrake,
+    law: str | None,
+    contact: Sequence[int] | None,
+    constraints: str | None,
+    speed: float | None,
+    drawn: tuple[str | None] | None = None,
+) -> _squeal.Brake:
+    numbers = None if contact is None else [_whole("contact", number, 1) or 0 for number in contact]
+    return brake._native.only((law, numbers, constraints), _number("speed", speed), drawn and drawn[0], drawn is not None)
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """One complex eigenvalue analysis at median parameters; arrays of one length, a place for each oscillating mode."""
+
+    #: Eigenvalues with Im lambda > 0, rad/s.
+    eigenvalues: npt.NDArray[np.complex128]
+    #: Frequencies, Hz.
+    frequencies_hz: Floats
+    #: Damping ratios, negative where a mode grows.
+    damping_ratios: Floats
+    #: Verdicts in words.
+    verdicts: tuple[str, ...]
+    #: Shapes over all degrees of freedom, a column for each mode.
+    shapes: npt.NDArray[np.complex128]
+    #: Work of each family of forces in each mode by body, by the name of the family; "net" is all of it.
+    work: dict[str, Floats]
+    #: Why unstable modes grow, one entry for each mode, None for the others; only with `why`.
+    why: tuple[dict[str, Any] | None, ...]
+    #: All of it, as `squeal cea --json` says it.
+    json: dict[str, Any] = field(repr=False)
+
+    @property
+    def unstable(self) -> npt.NDArray[np.bool_]:
+        """Which grow, as a mask."""
+        return np.array([verdict.lower() == "unstable" for verdict in self.verdicts], dtype=bool)
+
+    def __len__(self) -> int:
+        return len(self.eigenvalues)
+
+
+def cea(
+    brake: AnyBrake,
+    *,
+    law: str | None = None,
+    contact: Sequence[int] | None = None,
+    constraints: str | None = None,
+    speed: float | None = None,
+    why: bool = False,
+) -> Analysis:
+    """One analysis of a brake at its medians, in the scene that the arguments choose; the first that it has where they do not."""
+    found = json.loads(_squeal.cea(_only(brake, law, contact, constraints, speed), why))
+    modes = found["modes"]
+    eigenvalues = np.array([complex(mode["re"], mode["im"]) for mode in modes])
+    shapes = np.array([[complex(*u) for u in mode["shape"]] for mode in modes]).T
+    families = [key.removesuffix("_work") for key in (modes[0] if modes else {}) if key.endswith("_work")]
+    return Analysis(
+        eigenvalues=eigenvalues,
+        frequencies_hz=np.array([mode["frequency_hz"] for mode in modes]),
+        damping_ratios=np.array([mode["damping_ratio"] for mode in modes]),
+        verdicts=tuple(mode["verdict"] for mode in modes),
+        shapes=shapes,
+        work={family: np.array([mode[f"{family}_work"] for mode in modes]) for family in families},
+        why=tuple(mode.get("why") for mode in modes),
+        json=found,
+    )
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is found over one parameter, or two."""
+
+    #: Names of the parameters.
+    parameters: tuple[str, ...]
+    #: Over one `branches`, `onsets`, `coalescences`; over two `boundary`, `regions`: the tables of `squeal sweep`.
+    tables: Tables
+    #: What is found, as `squeal sweep --json` says it.
+    json: dict[str, Any] = field(repr=False)
+    #: The same in words.
+    text: str = field(repr=False)
+
+    @property
+    def onsets(self) -> Table:
+        """Where stability changes, of one parameter."""
+        return self.tables["onsets"]
+
+    @property
+    def coalescences(self) -> Table:
+        """Where two eigenvalues meet, of one parameter."""
+        return self.tables["coalescences"]
+
+    @property
+    def branches(self) -> Table:
+        """The eigenvalues of each branch, of one parameter."""
+        return self.tables["branches"]
+
+    @property
+    def boundary(self) -> Table:
+        """The boundary of stability, of two parameters."""
+        return self.tables["boundary"]
+
+    @property
+    def regions(self) -> Table:
+        """The regions that it bounds, of two parameters."""
+        return self.tables["regions"]
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Growth rates of the branches, or the boundary of stability."""
+        from .plot import sweep as drawn
+
+        return drawn(self, ax)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def sweep(
+    brake: AnyBrake,
+    over: dict[str, tuple[float, float]] | None = None,
+    *,
+    law: str | None = None,
+    contact: Sequence[int] | None = None,
+    constraints: str | None = None,
+    speed: float | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+    **ranges: tuple[float, float],
+) -> Sweep:
+    """Sweep one parameter or two, all others at their medians: `sweep(brake, mu=(0, 1.3))`, or by a dict from name to (from, to)."""
+    parameters = {**(over or {}), **ranges}
+    listed = []
+    for name, ends in parameters.items():
+        try:
+            begin, end = (float(of) for of in ends)
+        except (TypeError, ValueError):
+            raise refused(name, ends, "(from, to)") from None
+        listed.append((name, begin, end))
+    native = _only(brake, law, contact, constraints, speed)
+    tables, found, text = _squeal.sweep(native, listed, workers(threads), receiver(progress))
+    return Sweep(tuple(parameters), Tables([Table(*of) for of in tables]), json.loads(found), text)
+
+
+@dataclass(frozen=True)
+class Influence:
+    """Which input makes squeal vary: Sobol' indices."""
+
+    #: The table of `squeal influence`.
+    table: Table
+    #: Draws and points that failed.
+    failures: int
+    #: Number of analyses.
+    evaluations: int
+    #: The same in words.
+    text: str = field(repr=False)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """First-order and total indices of the growth rate, with their limits."""
+        from .plot import influence as drawn
+
+        return drawn(self.table, ax)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def influence(
+    brake: AnyBrake,
+    *,
+    samples: int | None = None,
+    total: int | None = None,
+    seed: int | None = None,
+    law: str | None = None,
+    contact: Sequence[int] | None = None,
+    constraints: str | None = None,
+    speed: float | None = None,
+    speed_range: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Influence:
+    """First-order indices of each input from draws of the study, in one scene; with `total` also total ones, from so many points."""
+    for name, given in (("samples", samples), ("total", total)):
+        if given is not None and not (isinstance(given, int | np.integer) and 100 <= given <= 1_000_000):
+            raise refused(name, given, "100 to 1000000")
+    native = _only(brake, law, contact, constraints, speed, (speed_range,)).with_run(samples, _whole("seed", seed, 0))
+    draws = min(max(native.header()[1], 100), 1_000_000)
+    table, failures, evaluations, text = _squeal.influence(native, draws, total, workers(threads), receiver(progress))
+    return Influence(Table(*table), failures, evaluations, text)
+
+
+@dataclass(frozen=True)
+class Screen:
+    """What helps, ranked and confirmed."""
+
+    #: `screen` and `screen_differences`: the tables of `squeal screen`.
+    tables: Tables
+    #: What is found, as `squeal screen --json` says it.
+    json: dict[str, Any] = field(repr=False)
+    #: The same in words.
+    text: str = field(repr=False)
+
+    @property
+    def ranked(self) -> Table:
+        """All sets of changes, with prediction and confirmation."""
+        return self.tables["screen"]
+
+    @property
+    def differences(self) -> Table:
+        """Differences of what was confirmed, on the same draws."""
+        return self.tables["screen_differences"]
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def screen(
+    brake: AnyBrake,
+    *,
+    kinds: Sequence[str] | None = None,
+    up_to: int = 2,
+    constraints: str | None = None,
+    confirm: int = 1,
+    mass: float | None = None,
+    spring: float | None = None,
+    dashpot: float | None = None,
+    draws: int = 8,
+    samples: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Screen:
+    """Screen a brake for what helps: "constraint", "mass", "spring", "dashpot", "contact" at every place, singly and in sets `up_to`.
+
+    All are ranked by a few analyses on `draws` draws, and the best of each kind, `confirm` single ones and one of each larger size, are
+    confirmed on `samples` other draws. `mass`, kg, `spring`, N/m, and `dashpot`, Ns/m, are what is attached; parts of the place's own
+    unless given.
+    """
+    for name, given, least, most in (("up_to", up_to, 1, 20), ("draws", draws, 1, 10_000), ("confirm", confirm, 0, 65_535)):
+        if not (isinstance(given, int | np.integer) and least <= given <= most):
+            raise refused(name, given, f"{least} to {most}")
+    sizes = [_number(name, given) for name, given in (("mass", mass), ("spring", spring), ("dashpot", dashpot))]
+    for name, size in zip(("mass", "spring", "dashpot"), sizes, strict=True):
+        if size is not None and not (np.isfinite(size) and size > 0):
+            raise refused(name, size, "a number > 0")
+    native = brake._native.with_run(_whole("samples", samples, 2), _whole("seed", seed, 0))
+    _, count, _, sets = native.header()
+    if count < 2:
+        raise refused("samples", count, "2 or more, for an interval")
+    if constraints is not None and constraints not in sets:
+        raise refused("constraints", constraints, ", ".join(sets))
+    screening = (None if kinds is None else list(kinds), up_to, (sizes[0], sizes[1], sizes[2]), draws, confirm)
+    at = 0 if constraints is None else sets.index(constraints)
+    tables, found, text = _squeal.screen(native, screening, at, workers(threads), receiver(progress))
+    return Screen(Tables([Table(*of) for of in tables]), json.loads(found), text)
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """What a brake is at given points; arrays of one length."""
+
+    #: Largest Re lambda of all eigenvalues, 1/s, below zero where all decay; NaN where the point failed.
+    growth: Floats
+    #: Frequency of that eigenvalue, Hz.
+    frequency_hz: Floats
+    #: Number of unstable modes, -1 where the point failed.
+    unstable: npt.NDArray[np.int64]
+    #: Number of eigenvalues of which it is open whether they count, or that are on the threshold, -1 where the point failed.
+    open: npt.NDArray[np.int64]
+    #: Indices of points that failed, and why.
+    failures: dict[int, str]
+
+
+def evaluate(
+    brake: AnyBrake,
+    points: Any,
+    *,
+    law: str | None = None,
+    contact: Sequence[int] | None = None,
+    constraints: str | None = None,
+    speed: float | None = None,
+    threads: int | None = None,
+    progress: Progress = False,
+) -> Evaluated:
+    """What a brake is at points: the plain function for SALib, OpenTURNS and surrogates; nothing is counted or named.
+
+    `points` is a DataFrame, a structured array or a dict of columns, by the names of parameters; those that have no column are at their
+    medians. For lattices and brakes given by their matrices.
+    """
+    names, rows = table_of(points, "points")
+    native = _only(brake, law, contact, constraints, speed)
+    growth, hertz, unstable, open_, failed = _squeal.evaluate(native, names, rows, workers(threads), receiver(progress))
+    if failed:
+        warnings.warn(f"{len(failed)} of {len(rows)} points failed; first: {failed[0][1]}", FailureWarning, stacklevel=2)
+    return Evaluated(growth, hertz, unstable, open_, dict(failed))

@@ -1,0 +1,99 @@
+"""Tables: the CSV files of a study as NumPy columns."""
+
+from __future__ import annotations
+
+import csv
+import pathlib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    import pandas
+
+#: Columns that are text whatever stands in them.
+_TEXT = frozenset(
+    "constraints law speed arrangement mode label shape_file dof from_constraints from_mode to_constraints to_mode continuation family"
+    " body comparison other_constraints other_law other_speed scene error kind parameter unit output input index unstable_modes places"
+    " estimator curve change set more less other".split()
+)
+
+
+def _column(name: str, cells: Sequence[str]) -> npt.NDArray[Any]:
+    """Whole numbers, numbers with NaN where a cell is empty, or text."""
+    if name not in _TEXT:
+        try:
+            return np.array([int(cell) for cell in cells], dtype=np.int64)
+        except (ValueError, OverflowError):
+            pass
+        try:
+            return np.array([float(cell) if cell else np.nan for cell in cells], dtype=np.float64)
+        except ValueError:
+            pass
+    return np.array(cells, dtype=str)
+
+
+class Table(Mapping[str, npt.NDArray[Any]]):
+    """A table: a mapping from the names of its columns to arrays, which cannot be written to."""
+
+    def __init__(self, name: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+        #: Name: that of its file without `.csv`.
+        self.name = name
+        self._rows = len(rows)
+        self._columns = {column: _column(column, [row[at] for row in rows]) for at, column in enumerate(columns)}
+        for array in self._columns.values():
+            array.flags.writeable = False
+
+    @classmethod
+    def read(cls, path: pathlib.Path) -> Table:
+        """The table of a CSV file."""
+        with path.open(encoding="utf-8", newline="") as file:
+            columns, *rows = csv.reader(file)
+        return cls(path.stem, columns, rows)
+
+    def __getitem__(self, column: str) -> npt.NDArray[Any]:
+        return self._columns[column]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of columns; that of rows is `rows`."""
+        return len(self._columns)
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns."""
+        return list(self._columns)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return self._rows
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table as a DataFrame."""
+        import pandas
+
+        return pandas.DataFrame({name: column.copy() for name, column in self._columns.items()})
+
+    def __repr__(self) -> str:
+        return f"Table({self.name!r}, {self._rows} rows: {', '.join(self._columns)})"
+
+
+class Tables(Mapping[str, Table]):
+    """Tables by their names, also as attributes."""
+
+    def __init__(self, tables: Sequence[Table]) -> None:
+        self._tables = {table.name: table for table in tables}
+
+    def __getitem__(self, name: str) -> Table:
+        return self._tables[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tables)
+
+    def __len__(self) -> int:
+        return len(self._tables)

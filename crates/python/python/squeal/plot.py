@@ -1,0 +1,116 @@
+"""Plots with matplotlib; each takes `ax` and returns it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._errors import refused
+from ._tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ._eig import Spectrum
+    from ._study import Sweep
+
+#: Colours of what is unstable and of the rest.
+UNSTABLE, REST = "tab:red", "0.45"
+
+
+def axes(ax: Axes | None) -> Axes:
+    """Axes that were given, or new ones."""
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot
+
+    made: Axes = matplotlib.pyplot.subplots()[1]
+    return made
+
+
+def spectrum(of: Spectrum, ax: Axes | None = None) -> Axes:
+    """Damping ratio against frequency of what oscillates; red where it grows."""
+    ax = axes(ax)
+    oscillates = of.eigenvalues.imag > 0
+    for mask, colour, name in ((~of.unstable, REST, "not unstable"), (of.unstable, UNSTABLE, "unstable")):
+        shown = oscillates & mask
+        ax.plot(of.frequencies_hz[shown], of.damping_ratios[shown], "o", color=colour, label=f"{name} ({np.sum(shown)})")
+    ax.axhline(0.0, color="black", linewidth=0.8)
+    ax.set_xlabel("frequency, Hz")
+    ax.set_ylabel("damping ratio")
+    ax.legend()
+    return ax
+
+
+def occurrence(table: Table, ax: Axes | None, chosen: Mapping[str, str | int]) -> Axes:
+    """Occurrence of each mode with its limits."""
+    ax = axes(ax)
+    mask = np.ones(table.rows, dtype=bool)
+    for column, wanted in chosen.items():
+        if column not in table:
+            raise refused(column, wanted, f"the columns {', '.join(table.columns)}")
+        mask &= table[column] == wanted
+    if not mask.any():
+        raise refused("occurrence", dict(chosen), "values that the table has")
+    names = list(dict.fromkeys(table["mode"][mask]))
+    at = np.array([names.index(name) for name in table["mode"][mask]])
+    value, lower, upper = (table[column][mask] for column in ("occurrence", "lower", "upper"))
+    ax.errorbar(at, value, yerr=[np.maximum(value - lower, 0), np.maximum(upper - value, 0)], fmt="o", color=REST, capsize=3)
+    ax.set_xticks(range(len(names)), names)
+    ax.set_xlabel("mode")
+    ax.set_ylabel("occurrence of instability, 95 %")
+    return ax
+
+
+def modes(table: Table, ax: Axes | None) -> Axes:
+    """Damping ratio against frequency of modes, by set of constraints."""
+    ax = axes(ax)
+    for name in dict.fromkeys(table["constraints"]):
+        own = table["constraints"] == name
+        ax.plot(table["frequency_hz"][own], table["damping_ratio"][own], "o", label=name)
+    ax.axhline(0.0, color="black", linewidth=0.8)
+    ax.set_xlabel("frequency, Hz")
+    ax.set_ylabel("damping ratio")
+    ax.legend()
+    return ax
+
+
+def sweep(of: Sweep, ax: Axes | None) -> Axes:
+    """Growth rates over one parameter, or the boundary of stability over two."""
+    ax = axes(ax)
+    if len(of.parameters) == 2:
+        table, (x, y) = of.boundary, of.parameters
+        for curve in dict.fromkeys(table["curve"]):
+            own = table["curve"] == curve
+            ax.plot(table[x][own], table[y][own], color=UNSTABLE)
+        ax.set_xlabel(x)
+        ax.set_ylabel(y)
+        return ax
+    table, name = of.branches, of.parameters[0]
+    for branch in dict.fromkeys(table["branch"]):
+        own = table["branch"] == branch
+        ax.plot(table[name][own], table["growth_rate"][own], color=REST)
+    for onset in of.onsets[name]:
+        ax.axvline(onset, color=UNSTABLE, linestyle=":")
+    ax.axhline(0.0, color="black", linewidth=0.8)
+    ax.set_xlabel(name)
+    ax.set_ylabel("growth rate, 1/s")
+    return ax
+
+
+def influence(table: Table, ax: Axes | None) -> Axes:
+    """First-order and total indices of the growth rate of anything, with their limits."""
+    ax = axes(ax)
+    of_growth = (table["mode"] == "any") & (table["output"] == "growth")
+    names = list(dict.fromkeys(table["input"][of_growth]))
+    for shift, kind in enumerate(dict.fromkeys(table["index"][of_growth])):
+        own = of_growth & (table["index"] == kind)
+        at = np.array([names.index(name) for name in table["input"][own]]) + 0.2 * shift
+        value, lower, upper = (table[column][own] for column in ("value", "lower", "upper"))
+        ax.errorbar(at, value, yerr=[np.maximum(value - lower, 0), np.maximum(upper - value, 0)], fmt="o", capsize=3, label=kind)
+    ax.set_xticks(range(len(names)), names)
+    ax.set_ylabel("Sobol' index of the growth rate, 95 %")
+    ax.legend()
+    return ax

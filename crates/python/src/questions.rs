@@ -1,0 +1,352 @@
+//! What is asked of a brake: a study in a folder, whole or in parts; one analysis, sweeps, influence, screens, the plain function.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use ::cea::{self as analysis, BatchSolver, CeaError, CountedSpectrum, EigenSolver, QrSolver, Workspace};
+use brakes::{AnyBrake, CaseBrake, Purpose};
+use linsys::SecondOrder;
+use montecarlo::MonteCarloError;
+use num_complex::Complex;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
+use output::Table;
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use squeal::influence::{influence as of_inputs, influence_table};
+use squeal::parts::{Shard, completed, run_part};
+use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use squeal::study::{Cost, Study, UncertainBrake};
+use squeal::sweep::{Found, Over, stability_map, sweep as over_one};
+use squeal::{RunOptions, RunProgress, workers};
+use squeal_cli::bar::Stages;
+use squeal_cli::{CeaArgs, Error, MemoryArgs, RunArgs, SceneArgs};
+
+use crate::away::{Ends, Watch, away};
+use crate::brake::{Brake, Source};
+use crate::errors::argument;
+
+/// Samples that a thread evaluates together; chosen.
+const TOGETHER: usize = 64;
+/// Stages of a work, as they are told.
+const PREPARED: &str = "steps of preparation";
+const EVALUATED: &str = "evaluations";
+
+/// Name, columns, rows.
+type AsTable = (String, Vec<String>, Vec<Vec<String>>);
+
+fn tables(of: Vec<Table>) -> Vec<AsTable> {
+    of.into_iter().map(|Table { name, columns, rows }| (name, columns, rows)).collect()
+}
+
+/// A text of a study, and the complaint about results that are written and may be wrong.
+type Ran = (String, Option<String>);
+
+fn ran(done: Result<(), Error>, out: Vec<u8>) -> Result<Ran, Error> {
+    let text = String::from_utf8_lossy(&out).into_owned();
+    match done {
+        Ok(()) => Ok((text, None)),
+        Err(
+            error @ (Error::MostFailed { .. } | Error::NotTheWholeBrake { .. } | Error::DivergenceNotCounted { .. }),
+        ) => Ok((text, Some(error.to_string()))),
+        Err(error) => Err(error),
+    }
+}
+
+fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half_width: Option<f64>) -> RunArgs {
+    RunArgs {
+        case: PathBuf::new(),
+        out,
+        samples: None,
+        seed: None,
+        half_width: None,
+        until_half_width,
+        keep_samples,
+        shard: None,
+        from: 0,
+        threads,
+        memory: MemoryArgs::default(),
+    }
+}
+
+/// Runs the study of a brake in a folder; the half widths are that of the estimates, and that to which it is sampled.
+#[pyfunction]
+pub(crate) fn run(
+    py: Python<'_>,
+    brake: &Brake,
+    out: PathBuf,
+    half_widths: [Option<f64>; 2],
+    keep_samples: bool,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Ran> {
+    let [half_width, until_half_width] = half_widths;
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        let half_width = half_width.or(source.half_width());
+        let brake = source.brake(Purpose::Study, threads, watch)?;
+        let (args, mut text) = (run_args(out, keep_samples, threads, until_half_width), Vec::new());
+        ran(args.study(&brake, half_width, None, &**watch, &mut text), text)
+    })
+}
+
+/// Samples one part of the study of a brake: number, of how many, first sample. The range of samples and what was evaluated.
+#[pyfunction]
+pub(crate) fn shard(
+    py: Python<'_>,
+    brake: &Brake,
+    part: (u64, u64, u64),
+    out: PathBuf,
+    keep_samples: bool,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(u64, u64, u64, u64)> {
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        let brake = source.brake(Purpose::Study, threads, watch)?;
+        let (preparation, evaluation) = (watch.stage(PREPARED), watch.stage(EVALUATED));
+        let told = RunProgress { preparation: &*preparation, evaluation: &*evaluation, reasons: &() };
+        let options = RunOptions::default().with_threads(threads).with_progress(told).keeping_samples(keep_samples);
+        let (number, of, from) = part;
+        let done = run_part(&brake, Shard { number, of, from }, &out, options)?;
+        Ok((done.from, done.to, done.evaluations, done.failures))
+    })
+}
+
+/// Puts parts of the study of a brake together in a folder, mixed ones or not.
+#[pyfunction]
+pub(crate) fn merge(
+    py: Python<'_>,
+    brake: &Brake,
+    parts: (Vec<PathBuf>, bool),
+    out: PathBuf,
+    half_width: Option<f64>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Ran> {
+    let (parts, is_mixed) = parts;
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        let known = parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
+        // The study has the seed of its parts, and as many samples as the longest of them is a part of.
+        let samples = known.iter().map(|part| part.of).max();
+        let source = source.with_run(samples, known.first().map(|part| part.seed))?;
+        let half_width = half_width.or(source.half_width());
+        let brake = source.brake(Purpose::Study, threads, watch)?;
+        let is_kept = known.iter().any(|part| part.identity.contains(" samples=kept"));
+        let args = run_args(out, is_kept, threads, None);
+        let mut text = Vec::new();
+        ran(args.study(&brake, half_width, Some((&parts, is_mixed)), &**watch, &mut text), text)
+    })
+}
+
+/// Seconds of preparation, samples and report of a study, roughly, and bytes.
+#[pyfunction]
+pub(crate) fn estimate(py: Python<'_>, brake: &Brake) -> PyResult<(f64, f64, f64, f64)> {
+    let source = brake.source.clone();
+    away(py, Ends::Itself, None, move |watch| {
+        let brake = source.brake(Purpose::Analysis, None, watch)?;
+        let (preparation, evaluation) = (watch.stage(PREPARED), watch.stage(EVALUATED));
+        let time = squeal::estimate(&brake, &*preparation, &*evaluation)?;
+        let [preparation, samples, report] = [time.preparation, time.samples, time.report].map(|of| of.as_secs_f64());
+        Ok((preparation, samples, report, Cost::of(brake.plan()).bytes))
+    })
+}
+
+/// One analysis of the first scene at the medians, as JSON.
+#[pyfunction]
+pub(crate) fn cea(py: Python<'_>, brake: &Brake, why: bool) -> PyResult<String> {
+    let source = brake.source.clone();
+    away(py, Ends::LeftBehind, None, move |watch| {
+        let brake = source.brake(Purpose::Analysis, None, watch)?;
+        let (scene, memory) = (SceneArgs::default(), MemoryArgs::default());
+        CeaArgs { case: PathBuf::new(), scene, modes: true, why, json: true, memory }.analysis(&brake)
+    })
+}
+
+/// A sweep over one parameter or two, of the first scene: tables, JSON, text.
+#[pyfunction]
+pub(crate) fn sweep(
+    py: Python<'_>,
+    brake: &Brake,
+    over: Vec<(String, f64, f64)>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Vec<AsTable>, String, String)> {
+    let over: Vec<Over> = over.into_iter().map(|(name, from, to)| Over { name, from, to }).collect();
+    if !(1..=2).contains(&over.len()) {
+        return Err(argument(py, "sweep", &format!("{} parameters", over.len()), "one or two"));
+    }
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        let brake = source.brake(Purpose::Sweep(&over), threads, watch)?;
+        let found = workers(threads)?.install(|| -> Result<Found, Error> {
+            let study = Study::with_progress(&brake, &QrSolver, &*watch.stage(PREPARED))?;
+            Ok(match &over[..] {
+                [a, b] => {
+                    let both = [a.clone(), b.clone()];
+                    Found::Map(stability_map(&study, 0, &both, &QrSolver, &*watch.stage("lines"))?.into())
+                }
+                one => Found::Branches(over_one(&study, 0, &one[0], &QrSolver, &*watch.stage("sectors"))?.into()),
+            })
+        })?;
+        Ok((tables(found.tables()), found.json().to_string(), found.text()))
+    })
+}
+
+/// Influence of the inputs in the first scene, with total indices of so many rows: the table, draws, failures, evaluations, text.
+#[pyfunction]
+pub(crate) fn influence(
+    py: Python<'_>,
+    brake: &Brake,
+    draws: u64,
+    total: Option<u64>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(AsTable, u64, u64, String)> {
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        let brake = source.brake(Purpose::Study, threads, watch)?;
+        let plan = brake.plan();
+        let found = workers(threads)?.install(|| {
+            let study = Study::with_progress(&brake, &BatchSolver, &*watch.stage(PREPARED))?;
+            of_inputs(&study, 0, draws, total, &*watch.stage(EVALUATED))
+        })?;
+        let Table { name, columns, rows } = influence_table(plan, [(&plan.scenes[0], &found)]);
+        Ok(((name, columns, rows), found.failures, found.evaluations, found.text(plan)))
+    })
+}
+
+/// A screen of changes: kinds, places at most, mass, spring and dashpot added, draws of the prediction, single changes to confirm.
+type Screening = (Option<Vec<String>>, usize, [Option<f64>; 3], u64, usize);
+
+/// A screen of the first set of constraints of a brake: tables, JSON, text.
+#[pyfunction]
+pub(crate) fn screen(
+    py: Python<'_>,
+    brake: &Brake,
+    screening: Screening,
+    set: usize,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Vec<AsTable>, String, String)> {
+    let (kinds, up_to, [mass, spring, dashpot], draws, confirmed) = screening;
+    let mut options = ScreenOptions::default();
+    options.sizes = Sizes { mass, spring, dashpot };
+    (options.up_to, options.draws, options.confirmed, options.constraints) = (up_to, draws, confirmed, set);
+    if let Some(kinds) = kinds {
+        let kind = |name: &String| {
+            let known = ChangeKind::ALL.into_iter().find(|kind| kind.name() == name);
+            let allowed = ChangeKind::ALL.map(ChangeKind::name).join(", ");
+            known.ok_or_else(|| argument(py, "kinds", &format!("{name:?}"), &allowed))
+        };
+        options.kinds = kinds.iter().map(kind).collect::<PyResult<_>>()?;
+    }
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        let brake = source.brake(Purpose::Screen, threads, watch)?;
+        let ranking = workers(threads)?.install(|| rank(&brake, &options, &*watch.stage("sets of changes")))?;
+        let (preparation, evaluation) = (watch.stage(PREPARED), watch.stage(EVALUATED));
+        let how =
+            Confirmation::new(brake.plan().samples).with_threads(threads).with_progress(&*preparation, &*evaluation);
+        let screen = confirm(&brake, ranking, &options, &how)?;
+        Ok((tables(screen.tables()), screen.json().to_string(), screen.text()))
+    })
+}
+
+/// What is known of one point of the plain function.
+#[derive(Clone)]
+struct Evaluated {
+    /// The eigenvalue of largest real part.
+    rightmost: Complex<f64>,
+    unstable: i64,
+    /// Eigenvalues of which it is open whether they grow, and those on the threshold.
+    open: i64,
+}
+
+/// Largest growth rate, frequency of that eigenvalue, numbers of unstable and open ones, the first complaint.
+type OfPoints<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<i64>>,
+    Vec<(usize, String)>,
+);
+
+/// The plain function: what the first scene is at given values of named parameters, a row for each point.
+#[pyfunction]
+pub(crate) fn evaluate<'py>(
+    py: Python<'py>,
+    brake: &Brake,
+    names: Vec<String>,
+    values: PyReadonlyArray2<'py, f64>,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<OfPoints<'py>> {
+    let rows: Vec<Vec<f64>> = values.as_array().rows().into_iter().map(|row| row.to_vec()).collect();
+    let source = brake.source.clone();
+    let found = away(py, Ends::Itself, progress.as_ref(), move |watch| points(source, &names, &rows, threads, watch))?;
+    let failed = found.iter().enumerate().filter_map(|(at, of)| Some((at, of.as_ref().err()?.clone()))).collect();
+    let number = |of: &dyn Fn(&Evaluated) -> f64| -> Bound<'py, PyArray1<f64>> {
+        found.iter().map(|found| found.as_ref().map_or(f64::NAN, of)).collect::<Vec<_>>().into_pyarray(py)
+    };
+    let count = |of: &dyn Fn(&Evaluated) -> i64| -> Bound<'py, PyArray1<i64>> {
+        found.iter().map(|found| found.as_ref().map_or(-1, of)).collect::<Vec<_>>().into_pyarray(py)
+    };
+    let hertz = |of: &Evaluated| analysis::frequency_hz(of.rightmost);
+    Ok((number(&|of| of.rightmost.re), number(&hertz), count(&|of| of.unstable), count(&|of| of.open), failed))
+}
+
+fn points(
+    source: Source,
+    names: &[String],
+    rows: &[Vec<f64>],
+    threads: Option<usize>,
+    watch: &Arc<Watch>,
+) -> Result<Vec<Result<Evaluated, String>>, Error> {
+    let brake: AnyBrake = source.brake(Purpose::Analysis, threads, watch)?;
+    let allowed = |argument, value: String, allowed: String| squeal::Error::Argument { argument, value, allowed };
+    let (Some(of), None) = (brake.parametrised(), brake.finite_elements()) else {
+        let possible = "a lattice, or a brake given by its matrices".to_owned();
+        return Err(allowed("brake", "one of finite elements".to_owned(), possible).into());
+    };
+    let (plan, scene) = (brake.plan(), &brake.plan().scenes[0]);
+    let known: Vec<String> = of.parameters(scene).into_iter().map(|parameter| parameter.name).collect();
+    let place = |name: &String| {
+        let refused = || allowed("points", format!("a column {name:?}"), known.join(", "));
+        known.iter().position(|of| of == name).ok_or_else(refused)
+    };
+    let places = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+    let told = watch.stage(EVALUATED);
+    told.begin(rows.len() as u64, 0);
+    let of_system = |system: &SecondOrder, spectrum, work: &mut Workspace| -> Result<Evaluated, CeaError> {
+        let spectrum: analysis::Spectrum = spectrum?;
+        let counted = CountedSpectrum::new(&plan.threshold, system, &spectrum, work)?;
+        let upper = spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0);
+        let rightmost = upper.max_by(|a, b| a.re.total_cmp(&b.re)).copied().unwrap_or_default();
+        let open = (counted.marginal.len() + counted.open) as i64;
+        Ok(Evaluated { rightmost, unstable: counted.unstable() as i64, open })
+    };
+    let of_some = |rows: &[Vec<f64>]| {
+        let mut work = Workspace::default();
+        let system = |row: &Vec<f64>| {
+            told.go_on()?;
+            let values: Vec<(usize, f64)> = places.iter().copied().zip(row.iter().copied()).collect();
+            of.system_with(scene, &values)
+        };
+        let systems: Vec<_> = rows.iter().map(system).collect();
+        let sound: Vec<SecondOrder> = systems.iter().filter_map(|system| system.as_ref().ok().cloned()).collect();
+        let mut spectra = Vec::with_capacity(sound.len());
+        BatchSolver.eigenvalues_of_all(&sound, &mut work, &mut spectra);
+        let mut spectra = spectra.into_iter();
+        told.advance(rows.len() as u64);
+        let found = systems.iter().map(|system| {
+            let system = system.as_ref().map_err(ToString::to_string)?;
+            let spectrum = spectra.next().unwrap_or(Err(CeaError::SpectraCount { found: 0, expected: 1 }));
+            of_system(system, spectrum, &mut work).map_err(|error| error.to_string())
+        });
+        found.collect::<Vec<Result<Evaluated, String>>>()
+    };
+    let found: Vec<_> = workers(threads)?.install(|| rows.par_chunks(TOGETHER).flat_map_iter(of_some).collect());
+    told.go_on().map_err(|error: MonteCarloError| Error::from(squeal::Error::from(error)))?;
+    Ok(found)
+}

@@ -1,0 +1,213 @@
+"""Studies against the files that the program writes for the same case, and parts, sweeps, influence and screens against its tables."""
+
+import csv
+import filecmp
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import squeal as sq
+
+#: Cases, and samples of each that take little time.
+SAMPLES = {"hoffmann.toml": 300, "two-by-two.toml": 40, "wobbling-disc.toml": 60}
+#: What differs between any two runs.
+OWN = {"manifest.json", "run.lock"}
+
+
+def program(*arguments):
+    done = subprocess.run([sys.executable, "-m", "squeal", *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def same_files(folder, other):
+    names = sorted({path.name for path in folder.iterdir()} - OWN)
+    assert names == sorted({path.name for path in other.iterdir()} - OWN)
+    matching, different, errors = filecmp.cmpfiles(folder, other, names, shallow=False)
+    assert (different, errors) == ([], []) and len(matching) > 10
+
+
+def same_table(table, path):
+    """Whether the columns of a table are those of a CSV file, to the last bit."""
+    with path.open(newline="") as file:
+        columns, *rows = csv.reader(file)
+    assert table.columns == columns and table.rows == len(rows)
+    for at, name in enumerate(columns):
+        cells, column = [row[at] for row in rows], table[name]
+        if column.dtype.kind == "f":
+            expected = [float(cell) if cell else np.nan for cell in cells]
+            assert np.array_equal(column, expected, equal_nan=True)
+        else:
+            assert [str(cell) for cell in column] == cells
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_a_study_is_that_of_the_program_table_by_table(name, cases, tmp_path):
+    program("run", cases / name, "--samples", SAMPLES[name], "--seed", 5, "--keep-samples", "--out", tmp_path / "program")
+    r = sq.run(sq.Case(cases / name, samples=SAMPLES[name], seed=5), keep_samples=True, progress=False)
+    written = {path.stem for path in (tmp_path / "program").glob("*.csv")}
+    assert set(r.tables) == written and {"occurrence", "samples", "influence"} <= written
+    for name in written:
+        same_table(r.tables[name], tmp_path / "program" / f"{name}.csv")
+    r.save(tmp_path / "saved")
+    same_files(tmp_path / "program", tmp_path / "saved")
+    again = sq.load(tmp_path / "saved")
+    assert again.manifest["seed"] == 5 and again.occurrence.to_pandas().equals(r.occurrence.to_pandas())
+    with pytest.raises(ValueError, match="read-only"):
+        r.occurrence["occurrence"][:] = 0
+
+
+def test_a_saved_study_goes_on(cases, tmp_path):
+    case = sq.Case(cases / "hoffmann.toml")
+    sq.run(case, samples=100, progress=False).save(tmp_path / "s")
+    with pytest.raises(sq.FolderError, match="is not empty"):
+        sq.run(case, samples=100, progress=False).save(tmp_path / "s")
+    longer = sq.run(case, samples=200, out=tmp_path / "s", progress=False)
+    once = sq.run(case, samples=200, out=tmp_path / "once", progress=False)
+    same_files(tmp_path / "s", tmp_path / "once")
+    assert np.array_equal(longer.occurrence["unstable"], once.occurrence["unstable"])
+    assert set(once.occurrence["samples"]) == {200}
+    with pytest.raises(sq.FolderError, match="holds 200 samples already"):
+        sq.run(case, samples=100, out=tmp_path / "s", progress=False)
+    with pytest.raises(sq.FolderError) as other:
+        sq.run(case, samples=100, seed=2, out=tmp_path / "s", progress=False)
+    assert other.value.path == str(tmp_path / "s") and "allowed" in str(other.value)
+    with pytest.raises(sq.FolderError, match="a study that has finished"):
+        sq.load(tmp_path)
+
+
+def test_occurrence_is_the_closed_form(cases):
+    r = sq.run(sq.Case(cases / "hoffmann.toml"), samples=4000, half_width=0.01, progress=False)
+    (found,) = [at for at in range(r.occurrence.rows) if r.occurrence["mode"][at] == "2"]
+    assert r.occurrence["lower"][found] < 0.577083 < r.occurrence["upper"][found]
+    assert r.estimates.rows > 0 and "0.57" in r.text
+    looked = sq.run(sq.Case(cases / "hoffmann.toml"), until_half_width=0.05, progress=False)
+    assert looked.manifest["stopped"]["half_width"] == 0.05
+
+
+def test_parts_are_put_together_to_one_run(cases, tmp_path):
+    case = sq.Case(cases / "hoffmann.toml", samples=500)
+    parts = [sq.shard(case, at, 3, out=tmp_path / f"p{at}", progress=False) for at in (1, 2, 3)]
+    assert sorted(index for part in parts for index in part.samples) == list(range(500))
+    assert sq.shard(case, 2, 3, out=tmp_path / "p2", progress=False) == parts[1]
+    sq.merge(case, [tmp_path / "p3", parts[0], parts[1]], out=tmp_path / "whole", progress=False)
+    sq.run(case, out=tmp_path / "once", progress=False)
+    same_files(tmp_path / "whole", tmp_path / "once")
+    with pytest.raises(sq.FolderError, match="no part has the samples"):
+        sq.merge(case, parts[1:], progress=False)
+    with pytest.raises(sq.FolderError, match="is no part of a study; allowed: complete parts"):
+        sq.merge(case, [tmp_path / "none"], progress=False)
+    with pytest.raises(sq.ArgumentError, match="shard = 4/3"):
+        sq.shard(case, 4, 3, out=tmp_path / "p4", progress=False)
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_one_analysis_is_that_of_the_program(name, cases):
+    e = sq.cea(sq.Case(cases / name), why=True)
+    assert e.json == json.loads(program("cea", cases / name, "--json", "--modes", "--why"))
+    assert e.shapes.shape[1] == len(e) and np.all(e.eigenvalues.imag > 0) and e.work["net"].shape[0] == len(e)
+    assert [why is not None for why in e.why] == list(e.unstable)
+
+
+def test_sweeps_are_those_of_the_program(cases, tmp_path):
+    case = sq.Case(cases / "two-by-two.toml")
+    program("sweep", cases / "two-by-two.toml", "--over", "mu=0:1.3", "--out", tmp_path / "one")
+    w = sq.sweep(case, mu=(0, 1.3), progress=False)
+    for name in ("branches", "onsets", "coalescences"):
+        same_table(getattr(w, name), tmp_path / "one" / f"{name}.csv")
+    hoffmann = sq.sweep(sq.Case(cases / "hoffmann.toml"), {"mu": (0.5, 1.1)}, progress=False)
+    assert abs(hoffmann.onsets["mu"][0] - 0.75375) < 1e-9
+    program("sweep", cases / "two-by-two.toml", "--over", "mu=0:1.3", "--over", "x_damping=50:400", "--out", tmp_path / "two")
+    m = sq.sweep(case, mu=(0, 1.3), x_damping=(50, 400), progress=False)
+    for name in ("boundary", "regions"):
+        same_table(getattr(m, name), tmp_path / "two" / f"{name}.csv")
+    with pytest.raises(sq.ArgumentError, match="one or two"):
+        sq.sweep(case, progress=False)
+    with pytest.raises(sq.ArgumentError) as unknown:
+        sq.sweep(case, friction=(0, 1), progress=False)
+    assert "mu" in unknown.value.allowed
+
+
+def test_influence_is_that_of_the_program(cases, tmp_path):
+    arguments = ("--samples", 400, "--total", 100, "--law", "velocity-dependent")
+    program("influence", cases / "two-by-two.toml", *arguments, "--out", tmp_path / "i")
+    i = sq.influence(sq.Case(cases / "two-by-two.toml"), samples=400, total=100, law="velocity-dependent", progress=False)
+    same_table(i.table, tmp_path / "i" / "influence.csv")
+    with pytest.raises(sq.ArgumentError, match="100 to 1000000"):
+        sq.influence(sq.Case(cases / "hoffmann.toml"), samples=5, progress=False)
+
+
+def test_a_screen_is_that_of_the_program(cases, tmp_path):
+    options = ("--kinds", "constraint,dashpot", "--up-to", 1, "--samples", 20)
+    program("screen", cases / "two-by-two.toml", *options, "--out", tmp_path / "x")
+    x = sq.screen(sq.Case(cases / "two-by-two.toml"), kinds=("constraint", "dashpot"), up_to=1, samples=20, progress=False)
+    same_table(x.ranked, tmp_path / "x" / "screen.csv")
+    same_table(x.differences, tmp_path / "x" / "screen_differences.csv")
+    with pytest.raises(sq.ArgumentError, match="kinds = \"glue\""):
+        sq.screen(sq.Case(cases / "hoffmann.toml"), kinds=["glue"], progress=False)
+
+
+def test_fields_are_set_by_name(cases, tmp_path):
+    path = cases / "hoffmann.toml"
+    case = sq.Case(path, set={"parameters.mu": sq.Constant(0.9, unit="1"), "terms.dashpots.damping": [[0.2, 0], [0, 0.2]]})
+    lam = sq.cea(case).eigenvalues
+    # s^2 + c s + 2 = +- i sqrt(k3 mu - 1), in closed form.
+    exact = np.concatenate([np.roots([1, 0.2, 2 - sign * 1j * np.sqrt(4 / 3 * 0.9 - 1)]) for sign in (1, -1)])
+    assert np.max(np.min(np.abs(lam[:, None] - exact), axis=1)) < 1e-12
+    assert sq.Case(path, set={"parameters.mu.to": 1.0, "study.samples": 7}).samples == 7
+    for field, wrong in (("nothing.mu", 1.0), ("terms.none.mass", [[1.0]]), ("terms", 1.0), ("parameters.mu.to", -1.0)):
+        with pytest.raises((sq.ArgumentError, sq.CaseError)) as refused:
+            sq.Case(path, set={field: wrong})
+        assert "\n" not in str(refused.value)
+    with pytest.raises(sq.ArgumentError, match="numbers, text"):
+        sq.Case(path, set={"study.name": object()})
+
+
+def test_time_and_memory_are_expected(cases):
+    e = sq.estimate(sq.Case(cases / "hoffmann.toml"), samples=1000)
+    assert e.seconds == e.preparation + e.samples + e.report and e.bytes > 0
+
+
+def test_progress_is_told_and_may_end_a_run(cases, tmp_path):
+    told = []
+    sq.run(sq.Case(cases / "hoffmann.toml"), samples=20_000, progress=lambda *of: told.append(of))
+    last = {stage: (done, total) for stage, done, total in told}
+    assert last["evaluations"] == (20_000, 20_000)
+
+    def stop(stage, done, total):
+        if stage == "evaluations":
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        sq.run(sq.Case(cases / "two-by-two.toml"), samples=1_000_000, out=tmp_path / "s", progress=stop)
+    assert (tmp_path / "s" / "checkpoint.json").is_file()
+
+
+def test_what_is_wrong_with_a_case_is_named(cases, tmp_path):
+    with pytest.raises(sq.CaseError) as missing:
+        sq.Case(tmp_path / "none.toml")
+    assert missing.value.path == str(tmp_path / "none.toml") and isinstance(missing.value, ValueError)
+    text = (cases / "hoffmann.toml").read_text().replace("from = 0.5", "from = 2.5")
+    (tmp_path / "wrong.toml").write_text(text)
+    with pytest.raises(sq.CaseError) as wrong:
+        sq.Case(tmp_path / "wrong.toml")
+    error = wrong.value
+    assert (error.field, error.value) == ("parameters.mu.to", "1.1") and "2.5" in error.allowed
+    case = sq.Case(cases / "two-by-two.toml")
+    for arguments, argument in (({"law": "glue"}, "law"), ({"contact": [9]}, "contact"), ({"speed": -1.0}, "speed")):
+        with pytest.raises(sq.ArgumentError) as refused:
+            sq.cea(case, **arguments)
+        assert refused.value.argument == argument
+    for arguments in ({"samples": 0}, {"samples": 1.5}, {"seed": -1}, {"half_width": 0.5}, {"until_half_width": "a"}, {"threads": 0}):
+        with pytest.raises(sq.ArgumentError) as refused:
+            sq.run(case, progress=False, **arguments)
+        assert refused.value.argument == next(iter(arguments))
+
+
+def test_the_program_is_in_the_module(cases):
+    assert "valid" in program("check", cases / "hoffmann.toml")
+    done = subprocess.run([sys.executable, "-m", "squeal", "run", "none.toml"], capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1
