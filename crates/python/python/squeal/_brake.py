@@ -188,7 +188,7 @@ class Brake(AnyBrake):
             tables["brake"]["dofs"] = [str(dof) for dof in dofs]
         tables["parameters"] = {key: distribution.table() for key, distribution in (parameters or {}).items()}
         tables["terms"] = [_term(term) for term in terms]
-        tables["contacts"] = [_contact(contact) for contact in contacts]
+        tables["contacts"] = [_contact(contact, coefficients is not None) for contact in contacts]
         tables["bodies"] = [{"name": key, "dofs": list(of)} for key, of in (bodies or {}).items()]
         tables["constraints"] = [{"name": key, "fixed": list(of)} for key, of in (constraints or {}).items()]
         squeal = {"growth_above": growth_above, "damping_ratio_below": damping_ratio_below}
@@ -204,7 +204,9 @@ class Brake(AnyBrake):
             found = coefficients(medians)
             if not isinstance(found, Mapping):
                 raise refused("coefficients", f"a callable that returns {type(found).__name__}", "a dict of arrays")
-            self._native = self._native.with_callable(coefficients, [str(key) for key in found])
+            names = [str(key) for key in found]
+            _check_computed(names, terms, contacts)
+            self._native = self._native.with_callable(coefficients, names)
 
 
 def _plain(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -217,12 +219,28 @@ def _term(term: Term) -> dict[str, Any]:
     return _plain({"name": term.name, "family": term.family, "coefficient": term.coefficient, **orders})
 
 
-def _contact(contact: Contact) -> dict[str, Any]:
+def _contact(contact: Contact, is_open: bool) -> dict[str, Any]:
     lag = contact.lag and {"decay": contact.lag.decay, "drive": contact.lag.drive, "force": contact.lag.force}
     force = {str(dof): float(part) for dof, part in contact.force.items()}
     reading = {str(dof): float(part) for dof, part in (contact.reading or {}).items()}
     of = {"mu": contact.mu, "slope": contact.slope, "lag": lag, "family": contact.family}
+    if is_open and contact.mu is None and contact.slope is None and contact.lag is None:
+        of["mu"] = 0.0  # Computed, as `_check_computed` sees to.
     return _plain({"name": contact.name, "force": force, "reading": reading or None, **of})
+
+
+def _check_computed(names: Sequence[str], terms: Sequence[Term], contacts: Sequence[Contact]) -> None:
+    """Refuses what a callable computes beside an expression, and a contact that has neither."""
+    given = {term.name: term.coefficient for term in terms}
+    given |= {f"{contact.name}.mu": contact.mu for contact in contacts}
+    given |= {f"{contact.name}.slope": contact.slope for contact in contacts}
+    for name in names:
+        if given.get(name) is not None:
+            raise refused("coefficients", f"{name!r}, which has an expression too", "one of them")
+    for contact in contacts:
+        own = contact.mu is not None or contact.slope is not None or contact.lag is not None
+        if not own and not {f"{contact.name}.mu", f"{contact.name}.slope"} & set(names):
+            raise refused("coefficients", f"a callable without {contact.name + '.mu'!r}", "friction of every contact")
 
 
 def computed(callable_: Coefficients, given: dict[str, Floats], names: list[str], length: int) -> list[Floats]:
