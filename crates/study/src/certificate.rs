@@ -2,7 +2,7 @@
 
 use cea::{AxisMargins, Channels, NormBound, Workspace, h_infinity_norm_bound};
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
-use montecarlo::stream;
+use montecarlo::{Progress, stream};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -63,11 +63,15 @@ struct Friction {
 ///
 /// # Errors
 /// Those of the model and of the scaling.
-pub(super) fn certificates<B: UncertainBrake>(brake: &B) -> Result<Vec<Certificate>, Error> {
+pub(super) fn certificates<B: UncertainBrake>(
+    brake: &B,
+    progress: &dyn Progress,
+) -> Result<Vec<Certificate>, Error> {
     let plan = brake.plan();
     let samples: Vec<B::Sample> =
         (0..DRAWS_TO_PLACE_ELLIPSES).filter_map(|index| brake.draw(&mut stream(plan.seed, index)).ok()).collect();
     let of_configuration = |(at, configuration): (usize, &Configuration)| {
+        progress.go_on()?;
         let scenes = plan.scenes.iter().filter(|scene| scene.configuration == at);
         let points = scenes
             .flat_map(|scene: &Scene| samples.iter().filter_map(|sample| brake.operating_point(scene, sample).ok()));

@@ -166,11 +166,11 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let (references, sector_references): (Vec<_>, Vec<_>) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates && source.is_none() {
-            true => certificates(brake)?,
+            true => certificates(brake, progress)?,
             false => vec![Certificate::default(); plan.configurations.len()],
         };
         let equations = match options.secular && source.is_none() {
-            true => equations(&plan.configurations)?,
+            true => equations(&plan.configurations, progress)?,
             false => plan.configurations.iter().map(SecularEquations::none).collect(),
         };
         let anchors = anchors(brake, &equations, &certificates, &solver, progress)?;

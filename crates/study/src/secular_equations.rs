@@ -61,8 +61,15 @@ impl SecularEquations {
 ///
 /// # Errors
 /// Those of the model and of the solver.
-pub(super) fn equations(configurations: &[Configuration]) -> Result<Vec<SecularEquations>, Error> {
-    configurations.par_iter().map(SecularEquations::new).collect()
+pub(super) fn equations(
+    configurations: &[Configuration],
+    progress: &dyn Progress,
+) -> Result<Vec<SecularEquations>, Error> {
+    let of_configuration = |configuration| {
+        progress.go_on()?;
+        SecularEquations::new(configuration)
+    };
+    configurations.par_iter().map(of_configuration).collect()
 }
 
 /// The anchors of each sector of each scene. Progress advances by one for each scene.
