@@ -26,7 +26,7 @@ pub mod terminal;
 pub use self::cea::CeaArgs;
 pub use case_file::commit;
 pub use check::CheckArgs;
-pub use eig::{EigArgs, search_options};
+pub use eig::{EigArgs, largest_order, search_options};
 pub use error::Error;
 pub use influence::InfluenceArgs;
 pub use merge::MergeArgs;

@@ -1,7 +1,11 @@
 //! Eigenvalues of `lambda^2 M + lambda C + K`, and the health of its matrices.
 
+use std::collections::BTreeSet;
+
+use brakes::held::{Tied, held_rows};
 use cea::certified::{ClusterKind, Counters, Verdict, certify, solve};
 use cea::{BatchSolver, CeaError, EigenSolver, Workspace};
+use formats::Entry;
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -13,7 +17,7 @@ use rayon::prelude::*;
 use sparse::health::MatrixHealth;
 use sparse::{Count, Rectangle, SparseSecondOrder, eigenpairs_in};
 use squeal::memory;
-use squeal_cli::{Error, search_options};
+use squeal_cli::{Error, largest_order, search_options};
 
 use crate::away::{Ends, away};
 use crate::errors::argument;
@@ -110,6 +114,20 @@ pub(crate) fn eig<'py>(
     Ok(of)
 }
 
+/// Rows, from 0, that are held by entries huge against all others: the others have no digits left beside them.
+#[pyfunction]
+pub(crate) fn held<'py>(py: Python<'py>, m: Columns<'py>, c: Columns<'py>, k: Columns<'py>) -> PyResult<Vec<usize>> {
+    let mut all = BTreeSet::new();
+    for (name, columns) in [("M", &m), ("C", &c), ("K", &k)] {
+        let matrix = sparse(py, name, columns)?;
+        let entries =
+            matrix.triplet_iter().map(|(row, column, &value)| Entry { row: row as u32, column: column as u32, value });
+        let tied = |tied: Tied| argument(py, name, "a matrix with a huge entry", &tied.to_string());
+        all.extend(held_rows(matrix.nrows(), entries).map_err(tied)?);
+    }
+    Ok(all.into_iter().collect())
+}
+
 /// The eigenvalues in a rectangle, by sparse matrices: re from, re to, im from, im to, rad/s.
 #[pyfunction]
 pub(crate) fn eig_in_box<'py>(
@@ -123,7 +141,11 @@ pub(crate) fn eig_in_box<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let [re0, re1, im0, im1] = borders;
     let rectangle = Rectangle { re: [re0, re1], im: [im0, im1] };
-    let order = m.0;
+    let (order, most) = (m.0, largest_order(memory::of_machine()));
+    if order > most {
+        let allowed = format!("at most {most} degrees of freedom, by the memory there is");
+        return Err(argument(py, "M", &format!("a matrix of order {order}"), &allowed));
+    }
     let (m, c, k) = (sparse(py, "M", &m)?, sparse(py, "C", &c)?, sparse(py, "K", &k)?);
     let found = away(py, Ends::LeftBehind, progress.as_ref(), move |watch| {
         use squeal_cli::bar::Stages;

@@ -23,7 +23,7 @@ mod _squeal {
     #[pymodule_export]
     use super::brake::Brake;
     #[pymodule_export]
-    use super::eig::{check, eig, eig_in_box, eigvals};
+    use super::eig::{check, eig, eig_in_box, eigvals, held};
     #[pymodule_export]
     use super::main;
     #[pymodule_export]

@@ -1,5 +1,7 @@
 """Brakes of arrays against the same brakes as case files, callables against expressions, samples of one's own, the plain function."""
 
+import pickle
+
 import numpy as np
 import pytest
 import scipy.sparse
@@ -244,3 +246,31 @@ def test_a_callable_that_goes_wrong_ends_the_study_and_spoils_nothing(what, tmp_
 def test_only_matrices_take_samples_of_ones_own(cases):
     with pytest.raises(sq.ArgumentError, match="given by its matrices"):
         sq.run(sq.Case(cases / "two-by-two.toml"), design={"mu": [0.5]})
+
+
+def test_brakes_go_to_other_processes(cases):
+    for b in (hoffmann(), sq.Case(cases / "hoffmann.toml", samples=50, set={"parameters.mu.to": 1.0}), damped(**OPEN, coefficients=callable_)):
+        again = pickle.loads(pickle.dumps(b))
+        assert repr(again) == repr(b) and again.samples == b.samples
+        assert np.array_equal(sq.cea(again).eigenvalues, sq.cea(b).eigenvalues)
+
+
+def test_a_callable_that_goes_wrong_ends_other_questions():
+    state = {"calls": 0}
+
+    def third(p):
+        state["calls"] += 1
+        if state["calls"] > 3:
+            raise ZeroDivisionError("mine")
+        return callable_(p)
+
+    for ask in (
+        lambda b: sq.evaluate(b, {"t": np.linspace(0.2, 1.5, 500)}),
+        lambda b: sq.sweep(b, t=(0.2, 1.5), progress=False),
+        lambda b: sq.influence(b, samples=200, progress=False),
+        lambda b: sq.screen(b, kinds=["dashpot"], up_to=1, samples=20, progress=False),
+    ):
+        state["calls"] = 0
+        b = damped(**OPEN, coefficients=third)
+        with pytest.raises(ZeroDivisionError, match="mine"):
+            ask(b)

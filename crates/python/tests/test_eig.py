@@ -116,6 +116,23 @@ def test_a_box_has_what_the_whole_spectrum_has_there():
     assert len(band) == len(exact)
 
 
+@pytest.mark.parametrize("options", [{}, {"box": ((-10, 10), (-10, 10))}])
+def test_rows_that_huge_entries_hold_are_taken_out_and_named(options):
+    M, C, K = system()
+    K = K / 1e5
+    held = K.copy()
+    held[2, 2] = 1e30
+    rest = [0, 1, 3, 4, 5]
+    with pytest.warns(sq.CaseWarning, match="rows 2 are held"):
+        s = sq.eig(M, C, held, left=True, **options)
+    free = sq.eig(*(part[np.ix_(rest, rest)] for part in (M, C, K)), left=True, **options)
+    assert s.held == (2,) and np.array_equal(s.eigenvalues, free.eigenvalues) and len(s) > 0
+    assert np.array_equal(s.right[rest], free.right) and not s.right[2].any() and not s.left[2].any()
+    with pytest.warns(sq.CaseWarning):
+        sparse = sq.eig(scipy.sparse.csr_array(M), C, scipy.sparse.csr_array(held), **options)
+    assert np.array_equal(sparse.eigenvalues, s.eigenvalues)
+
+
 def test_health_names_what_is_wrong():
     h = sq.check(np.diag([1.0, 1.0, 0.0]), None, np.array([[1.0, -1, 0], [-1, 1, 0], [0, 0.5, 1]]))
     assert list(h.mass.empty_rows) == [2] and h.mass.asymmetry == 0 and h.damping.entries == 0

@@ -63,10 +63,7 @@ struct Friction {
 ///
 /// # Errors
 /// Those of the model and of the scaling.
-pub(super) fn certificates<B: UncertainBrake>(
-    brake: &B,
-    progress: &dyn Progress,
-) -> Result<Vec<Certificate>, Error> {
+pub(super) fn certificates<B: UncertainBrake>(brake: &B, progress: &dyn Progress) -> Result<Vec<Certificate>, Error> {
     let plan = brake.plan();
     let samples: Vec<B::Sample> =
         (0..DRAWS_TO_PLACE_ELLIPSES).filter_map(|index| brake.draw(&mut stream(plan.seed, index)).ok()).collect();

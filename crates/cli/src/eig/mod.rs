@@ -14,7 +14,7 @@ use sparse::Rectangle;
 use super::options::MemoryArgs;
 use crate::Error;
 pub(super) use dense::announce;
-pub use rectangle::search_options;
+pub use rectangle::{largest_order, search_options};
 pub use symmetry::SaidSymmetry;
 
 /// Eigenvalues of lambda^2 M + lambda C + K, each with its backward error, condition number and verdict.

@@ -119,7 +119,8 @@ fn bytes_of(order: usize) -> f64 {
 }
 
 /// The most degrees of freedom that fit into so many bytes.
-fn largest_order(budget: u64) -> usize {
+#[must_use]
+pub fn largest_order(budget: u64) -> usize {
     let (mut fits, mut above) = (0, 1_usize << 31);
     while above - fits > 1 {
         let middle = fits + (above - fits) / 2;

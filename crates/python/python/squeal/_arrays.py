@@ -61,3 +61,18 @@ def columns(argument: str, given: Any, order: int | None = None) -> Columns:
 def none_of(order: int) -> Columns:
     """A matrix of zeros in compressed columns."""
     return order, np.zeros(order + 1, np.int64), np.zeros(0, np.int64), np.zeros(0)
+
+
+def without(matrix: Columns, rows: tuple[int, ...]) -> Columns:
+    """A matrix without some rows and these columns."""
+    if not rows:
+        return matrix
+    order, offsets, places, values = matrix
+    is_kept = np.ones(order, dtype=bool)
+    is_kept[list(rows)] = False
+    number = np.cumsum(is_kept) - 1
+    of_columns = np.repeat(np.arange(order), np.diff(offsets))
+    kept = is_kept[places] & is_kept[of_columns]
+    few = order - len(rows)
+    counts = np.bincount(number[of_columns[kept]], minlength=few)
+    return few, np.concatenate(([0], np.cumsum(counts))).astype(np.int64), number[places[kept]].astype(np.int64), values[kept]

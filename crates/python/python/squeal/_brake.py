@@ -24,10 +24,31 @@ Formula = float | str
 Coefficients = Callable[[dict[str, Floats]], Mapping[str, npt.ArrayLike]]
 
 
+_Made = tuple[str, str | None, Coefficients | None, list[str] | None, int | None, int | None]
+
+
 class AnyBrake:
     """What a study, a sweep and the like are asked of."""
 
     _native: _squeal.Brake
+    #: What `_native` is made of: path, text, callable and what it computes, samples, seed.
+    _made: _Made
+
+    def _make(self, made: _Made) -> None:
+        self._made = made
+        path, text, coefficients, names, samples, seed = made
+        native = _squeal.Brake(path, text, coefficients is not None)
+        if coefficients is not None and names is not None:
+            native = native.with_callable(coefficients, names)
+        self._native = native.with_run(samples, seed)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For other processes, as those of Dask, Ray or multiprocessing; a callable must be one that these can have."""
+        return {key: of for key, of in self.__dict__.items() if key != "_native"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._make(self._made)
 
     @property
     def name(self) -> str:
@@ -69,17 +90,21 @@ class Case(AnyBrake):
         set: Mapping[str, Any] | None = None,
     ) -> None:
         self.path = os.fspath(path)
-        text = None
-        native = _squeal.Brake(self.path, None, False)
-        if set:
-            tables = tomllib.loads(pathlib.Path(self.path).read_text(encoding="utf-8"))
-            for field, value in set.items():
-                _change(tables, field, value)
-            text = _toml.document(tables)
-            native = _squeal.Brake(self.path, text, False)
-        for note in native.notes():
+        run = (_whole("samples", samples, 1), _whole("seed", seed, 0))
+        self._make((self.path, _changed(self.path, set) if set else None, None, None, *run))
+        for note in self._native.notes():
             warnings.warn(note, CaseWarning, stacklevel=2)
-        self._native = native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
+
+
+def _changed(path: str, fields: Mapping[str, Any]) -> str | None:
+    """The text of a case with other fields; None where it is none, which reading it says better."""
+    try:
+        tables = tomllib.loads(pathlib.Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    for field, value in fields.items():
+        _change(tables, field, value)
+    return _toml.document(tables)
 
 
 def _whole(argument: str, given: int | None, least: int) -> int | None:
@@ -198,7 +223,7 @@ class Brake(AnyBrake):
             tables["correlation"] = {"parameters": list(names), "matrix": real("correlation", matrix)}
         #: The brake as a case file.
         self.text = _toml.document({key: table for key, table in tables.items() if table})
-        self._native = _squeal.Brake("brake", self.text, coefficients is not None)
+        self._make(("brake", self.text, coefficients, None, None, None))
         if coefficients is not None:
             medians = {of: np.array([median]) for of, _, median in self._native.parameters()}
             found = coefficients(medians)
@@ -206,7 +231,7 @@ class Brake(AnyBrake):
                 raise refused("coefficients", f"a callable that returns {type(found).__name__}", "a dict of arrays")
             names = [str(key) for key in found]
             _check_computed(names, terms, contacts)
-            self._native = self._native.with_callable(coefficients, names)
+            self._make(("brake", self.text, coefficients, names, None, None))
 
 
 def _plain(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Floats, columns, dense, is_sparse, none_of, real
+from ._arrays import Columns, Floats, columns, dense, is_sparse, none_of, real, without
 from ._errors import CaseWarning, FailureWarning, refused
 from ._progress import Progress, receiver
 
@@ -84,7 +84,7 @@ class Coverage:
     solves: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Spectrum:
     """Eigenvalues, each with what is known of its error; arrays of one length k, by frequency."""
 
@@ -106,6 +106,8 @@ class Spectrum:
     on_border: npt.NDArray[np.bool_]
     #: How they were found.
     route: str
+    #: Rows, from 0, that were taken out because huge entries hold them; the vectors are zero there.
+    held: tuple[int, ...]
     #: Number of infinite eigenvalues, of a singular M; None with a box.
     infinite: int | None
     #: Number of eigenvalues that are exactly zero; None with a box.
@@ -244,16 +246,18 @@ def eig(
             if is_sparse(matrix) and max(matrix.shape) > _MADE_DENSE:
                 raise refused(name, f"a sparse matrix of shape {matrix.shape}", "at most 1000 without `box` or `band_hz`")
         m = dense("M", M)
-        c = np.zeros_like(m) if C is None else dense("C", C, len(m))
-        found = _squeal.eig(m, c, dense("K", K, len(m)))
+        c, k = np.zeros_like(m) if C is None else dense("C", C, len(m)), dense("K", K, len(m))
+        held = _held(columns("M", m), columns("C", c), columns("K", k))
+        m, c, k = (np.delete(np.delete(matrix, held, 0), held, 1) for matrix in (m, c, k))
+        found = _squeal.eig(m, c, k)
         coverage = None
     else:
-        sparse_m = columns("M", M)
-        order = sparse_m[0]
-        sparse_c = none_of(order) if C is None else columns("C", C, order)
-        told = receiver(progress)
+        first = columns("M", M)
+        all_of = [first, none_of(first[0]) if C is None else columns("C", C, first[0]), columns("K", K, first[0])]
+        held = _held(*all_of)
         (re0, re1), (im0, im1) = borders
-        found = _squeal.eig_in_box(sparse_m, sparse_c, columns("K", K, order), (re0, re1, im0, im1), count, told)
+        m_few, c_few, k_few = (without(matrix, held) for matrix in all_of)
+        found = _squeal.eig_in_box(m_few, c_few, k_few, (re0, re1, im0, im1), count, receiver(progress))
         discs = tuple(Disc(*disc) for disc in found["discs"])
         coverage = Coverage(borders, discs, found["counted"], found["factorisations"], found["solves"])
     at = np.arange(len(found["eigenvalues"]))
@@ -262,14 +266,34 @@ def eig(
     parts = {name: found[name][at] for name in ("eigenvalues", "bounds", "backward_errors", "conditions", "verdicts", "on_border")}
     return Spectrum(
         **parts,
-        right=found["right"][:, at],
-        left=found["left"][:, at] if left else None,
+        right=_with_held(found["right"][:, at], held),
+        left=_with_held(found["left"][:, at], held) if left else None,
+        held=held,
         route=found["route"],
         infinite=found.get("infinite"),
         zeros=found.get("zeros"),
         clusters=tuple(Cluster(kind, tuple(who), mean, spread) for kind, who, mean, spread in found.get("clusters", ())),
         coverage=coverage,
     )
+
+
+def _held(*matrices: Columns) -> tuple[int, ...]:
+    """Rows of M, C and K that huge entries hold; what is left has no digits beside them."""
+    held = tuple(_squeal.held(*matrices))
+    if len(held) == matrices[0][0]:
+        raise refused("K", "all degrees of freedom held by huge entries", "one or more that are not")
+    if held:
+        warnings.warn(f"rows {', '.join(map(str, held))} are held by huge entries and taken out", CaseWarning, stacklevel=3)
+    return held
+
+
+def _with_held(vectors: Complexes, held: tuple[int, ...]) -> Complexes:
+    """Vectors over all rows, zero in those that were taken out."""
+    if not held:
+        return vectors
+    whole = np.zeros((len(vectors) + len(held), vectors.shape[1]), np.complex128, order="F")
+    whole[np.setdiff1d(np.arange(len(whole)), held)] = vectors
+    return whole
 
 
 def eigvals(M: Any, C: Any, K: Any, *, threads: int | None = None) -> Complexes:
@@ -304,7 +328,7 @@ def workers(threads: int | None) -> int | None:
     return None if threads is None else int(threads)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MatrixHealth:
     """What a matrix is, as far as it matters for a model."""
 
@@ -322,7 +346,7 @@ class MatrixHealth:
     null_rows: npt.NDArray[np.int64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Health:
     """What the matrices of a system are."""
 
@@ -341,7 +365,7 @@ def check(M: Any, C: Any, K: Any) -> Health:
     return Health(*(MatrixHealth(**found) for found in _squeal.check(m, c, columns("K", K, m[0]))))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Matrix:
     """A matrix of a file."""
 
@@ -375,7 +399,7 @@ class Matrix:
         return scipy.sparse.csc_array((self.values, (self.rows, self.columns)), shape=self.shape)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Matrices:
     """The matrices of a file: a mapping by name."""
 

@@ -40,7 +40,7 @@ class _Owned:
         weakref.finalize(self, shutil.rmtree, self.name, ignore_errors=True)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Results:
     """What a study has found: the files of its folder."""
 
@@ -319,7 +319,7 @@ def _only(
     return brake._native.only((law, numbers, constraints), _number("speed", speed), drawn and drawn[0], drawn is not None)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Analysis:
     """One complex eigenvalue analysis at median parameters; arrays of one length, a place for each oscillating mode."""
 
@@ -376,7 +376,7 @@ def cea(
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sweep:
     """What is found over one parameter, or two."""
 
@@ -450,7 +450,7 @@ def sweep(
     return Sweep(tuple(parameters), Tables([Table(*of) for of in tables]), json.loads(found), text)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Influence:
     """Which input makes squeal vary: Sobol' indices."""
 
@@ -497,7 +497,7 @@ def influence(
     return Influence(Table(*table), failures, evaluations, text)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Screen:
     """What helps, ranked and confirmed."""
 
@@ -563,7 +563,7 @@ def screen(
     return Screen(Tables([Table(*of) for of in tables]), json.loads(found), text)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Evaluated:
     """What a brake is at given points; arrays of one length."""
 

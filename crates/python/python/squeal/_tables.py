@@ -46,6 +46,10 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         for array in self._columns.values():
             array.flags.writeable = False
 
+    # Arrays are not compared as a whole: a table is itself alone.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     @classmethod
     def read(cls, path: pathlib.Path) -> Table:
         """The table of a CSV file."""
@@ -84,7 +88,7 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 
 
 class Tables(Mapping[str, Table]):
-    """Tables by their names, also as attributes."""
+    """Tables by their names."""
 
     def __init__(self, tables: Sequence[Table]) -> None:
         self._tables = {table.name: table for table in tables}
