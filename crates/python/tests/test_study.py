@@ -3,6 +3,8 @@
 import csv
 import filecmp
 import json
+import re
+import shutil
 import subprocess
 import sys
 
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 import squeal as sq
+from conftest import ROOT
 
 #: Cases, and samples of each that take little time.
 SAMPLES = {"hoffmann.toml": 300, "two-by-two.toml": 40, "wobbling-disc.toml": 60}
@@ -211,3 +214,19 @@ def test_the_program_is_in_the_module(cases):
     assert "valid" in program("check", cases / "hoffmann.toml")
     done = subprocess.run([sys.executable, "-m", "squeal", "run", "none.toml"], capture_output=True, text=True)
     assert done.returncode == 2 and done.stderr.count("\n") == 1
+
+
+def test_finite_elements_are_studied_as_the_program_does(cases, tmp_path):
+    """The case of the tutorial's page, without its checks against the whole brake."""
+    for ending in ("inp", "mas.gz", "sti.gz", "dof.gz"):
+        shutil.copy(cases / "disc-pad" / f"disc-pad.{ending}", tmp_path)
+    blocks = re.findall(r"^```toml\n(.*?)^```", (ROOT / "docs/tutorial.md").read_text(), re.M | re.S)
+    path = tmp_path / "brake.toml"
+    path.write_text("".join(blocks) + "full_checks = 0\n")
+    program("run", path, "--samples", 2, "--out", tmp_path / "program")
+    r = sq.run(sq.Case(path, samples=2), out=tmp_path / "python", progress=False)
+    for name in r.tables:
+        same_table(r.tables[name], tmp_path / "program" / f"{name}.csv")
+    same_files(tmp_path / "program", tmp_path / "python")
+    with pytest.raises(sq.ArgumentError, match="a lattice, or a brake given by its matrices"):
+        sq.evaluate(sq.Case(path), {"mu": [0.5]})
