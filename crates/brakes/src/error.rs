@@ -21,6 +21,17 @@ pub enum Error {
         /// The case file, or the name of the study.
         study: String,
     },
+    /// Friction whose motion is not followed, only its tangent.
+    #[error("{what} has no motion here, only a tangent; allowed: {allowed}")]
+    Motion {
+        /// What it is, in words.
+        what: &'static str,
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
+    /// Equations of the motion after the onset.
+    #[error(transparent)]
+    Cycle(#[from] cycle::Error),
     /// The model, its friction or a study of it.
     #[error(transparent)]
     Study(#[from] study::Error),

@@ -37,6 +37,7 @@ pub mod input;
 mod labels;
 mod lattice;
 mod matrices;
+mod motion;
 
 pub use any::{AnyBrake, CaseBrake, Purpose};
 pub use error::Error;

@@ -1,9 +1,12 @@
 //! A brake given by its matrices in a case file.
 
+use cycle::ContactSystem;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use serde_json::{Map, Value, json};
-use study::{DrawnInputs, Input, NamedParameter, Parametrised, Plan, Scene, SingleParameter, UncertainBrake};
+use study::{
+    DrawnInputs, Input, NamedParameter, Parametrised, Plan, Scene, SingleParameter, SlidingContacts, UncertainBrake,
+};
 
 use crate::any::{listed, with_family, with_unit};
 use crate::case::{MatricesCase, Parameter, TakenMatrix};
@@ -43,6 +46,13 @@ impl MatricesBrake {
         varying.next().filter(|_| varying.next().is_none())
     }
 
+    /// The medians of the parameters, with other values of some.
+    fn with_values(&self, values: &[(usize, f64)]) -> Vec<f64> {
+        let mut sample = self.case.medians();
+        values.iter().for_each(|&(place, value)| sample[place] = value);
+        sample
+    }
+
     /// Parameters that are not constant, with their indices.
     fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
         let varies =
@@ -76,6 +86,21 @@ impl UncertainBrake for MatricesBrake {
 
     fn parametrised(&self) -> Option<&dyn Parametrised> {
         Some(self)
+    }
+
+    fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+        Some(self)
+    }
+}
+
+impl SlidingContacts for MatricesBrake {
+    fn contact_system(
+        &self,
+        scene: &Scene,
+        values: &[(usize, f64)],
+        stick: f64,
+    ) -> Result<ContactSystem, study::Error> {
+        Ok(self.case.contact_system(&self.plan.brake(scene).system, &self.with_values(values), stick)?)
     }
 }
 
@@ -122,11 +147,7 @@ impl Parametrised for MatricesBrake {
     }
 
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
-        let mut sample = self.median();
-        for &(place, value) in values {
-            sample[place] = value;
-        }
-        self.system(scene, &sample)
+        self.system(scene, &self.with_values(values))
     }
 }
 

@@ -160,6 +160,12 @@ impl From<squeal::Error> for Error {
             squeal::Error::Argument { argument: "total", value, allowed } => {
                 Self::Option { option: "--total", value, allowed }
             }
+            squeal::Error::Argument { argument: "stick", value, allowed } => {
+                Self::Option { option: "--stick", value, allowed }
+            }
+            squeal::Error::Argument { argument: "from", value, allowed } => {
+                Self::Option { option: "--from", value, allowed }
+            }
             squeal::Error::Study(error) => error.into(),
             other => Self::Study(other),
         }

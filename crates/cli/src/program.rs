@@ -7,7 +7,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
-    CeaArgs, CheckArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse,
+    CeaArgs, CheckArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RunArgs, ScreenArgs, SweepArgs, finish,
+    refuse,
 };
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
@@ -33,6 +34,7 @@ enum Command {
     Check(CheckArgs),
     Eig(EigArgs),
     Sweep(SweepArgs),
+    Cycle(CycleArgs),
     Influence(InfluenceArgs),
     Screen(ScreenArgs),
     /// Print completions of these commands for a shell, to be put where it looks for them.
@@ -58,6 +60,7 @@ pub fn program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Check(args) => args.run(&mut out),
         Command::Eig(args) => args.run(&mut out),
         Command::Sweep(args) => args.run(&mut out),
+        Command::Cycle(args) => args.run(&mut out),
         Command::Influence(args) => args.run(&mut out),
         Command::Screen(args) => args.run(&mut out),
         Command::Completions { shell } => completions(*shell, &mut out),

@@ -52,7 +52,7 @@ pub struct SweepArgs {
 }
 
 /// `NAME=FROM:TO`.
-fn over(text: &str) -> Result<Over, String> {
+pub(super) fn over(text: &str) -> Result<Over, String> {
     let parts = || {
         let (name, range) = text.split_once('=')?;
         let (from, to) = range.split_once(':')?;

@@ -30,7 +30,7 @@ mod velocity_dependent;
 pub use amontons_coulomb::AmontonsCoulomb;
 pub use error::{Allowed, FrictionError};
 pub use law::{FrictionLaw, InternalTangent, Steady, Tangent};
-pub use lugre::{BristleDamping, LuGre, LuGreParameters};
+pub use lugre::{BristleDamping, BristleMotion, LuGre, LuGreParameters};
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use velocity_dependent::{VelocityDependent, VelocityDependentParameters};
 

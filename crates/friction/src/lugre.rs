@@ -69,6 +69,52 @@ impl LuGre {
             BristleDamping::Decaying => self.sigma1 * self.curve.decay(speed),
         }
     }
+
+    /// Bristle z in steady sliding at a speed, `g / sigma0`, m.
+    #[must_use]
+    pub fn steady_bristle(&self, speed: f64) -> f64 {
+        self.curve.g(speed) / self.sigma0
+    }
+
+    /// The coefficient and the rate of the bristle at a sliding velocity w of either sign, m/s, and a bristle z, m, with their derivatives.
+    #[must_use]
+    pub fn moving(&self, velocity: f64, z: f64) -> BristleMotion {
+        let (speed, sign) = (velocity.abs(), velocity.signum());
+        let (g, sigma1, sigma0) = (self.curve.g(speed), self.sigma1_at(speed), self.sigma0);
+        let rate = velocity - sigma0 * speed * z / g;
+        let rate_by_velocity = 1.0 - sigma0 * z * sign * (1.0 - speed * self.curve.g_slope(speed) / g) / g;
+        let rate_by_state = -sigma0 * speed / g;
+        let sigma1_slope = match self.bristle_damping {
+            BristleDamping::Constant => 0.0,
+            BristleDamping::Decaying => sign * self.sigma1 * self.curve.decay_slope(speed),
+        };
+        BristleMotion {
+            mu: sigma0 * z + sigma1 * rate + self.curve.sigma2() * velocity,
+            mu_by_velocity: sigma1_slope * rate + sigma1 * rate_by_velocity + self.curve.sigma2(),
+            mu_by_state: sigma0 + sigma1 * rate_by_state,
+            rate,
+            rate_by_velocity,
+            rate_by_state,
+        }
+    }
+}
+
+/// Friction in any motion: the coefficient at a sliding velocity w of either sign and a state z, the rate of the state, and the derivatives
+/// of both. Of a law without a state all that is of the state is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BristleMotion {
+    /// mu, with the sign of the friction: positive along w.
+    pub mu: f64,
+    /// Derivative of mu by w, s/m.
+    pub mu_by_velocity: f64,
+    /// Derivative of mu by z, 1/m.
+    pub mu_by_state: f64,
+    /// z', m/s.
+    pub rate: f64,
+    /// Derivative of z' by w.
+    pub rate_by_velocity: f64,
+    /// Derivative of z' by z, 1/s.
+    pub rate_by_state: f64,
 }
 
 impl FrictionLaw for LuGre {

@@ -44,6 +44,11 @@ impl Stribeck {
         (-(speed / self.parameters.v_s).powi(2)).exp()
     }
 
+    /// Slope of the decay factor over the speed, s/m.
+    pub(crate) fn decay_slope(&self, speed: f64) -> f64 {
+        -2.0 * speed / self.parameters.v_s.powi(2) * self.decay(speed)
+    }
+
     /// Coefficient g(v).
     pub(crate) fn g(&self, speed: f64) -> f64 {
         let p = &self.parameters;

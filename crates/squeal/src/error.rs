@@ -47,6 +47,17 @@ pub enum Error {
         /// Constraints, law, contacts and speed.
         scene: String,
     },
+    /// A scene in which nothing grows, whose motion after the onset is asked for.
+    #[error(
+        "{scene}: no mode oscillates and grows, so that no motion follows; allowed: a scene that squeals, which `squeal cea` shows"
+    )]
+    NeverSqueals {
+        /// Constraints, law, contacts and speed.
+        scene: String,
+    },
+    /// The motion after the onset.
+    #[error(transparent)]
+    Cycle(#[from] cycle::Error),
     /// A capability that a computation needs, and the type of the brake does not give.
     #[error("{needed_by} needs {capability} of the brake, which its type does not give")]
     NotGiven {

@@ -13,6 +13,7 @@
 //! | know the occurrence of a mode to a half width of its 95 % interval | [`estimators::scene_occurrences`] |
 //! | know which input makes squeal vary | [`influence::influence`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
+//! | know the motion that an unstable mode grows into | [`cycles::cycles`], [`cycles::branches`] |
 //! | know why a mode grows | [`why::Explainer`] |
 //! | rank what can be changed, and confirm what helps | [`screen::rank`], [`screen::confirm`] |
 //!
@@ -35,6 +36,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod cycles;
 mod error;
 pub mod folder;
 pub mod influence;
@@ -48,7 +50,7 @@ pub mod why;
 pub use error::Error;
 pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
 pub use study::{estimators, fingerprint, identity, memory};
-pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, tracking, work};
+pub use {cea, cycle, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, tracking, work};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

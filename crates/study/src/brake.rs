@@ -3,7 +3,7 @@
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 
-use crate::{DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scene};
+use crate::{DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scene, SlidingContacts};
 
 /// A brake with all its uncertain numbers.
 ///
@@ -69,6 +69,11 @@ pub trait UncertainBrake: Sync {
     fn mode_source(&self) -> Option<&dyn ModeSource> {
         None
     }
+
+    /// Contacts beyond their tangents: for the motion after the onset.
+    fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+        None
+    }
 }
 
 /// Implements [`UncertainBrake`] for pointers to a brake, `dyn UncertainBrake` among them.
@@ -115,6 +120,10 @@ macro_rules! forwarded {
 
             fn mode_source(&self) -> Option<&dyn ModeSource> {
                 (**self).mode_source()
+            }
+
+            fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+                (**self).sliding_contacts()
             }
         }
     )* };

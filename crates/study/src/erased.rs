@@ -6,7 +6,8 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 
 use crate::{
-    DrawnInputs, Error, Input, ModeSource, Modifiable, Parametrised, Plan, Scene, SingleParameter, UncertainBrake,
+    DrawnInputs, Error, Input, ModeSource, Modifiable, Parametrised, Plan, Scene, SingleParameter, SlidingContacts,
+    UncertainBrake,
 };
 
 /// A sample of a brake of any type.
@@ -71,6 +72,10 @@ impl<B: UncertainBrake<Sample: 'static>> UncertainBrake for Erased<B> {
 
     fn mode_source(&self) -> Option<&dyn ModeSource> {
         self.0.mode_source()
+    }
+
+    fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+        self.0.sliding_contacts()
     }
 }
 

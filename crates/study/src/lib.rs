@@ -40,6 +40,7 @@ mod scratch;
 mod sector_modes;
 mod secular_equations;
 mod set_links;
+mod sliding_contacts;
 mod tally;
 
 pub use brake::UncertainBrake;
@@ -72,6 +73,7 @@ pub use scratch::{Scratch, Spent, timed};
 pub use sector_modes::check_range;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub use set_links::{SetLinks, origin_of_set, set_links};
+pub use sliding_contacts::SlidingContacts;
 pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally, TwiceNamedTally};
 

@@ -1,5 +1,8 @@
 //! Draws of the uncertain parameters, and the tangent of a friction law with the drawn parameters.
 
+use std::sync::Arc;
+
+use cycle::{Bristled, ContactFriction, Smoothed};
 use friction::{
     AmontonsCoulomb, BristleDamping, FrictionError, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters,
     Tangent, VelocityDependent, VelocityDependentParameters,
@@ -70,24 +73,54 @@ impl FrictionDraw {
         speed: f64,
         bristle_damping: Option<BristleDamping>,
     ) -> Result<Tangent, FrictionError> {
-        let Self { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2, .. } = *self;
+        let Self { mu, mu_s, mu_k, alpha, v_s, sigma2, .. } = *self;
         match law {
             Law::AmontonsCoulomb => AmontonsCoulomb::new(mu)?.tangent_at(speed),
             Law::VelocityDependent => {
                 VelocityDependent::new(VelocityDependentParameters { mu_s, mu_k, alpha })?.tangent_at(speed)
             }
             Law::Stribeck => Stribeck::new(StribeckParameters { mu_s, mu_k, v_s, sigma2 })?.tangent_at(speed),
-            Law::LuGre => LuGre::new(LuGreParameters {
-                mu_s,
-                mu_k,
-                v_s,
-                sigma0,
-                sigma1: if bristle_damping.is_some() { sigma1 } else { 0.0 },
-                sigma2,
-                bristle_damping: bristle_damping.unwrap_or(BristleDamping::Constant),
-            })?
-            .tangent_at(speed),
+            Law::LuGre => self.lugre(bristle_damping)?.tangent_at(speed),
         }
+    }
+
+    /// Friction under `law` in any motion, which sticks below a speed, m/s. `bristle_damping` is reading R9; `None` sets sigma1 to 0.
+    ///
+    /// # Errors
+    /// Those of the law.
+    pub(crate) fn in_motion(
+        &self,
+        law: Law,
+        stick_speed: f64,
+        bristle_damping: Option<BristleDamping>,
+    ) -> Result<Arc<dyn ContactFriction>, FrictionError> {
+        let Self { mu, mu_s, mu_k, alpha, v_s, sigma2, .. } = *self;
+        Ok(match law {
+            Law::AmontonsCoulomb => Arc::new(Smoothed { law: AmontonsCoulomb::new(mu)?, stick_speed }),
+            Law::VelocityDependent => {
+                let law = VelocityDependent::new(VelocityDependentParameters { mu_s, mu_k, alpha })?;
+                Arc::new(Smoothed { law, stick_speed })
+            }
+            Law::Stribeck => {
+                let law = Stribeck::new(StribeckParameters { mu_s, mu_k, v_s, sigma2 })?;
+                Arc::new(Smoothed { law, stick_speed })
+            }
+            Law::LuGre => Arc::new(Bristled { law: self.lugre(bristle_damping)?, stick_speed }),
+        })
+    }
+
+    /// LuGre friction with the drawn parameters.
+    fn lugre(&self, bristle_damping: Option<BristleDamping>) -> Result<LuGre, FrictionError> {
+        let Self { mu_s, mu_k, v_s, sigma0, sigma1, sigma2, .. } = *self;
+        LuGre::new(LuGreParameters {
+            mu_s,
+            mu_k,
+            v_s,
+            sigma0,
+            sigma1: if bristle_damping.is_some() { sigma1 } else { 0.0 },
+            sigma2,
+            bristle_damping: bristle_damping.unwrap_or(BristleDamping::Constant),
+        })
     }
 
     /// mu_y: Amontons-Coulomb has one coefficient for all directions, the other laws have a separate one across the sliding.

@@ -7,6 +7,7 @@ mod sobol;
 pub use draw::{FrictionDraw, LatticeSample};
 pub(crate) use sobol::{DrawnFriction, OF_CONTACT};
 
+use cycle::ContactSystem;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 use osc_model::{
@@ -17,7 +18,7 @@ use output::significant;
 use serde_json::{Value, json};
 use study::{
     Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, NamedParameter, Origin, Parametrised, Place,
-    Plan, Scene, SceneKey, SceneLabels, SingleParameter, Symmetry, UncertainBrake, WholeContact,
+    Plan, Scene, SceneKey, SceneLabels, SingleParameter, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
 };
 
 use crate::any::listed;
@@ -185,6 +186,21 @@ impl UncertainBrake for LatticeBrake {
 
     fn modifiable(&self) -> Option<&dyn Modifiable> {
         Some(self)
+    }
+
+    fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+        Some(self)
+    }
+}
+
+impl SlidingContacts for LatticeBrake {
+    fn contact_system(
+        &self,
+        scene: &Scene,
+        values: &[(usize, f64)],
+        stick: f64,
+    ) -> Result<ContactSystem, study::Error> {
+        Ok(parameters::contact_system(self, scene, values, stick)?)
     }
 }
 

@@ -1,13 +1,15 @@
 //! The parameters of a lattice by the names that its case file has for them.
 
+use cycle::{ContactSystem, SlidingContact};
 use linsys::SecondOrder;
-use osc_model::{Lateral, LatticeModel, LatticeParameters, Preload};
+use osc_model::{Lateral, LatticeModel, LatticeParameters, Preload, PreparedLattice};
 use study::{NamedParameter, Scene};
 
 use super::{FrictionDraw, LatticeBrake, LatticeSample, sliding_under};
 use crate::Error;
 use crate::case::{LatticeReadings, Law};
 use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
+use crate::motion::parts;
 
 /// Values that the parameters of a scene can change.
 #[derive(Debug, Clone)]
@@ -217,7 +219,11 @@ pub(super) fn named(brake: &LatticeBrake, scene: &Scene) -> Vec<NamedParameter> 
     of_scene(brake, scene).into_iter().map(named).collect()
 }
 
-pub(super) fn system(brake: &LatticeBrake, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+/// The lattice of a scene in which some parameters have values; `None` where it is that of the medians.
+type Changed = Option<PreparedLattice>;
+
+/// Values of all parameters of a scene in which some have other values than their medians.
+fn with_values(brake: &LatticeBrake, scene: &Scene, values: &[(usize, f64)]) -> Result<(Values, Changed), Error> {
     let (mut at, mut is_structural) = (medians(brake, scene), false);
     let parameters = of_scene(brake, scene);
     for &(place, value) in values {
@@ -225,15 +231,59 @@ pub(super) fn system(brake: &LatticeBrake, scene: &Scene, values: &[(usize, f64)
         choice.set(&mut at, value);
         is_structural |= choice.is_structural();
     }
-    let changed = if is_structural {
-        let fixed = &brake.case.constraints[scene.key.constraints].fixed;
-        let model = LatticeModel::new(at.lattice, at.readings.lateral, fixed)?;
-        Some(model.prepare(brake.lattice(scene).arrangement())?)
-    } else {
-        None
-    };
+    if !is_structural {
+        return Ok((at, None));
+    }
+    let fixed = &brake.case.constraints[scene.key.constraints].fixed;
+    let model = LatticeModel::new(at.lattice.clone(), at.readings.lateral, fixed)?;
+    let lattice = model.prepare(brake.lattice(scene).arrangement())?;
+    Ok((at, Some(lattice)))
+}
+
+pub(super) fn system(brake: &LatticeBrake, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+    let (at, changed) = with_values(brake, scene, values)?;
     let lattice = changed.as_ref().unwrap_or_else(|| brake.lattice(scene));
     let sample = LatticeSample::shared(at.draw, 0.5);
     let state = sliding_under(&at.readings, lattice, brake.law(scene.key), at.speed, &sample)?;
     Ok(lattice.brake().system.assemble(&lattice.operating_point(&state)?)?)
+}
+
+/// The equations of motion of a lattice whose contacts open, slide along x and stick.
+pub(super) fn contact_system(
+    brake: &LatticeBrake,
+    scene: &Scene,
+    values: &[(usize, f64)],
+    stick: f64,
+) -> Result<ContactSystem, Error> {
+    let (mut at, changed) = with_values(brake, scene, values)?;
+    if at.readings.lateral != Lateral::None {
+        return Err(Error::Motion { what: "friction across the sliding", allowed: "readings.lateral = \"none\"" });
+    }
+    let lattice = changed.as_ref().unwrap_or_else(|| brake.lattice(scene));
+    let law = brake.law(scene.key);
+    if scene.key.speed.is_none() {
+        // A tangent that no speed matters to; a motion sticks at its own.
+        at.speed = brake.case.speeds[0].quantile(0.5);
+    }
+    let sample = LatticeSample::shared(at.draw, 0.5);
+    let state = sliding_under(&at.readings, lattice, law, at.speed, &sample)?;
+    let friction = at.draw.in_motion(law, stick * at.speed, at.readings.bristle_damping).map_err(study::Error::from)?;
+    let system = &lattice.brake().system;
+    let oscillators = lattice.arrangement().in_contact();
+    let contacts =
+        system.channels().iter().zip(oscillators).zip(&state.contacts).map(|((channel, &oscillator), point)| {
+            let stiffness = at.lattice.contact_stiffness[oscillator];
+            SlidingContact {
+                name: channel.name.clone(),
+                family: channel.family.clone(),
+                sliding: channel.force.clone(),
+                // The channel reads k (z_i - z_p), and the normal force is k (z_p - z_i).
+                normal: channel.reading.iter().map(|&(dof, value)| (dof, -value / stiffness)).collect(),
+                stiffness,
+                load: point.normal_load,
+                speed: at.speed,
+                friction: friction.clone(),
+            }
+        });
+    Ok(ContactSystem::new(parts(system, &[1.0]), contacts.collect())?)
 }

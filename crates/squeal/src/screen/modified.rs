@@ -8,7 +8,7 @@ use montecarlo::StreamRng;
 use study::identity::{Identity, Written};
 use study::{
     Configuration, DrawnInputs, ModeIdentity, ModeNaming, ModeSource, Modifiable, ModifiablePlan, Origin, Parametrised,
-    Plan, Scene, SceneKey, SceneLabels, Symmetry, UncertainBrake, WholeContact,
+    Plan, Scene, SceneKey, SceneLabels, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
 };
 
 use super::change::{Attached, Change, ChangedBrake};
@@ -259,6 +259,11 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
 
     /// `None`: modes that the inner brake finds are those without the changes; spectra are taken instead.
     fn mode_source(&self) -> Option<&dyn ModeSource> {
+        None
+    }
+
+    /// `None`: the motion of the inner brake is that without the changes.
+    fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None
     }
 }

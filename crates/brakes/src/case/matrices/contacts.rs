@@ -23,7 +23,7 @@ pub(super) fn channels_with_gains(
     check.names("contacts.name", given.iter().map(|contact| &contact.name))?;
     check.names_of_families("contacts", given.iter().map(|contact| (&contact.name, &contact.family)))?;
     let (mut channels, mut gains) = (Vec::new(), Vec::new());
-    for schema::ContactTable { name, family, force, reading, mu, slope, lag } in given {
+    for schema::ContactTable { name, family, force, reading, mu, slope, lag, load, speed, stiffness } in given {
         let b = sparse_vector(check, dofs, &field("contacts", &name, "force"), &force)?;
         let r = sparse_vector(check, dofs, &field("contacts", &name, "reading"), &reading)?;
         if b.is_empty() {
@@ -44,9 +44,16 @@ pub(super) fn channels_with_gains(
             }
             _ => {}
         }
+        let motion = [("load", load), ("speed", speed), ("stiffness", stiffness)].map(|(key, given)| {
+            given.map(|formula| formulas.expression(&field("contacts", &name, key), Some(formula), 0.0)).transpose()
+        });
+        let [load, speed, stiffness] = motion;
         let mut expression =
             |key: &str, given: Option<schema::Formula>| formulas.expression(&field("contacts", &name, key), given, 0.0);
         gains.push(GainExpressions {
+            load: load?,
+            speed: speed?,
+            stiffness: stiffness?,
             mu: expression("mu", mu)?,
             slope: expression("slope", slope)?,
             lag: match lag {

@@ -5,6 +5,7 @@ mod brake;
 mod contacts;
 mod dofs;
 pub(super) mod formulas;
+mod motion;
 pub(super) mod read;
 pub(super) mod schema;
 mod terms;
@@ -60,6 +61,12 @@ pub struct GainExpressions {
     pub slope: Expression,
     /// An internal first-order state, such as the bristle of a LuGre contact.
     pub lag: Option<LagExpressions>,
+    /// Normal load N0, N, in steady sliding; `None` where the case does not say, and nothing but the motion after the onset needs it.
+    pub load: Option<Expression>,
+    /// Speed of steady sliding, m/s, as the load.
+    pub speed: Option<Expression>,
+    /// Stiffness of the contact spring, N/m, as the load.
+    pub stiffness: Option<Expression>,
 }
 
 /// An internal state `z' = -decay z + drive v` under the sliding velocity v, adding the force `force z` to friction; see

@@ -100,6 +100,9 @@ pub(super) struct ContactTable {
     pub mu: Option<Formula>,
     pub slope: Option<Formula>,
     pub lag: Option<LagTable>,
+    pub load: Option<Formula>,
+    pub speed: Option<Formula>,
+    pub stiffness: Option<Formula>,
 }
 
 /// An internal state, with all its numbers.

@@ -1,0 +1,82 @@
+//! The equations of motion of a case: its contacts with load, speed and spring.
+
+use std::sync::Arc;
+
+use cycle::{ContactSystem, SlidingContact, Smoothed};
+use friction::AmontonsCoulomb;
+use linsys::{AffineSystem, Channel, ChannelGain};
+
+use super::{GainExpressions, MatricesCase};
+use crate::Error;
+use crate::case::check::{Check, field};
+use crate::case::{CaseError, Expression};
+use crate::motion::parts;
+
+impl MatricesCase {
+    /// The equations of motion over the degrees of freedom of `system`, which is that of the case with a set of constraints, at values of the
+    /// parameters. A contact sticks below `stick` of its speed.
+    ///
+    /// # Errors
+    /// A contact without load or speed, or with a reading and no stiffness; one whose law is known by its slope alone.
+    pub(crate) fn contact_system(
+        &self,
+        system: &AffineSystem,
+        values: &[f64],
+        stick: f64,
+    ) -> Result<ContactSystem, Error> {
+        let at = self.operating_point(values)?;
+        let contacts = system.channels().iter().zip(&at.channels).zip(&self.gains);
+        let contacts =
+            contacts.map(|((channel, gain), given)| self.sliding_contact(channel, gain, given, values, stick));
+        Ok(ContactSystem::new(parts(system, &at.coefficients), contacts.collect::<Result<_, _>>()?)?)
+    }
+
+    fn sliding_contact(
+        &self,
+        channel: &Channel,
+        gain: &ChannelGain,
+        given: &GainExpressions,
+        values: &[f64],
+        stick: f64,
+    ) -> Result<SlidingContact, Error> {
+        let check = Check::new(&self.header.path);
+        let of = |key: &str| field("contacts", &channel.name, key);
+        if gain.slope != 0.0 || gain.lag.is_some() {
+            let allowed = "mu alone: a slope or lag is the tangent of a law that the case does not give, and its motion needs the law";
+            return Err(check.value(&of("slope"), "given", allowed).into());
+        }
+        let number = |key: &str, expression: &Option<Expression>, why: &str| -> Result<f64, Error> {
+            let Some(expression) = expression else { return Err(check.value(&of(key), "missing", why).into()) };
+            let value = expression.value(values).map_err(|source| CaseError::Expression {
+                path: self.header.path.clone(),
+                field: of(key),
+                source: Box::new(source),
+            })?;
+            if value > 0.0 { Ok(value) } else { Err(check.value(&of(key), value, "a number > 0").into()) }
+        };
+        let load = number("load", &given.load, "the normal force in steady sliding, N, at which the contact opens")?;
+        let speed = number("speed", &given.speed, "the speed of steady sliding, m/s, at which the contact sticks")?;
+        let stiffness = match channel.reading.is_empty() {
+            true => 0.0,
+            false => number(
+                "stiffness",
+                &given.stiffness,
+                "the spring of the contact, N/m, by which an open one pushes no more",
+            )?,
+        };
+        Ok(SlidingContact {
+            name: channel.name.clone(),
+            family: channel.family.clone(),
+            // Friction acts against the force of the channel.
+            sliding: channel.force.iter().map(|&(dof, value)| (dof, -value)).collect(),
+            normal: channel.reading.iter().map(|&(dof, value)| (dof, value / stiffness)).collect(),
+            stiffness,
+            load,
+            speed,
+            friction: Arc::new(Smoothed {
+                law: AmontonsCoulomb::new(gain.mu).map_err(study::Error::from)?,
+                stick_speed: stick * speed,
+            }),
+        })
+    }
+}

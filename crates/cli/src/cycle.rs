@@ -1,0 +1,132 @@
+//! `squeal cycle`: the motion that unstable modes grow into.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use brakes::case::ChosenSpeed;
+use brakes::{CaseBrake, Purpose};
+use cea::QrSolver;
+use output::{Table, printable};
+use serde_json::json;
+use squeal::cycles::{Branch, CycleOptions, Start, branches, cycles};
+use squeal::folder::RunFolder;
+use squeal::identity::of_study;
+use squeal::study::Study;
+use squeal::sweep::Over;
+use squeal::workers;
+
+use super::options::{MemoryArgs, number};
+use super::scene::{SceneArgs, counts_from};
+use super::sweep::over;
+use super::{results_folder, sized};
+use crate::Error;
+use crate::bar::{Bar, PREPARED};
+use crate::case_file;
+
+/// Follow unstable modes into the motion that they grow to: contacts open, slide and stick, and mostly a limit cycle is reached.
+///
+/// At median parameters, from each unstable mode; over a parameter, the branches of cycles from each onset.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: squeal cycle cases/hoffmann.toml --over mu=0.5:1.1")]
+pub struct CycleArgs {
+    /// The case file (TOML)
+    pub case: PathBuf,
+    /// The scene
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// A parameter and its range, as mu=0.3:0.6: branches of cycles from each onset in it
+    #[arg(long, value_name = "NAME=FROM:TO", value_parser = over)]
+    pub over: Option<Over>,
+    /// Start: the rank of an unstable mode, as `squeal cea` counts it, or noise [default: each unstable mode]
+    #[arg(long, value_name = "MODE|noise", value_parser = start, conflicts_with = "over")]
+    pub from: Option<Start>,
+    /// Harmonics of the harmonic balance
+    #[arg(long, value_name = "H", default_value_t = CycleOptions::default().harmonics)]
+    pub harmonics: usize,
+    /// Equal steps of a period at which the balance evaluates the contacts
+    #[arg(long, value_name = "N", default_value_t = CycleOptions::default().samples)]
+    pub time_samples: usize,
+    /// Part of the sliding speed below which a contact sticks, above 0 and below 1
+    #[arg(long, value_name = "EPS", default_value_t = CycleOptions::default().stick, allow_negative_numbers = true, value_parser = number)]
+    pub stick: f64,
+    /// Folder for tables: new, empty, or that of the same motion
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// JSON for machines: the rows of the table
+    #[arg(long)]
+    pub json: bool,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+/// The rank of a mode, or `noise`.
+fn start(text: &str) -> Result<Start, String> {
+    match text {
+        "noise" => Ok(Start::Noise),
+        rank => rank.parse().map(Start::Mode).map_err(|_| "allowed: the rank of a mode, or noise".to_owned()),
+    }
+}
+
+impl CycleArgs {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What is wrong with the case or an option, and what has no motion.
+    pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
+        let purpose = self.over.as_ref().map_or(Purpose::Analysis, |over| Purpose::Sweep(std::slice::from_ref(over)));
+        let brake = sized::brake(case, purpose, self.memory, None)?;
+        let text = self.motion(&brake)?;
+        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+    }
+
+    /// The motion of the first scene of a brake, which need not be one of a case file.
+    ///
+    /// # Errors
+    /// As [`CycleArgs::run`].
+    pub fn motion<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
+        let (plan, begin) = (brake.plan(), Instant::now());
+        let options = CycleOptions {
+            from: self.from.unwrap_or(Start::UnstableModes),
+            harmonics: self.harmonics,
+            samples: self.time_samples,
+            stick: self.stick,
+        };
+        let identity = of_study(brake).given("cycle", format!("{options:?} {:?}", self.over)).into_line();
+        if let Some(dir) = &self.out {
+            RunFolder::check(dir, &identity)?;
+        }
+        let (table, text): (Table, String) = match &self.over {
+            None => {
+                let cycles = cycles(brake, &plan.scenes[0], &options)?;
+                (cycles.table(), cycles.text())
+            }
+            Some(over) => workers(None)?.install(|| -> Result<_, Error> {
+                let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
+                let branches = branches(&study, 0, over, &options, &Bar::of("sectors"))?;
+                Ok((Branch::table(&branches), Branch::text(&branches)))
+            })?,
+        };
+        let seconds = begin.elapsed().as_secs_f64();
+        if let Some(dir) = &self.out {
+            let folder = RunFolder::take(dir, &identity)?;
+            folder.publish(|stage| -> Result<(), Error> { Ok(table.write(stage)?) })?;
+            let own = json!({
+                "scene": plan.describe(&plan.scenes[0]),
+                "over": self.over.as_ref().map(ToString::to_string),
+                "harmonics": self.harmonics,
+                "time_samples": self.time_samples,
+                "stick": self.stick,
+            });
+            results_folder::write_manifest(&folder, plan, None, seconds, own)?;
+        }
+        if self.json {
+            return Ok(format!("{:#}\n", json!({ "scene": plan.describe(&plan.scenes[0]), "rows": table.json() })));
+        }
+        let heading = brake.medians_in_words() + &counts_from(&plan.threshold);
+        let place = results_folder::place(self.out.as_deref());
+        Ok(format!("{}\n\n{text}{seconds:.2} s{place}\n", printable(&heading)))
+    }
+}

@@ -1,0 +1,76 @@
+//! A contact that may open, slide and stick.
+
+use std::sync::Arc;
+
+use crate::{ContactFriction, Error};
+
+/// A contact of one normal direction and one direction of sliding.
+///
+/// Its normal force is `N = max(0, N0 + k c^T u)` and its sliding velocity `w = v - b^T u'`. On the structure act `-c (N - N0)` and
+/// `b (mu(w, z) N - mu0 N0)`, both zero in steady sliding.
+#[derive(Debug, Clone)]
+pub struct SlidingContact {
+    /// Name of the contact.
+    pub name: String,
+    /// The family to which the work of its friction belongs.
+    pub family: String,
+    /// b, the direction in which friction drags the structure: degrees of freedom, from 0, with coefficients.
+    pub sliding: Vec<(usize, f64)>,
+    /// c, the approach of the contact: degrees of freedom, from 0, with coefficients; empty where the normal force does not change.
+    pub normal: Vec<(usize, f64)>,
+    /// k, the stiffness of the contact spring, N/m, which is in the structure's K as `k c c^T`; of a contact that never opens, 0 will do.
+    pub stiffness: f64,
+    /// N0, the normal force in steady sliding, N; > 0.
+    pub load: f64,
+    /// v, the speed of steady sliding, m/s; > 0.
+    pub speed: f64,
+    /// Friction law.
+    pub friction: Arc<dyn ContactFriction>,
+}
+
+impl SlidingContact {
+    /// Refuses what is no contact on `order` degrees of freedom.
+    pub(crate) fn check(&self, order: usize) -> Result<(), Error> {
+        let refused = |field, value, allowed| Error::Contact { contact: self.name.clone(), field, value, allowed };
+        for (field, value) in [("load", self.load), ("speed", self.speed), ("stick speed", self.friction.stick_speed())]
+        {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(refused(field, value, "finite and > 0"));
+            }
+        }
+        if !self.normal.is_empty() && !(self.stiffness > 0.0 && self.stiffness.is_finite()) {
+            return Err(refused("stiffness", self.stiffness, "finite and > 0"));
+        }
+        if self.friction.stick_speed() >= self.speed {
+            return Err(refused("stick speed", self.friction.stick_speed(), "below the speed of steady sliding"));
+        }
+        let mut entries = self.sliding.iter().chain(&self.normal);
+        match entries.find(|(dof, value)| *dof >= order || !value.is_finite()) {
+            Some(&(dof, _)) => {
+                Err(refused("degree of freedom", dof as f64, "one of the structure, with a finite coefficient"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// k c^T u, the change of the normal force of a closed contact, N.
+    pub(crate) fn approach(&self, u: &[f64]) -> f64 {
+        self.stiffness * along(&self.normal, u)
+    }
+
+    /// w, the sliding velocity, m/s.
+    pub(crate) fn slip(&self, velocity: &[f64]) -> f64 {
+        self.speed - along(&self.sliding, velocity)
+    }
+
+    /// Bristle state in steady sliding, and the coefficient there.
+    pub(crate) fn steady(&self) -> (f64, f64) {
+        let state = self.friction.steady_state(self.speed).unwrap_or(0.0);
+        (state, self.friction.at(self.speed, state).mu)
+    }
+}
+
+/// A sparse vector times a dense one.
+pub(crate) fn along(sparse: &[(usize, f64)], dense: &[f64]) -> f64 {
+    sparse.iter().map(|&(dof, value)| value * dense[dof]).sum()
+}

@@ -1,0 +1,177 @@
+//! Branches of cycles over a parameter, from an onset or from a cycle, by pseudo-arclength through folds.
+
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use crate::harmonic_balance::{Condition, Equations, solve};
+use crate::{Balance, BalancedCycle, ContactSystem, Error};
+
+/// A system that is a function of a parameter.
+pub type SystemAt<'a, E> = &'a dyn Fn(f64) -> Result<ContactSystem, E>;
+
+/// The mode near which motions are: angular frequency, rad/s, and shape.
+pub type NearMode<'a> = (f64, &'a [Complex<f64>]);
+
+/// How far a branch goes, and in which steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reach {
+    /// Least and greatest value of the parameter.
+    pub range: [f64; 2],
+    /// Longest step along the branch, in amplitudes at which a contact opens and widths of the range.
+    pub longest_step: f64,
+    /// Points after which a branch ends.
+    pub most_points: usize,
+}
+
+/// A point of a branch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchPoint {
+    /// The balanced cycle.
+    pub cycle: BalancedCycle,
+    /// Amplitude of the first harmonic in the mode, as a factor of its shape.
+    pub amplitude: f64,
+    /// True if the parameter turns between the point before and this one.
+    pub is_fold: bool,
+}
+
+/// Steps shorter than this part of the longest are given up; chosen.
+const SHORTEST: f64 = 1e-4;
+
+/// Part of the grazing amplitude with which a branch starts at an onset; chosen, below the first kink of the forces.
+const START: f64 = 0.5;
+
+/// Amplitude, as a part of the grazing one, below which a branch has ended in steady sliding; chosen.
+const END: f64 = 1e-3;
+
+impl Balance {
+    /// The branch that starts at an onset: parameter, angular frequency and shape of a mode on the imaginary axis. A branch over a constant
+    /// coefficient of friction stands upright there until a contact opens.
+    ///
+    /// # Errors
+    /// [`Error::NoConvergence`] where its first point is not found; what the system refuses.
+    pub fn branch_from_onset<E: From<Error>>(
+        &self,
+        system_at: SystemAt<'_, E>,
+        mode: NearMode<'_>,
+        onset: f64,
+        reach: &Reach,
+    ) -> Result<Vec<BranchPoint>, E> {
+        let system = system_at(onset)?;
+        let equations = Equations::new(self, &system, mode.0, mode.1);
+        let width = reach.range[1] - reach.range[0];
+        let amplitude = START * system.first_kink(mode.0, mode.1);
+        let guess = equations.unknowns(&equations.of_mode(amplitude, mode.0, onset), width);
+        let condition = Condition { row: equations.amplitude_row(false), value: amplitude };
+        self.branch(system_at, mode, guess, &condition, 1.0, reach)
+    }
+
+    /// The branch through a cycle, from there up (`direction` 1) or down (-1) in the parameter.
+    ///
+    /// # Errors
+    /// As [`Balance::branch_from_onset`].
+    pub fn branch_through<E: From<Error>>(
+        &self,
+        system_at: SystemAt<'_, E>,
+        mode: NearMode<'_>,
+        cycle: &BalancedCycle,
+        direction: f64,
+        reach: &Reach,
+    ) -> Result<Vec<BranchPoint>, E> {
+        let system = system_at(cycle.parameter)?;
+        let width = reach.range[1] - reach.range[0];
+        let guess = Equations::new(self, &system, mode.0, mode.1).unknowns(cycle, width);
+        let mut row = DVector::zeros(guess.len());
+        row[guess.len() - 1] = 1.0;
+        let value = cycle.parameter / width;
+        self.branch(system_at, mode, guess, &Condition { row, value }, direction, reach)
+    }
+
+    /// A branch from the solution of a first condition on, in the direction in which its value grows, or falls for -1.
+    fn branch<E: From<Error>>(
+        &self,
+        system_at: SystemAt<'_, E>,
+        mode: NearMode<'_>,
+        guess: DVector<f64>,
+        first: &Condition,
+        direction: f64,
+        reach: &Reach,
+    ) -> Result<Vec<BranchPoint>, E> {
+        let [low, high] = reach.range;
+        let width = high - low;
+        if !(width > 0.0 && width.is_finite()) {
+            let allowed = format!("above {low}");
+            return Err(Error::Setting { field: "end of the range", value: high, allowed }.into());
+        }
+        let graze = system_at(0.5 * (low + high))?.first_kink(mode.0, mode.1);
+        let amplitude_row = {
+            let system = system_at(0.5 * (low + high))?;
+            Equations::new(self, &system, mode.0, mode.1).amplitude_row(false)
+        };
+        let unknowns = |cycle: &BalancedCycle| {
+            let mut x = DVector::zeros(cycle.series.len() + 2);
+            x.rows_mut(0, cycle.series.len()).copy_from(&cycle.series);
+            x[cycle.series.len()] = cycle.omega / mode.0;
+            x[cycle.series.len() + 1] = cycle.parameter / width;
+            x
+        };
+        let (cycle, bordered, _) = solve(self, system_at, mode, guess, first, width)?;
+        let mut x = unknowns(&cycle);
+        let last = x.len() - 1;
+        let mut points = vec![BranchPoint { cycle, amplitude: amplitude_row.dot(&x), is_fold: false }];
+        let unit = |at: usize| DVector::from_fn(last + 1, |i, _| if i == at { 1.0 } else { 0.0 });
+        let no_tangent = || Error::NoConvergence { method: "the tangent of a branch", residual: f64::NAN };
+        let mut tangent = bordered.lu().solve(&unit(last)).ok_or_else(no_tangent)?.normalize() * direction;
+        // The amplitude at which a contact opens is the length by which the series are measured.
+        let longest =
+            reach.longest_step * size_of(&points[0].cycle, graze / points[0].amplitude.abs().max(f64::MIN_POSITIVE));
+        let mut step = 0.1 * longest;
+        while points.len() < reach.most_points {
+            let guess = &x + &tangent * step;
+            let condition = Condition { value: tangent.dot(&guess), row: tangent.clone() };
+            let found = solve(self, system_at, mode, guess, &condition, width);
+            let Ok((cycle, bordered, corrections)) = found else {
+                step *= 0.25;
+                if step < SHORTEST * longest {
+                    break;
+                }
+                continue;
+            };
+            let next = unknowns(&cycle);
+            let Some(new_tangent) = bordered.lu().solve(&unit(last)).map(|tangent| tangent.normalize()) else { break };
+            let is_fold = new_tangent[last] * tangent[last] < 0.0;
+            let amplitude = amplitude_row.dot(&next);
+            if amplitude < END * graze {
+                break;
+            }
+            if !(low..=high).contains(&cycle.parameter) {
+                // The last point is the one at the end of the range.
+                let end = if cycle.parameter > high { high } else { low };
+                let part = (end / width - x[last]) / (next[last] - x[last]);
+                let guess = &x + (&next - &x) * part;
+                let condition = Condition { row: unit(last), value: end / width };
+                if let Ok((cycle, ..)) = solve(self, system_at, mode, guess, &condition, width) {
+                    let amplitude = amplitude_row.dot(&unknowns(&cycle));
+                    points.push(BranchPoint { cycle, amplitude, is_fold });
+                }
+                break;
+            }
+            points.push(BranchPoint { cycle, amplitude, is_fold });
+            (x, tangent) = (next, new_tangent);
+            step = (step
+                * if corrections <= 3 {
+                    1.5
+                } else if corrections <= 6 {
+                    1.0
+                } else {
+                    0.5
+                })
+            .min(longest);
+        }
+        Ok(points)
+    }
+}
+
+/// Length of the series of a cycle, times a factor.
+fn size_of(cycle: &BalancedCycle, factor: f64) -> f64 {
+    cycle.series.norm() * factor
+}

@@ -1,0 +1,83 @@
+//! Friction of a contact in any motion: sliding either way, and sticking.
+
+use std::fmt::Debug;
+
+use friction::{BristleMotion, FrictionLaw, LuGre};
+
+/// Friction in any relative motion, beside which a [`FrictionLaw`] is its tangent in steady sliding.
+pub trait ContactFriction: Debug + Send + Sync {
+    /// The coefficient at a sliding velocity w of either sign, m/s, and a bristle state z, with its derivatives. A friction without a state
+    /// does not read z, and its rate is 0.
+    fn at(&self, velocity: f64, state: f64) -> BristleMotion;
+
+    /// State z in steady sliding at a speed, m/s; `None` for friction without a state.
+    fn steady_state(&self, speed: f64) -> Option<f64>;
+
+    /// Speed below which a contact is said to stick, m/s.
+    fn stick_speed(&self) -> f64;
+}
+
+/// A law of the speed alone, smoothed where the sliding turns: `mu(w) = mu(|w|) s(w / eps)`.
+///
+/// `s(x) = (15 x - 10 x^3 + 3 x^5) / 8` within 1 and the sign of x beyond, twice differentiable. So friction above eps is that of the law to
+/// the last bit, and its tangent in steady sliding that of the complex eigenvalue analysis, which `w / sqrt(w^2 + eps^2)` would bend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothed<L> {
+    /// The law.
+    pub law: L,
+    /// eps, the speed below which the contact sticks, m/s; > 0.
+    pub stick_speed: f64,
+}
+
+impl<L: FrictionLaw + Debug + Send + Sync> ContactFriction for Smoothed<L> {
+    fn at(&self, velocity: f64, _: f64) -> BristleMotion {
+        let speed = velocity.abs().max(f64::MIN_POSITIVE);
+        // A law that has no coefficient at a speed stops the motion there.
+        let tangent = self.law.tangent_at(speed);
+        let (mu, slope) = tangent.map_or((f64::NAN, f64::NAN), |tangent| (tangent.mu, tangent.slope));
+        let x = velocity / self.stick_speed;
+        if x.abs() >= 1.0 {
+            let sign = velocity.signum();
+            return BristleMotion { mu: sign * mu, mu_by_velocity: slope, ..BristleMotion::default() };
+        }
+        let square = x * x;
+        let sign = x * (15.0 - square * (10.0 - 3.0 * square)) / 8.0;
+        let sign_slope = 15.0 * (1.0 - square) * (1.0 - square) / (8.0 * self.stick_speed);
+        BristleMotion {
+            mu: mu * sign,
+            mu_by_velocity: slope * velocity.signum() * sign + mu * sign_slope,
+            ..BristleMotion::default()
+        }
+    }
+
+    fn steady_state(&self, _: f64) -> Option<f64> {
+        None
+    }
+
+    fn stick_speed(&self) -> f64 {
+        self.stick_speed
+    }
+}
+
+/// LuGre friction with its own bristle, which sticks without smoothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bristled {
+    /// The law.
+    pub law: LuGre,
+    /// Speed below which the contact is said to stick, m/s; > 0.
+    pub stick_speed: f64,
+}
+
+impl ContactFriction for Bristled {
+    fn at(&self, velocity: f64, state: f64) -> BristleMotion {
+        self.law.moving(velocity, state)
+    }
+
+    fn steady_state(&self, speed: f64) -> Option<f64> {
+        Some(self.law.steady_bristle(speed))
+    }
+
+    fn stick_speed(&self) -> f64 {
+        self.stick_speed
+    }
+}

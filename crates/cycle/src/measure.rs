@@ -1,0 +1,166 @@
+//! What a cycle does: amplitudes, shares of its period open and stuck, power by family of forces.
+
+use crate::dopri::{Flow, Integrator};
+use crate::{ContactSystem, Cycle, Error};
+
+/// Measures of a periodic motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measures {
+    /// Root mean square of each velocity, m/s.
+    pub rms_velocity: Vec<f64>,
+    /// Largest displacement of each degree of freedom from steady sliding, m.
+    pub peak: Vec<f64>,
+    /// Mean kinetic energy, J.
+    pub kinetic_energy: f64,
+    /// Mean power of each family of forces, W; the sum is 0, and so is that of contacts that open alone.
+    pub powers: Vec<(String, f64)>,
+    /// Shares of the period, by contact.
+    pub contacts: Vec<Shares>,
+}
+
+/// Shares of the period in which a contact is open, and in which it is closed and sticks.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shares {
+    /// Share of the period in which the contact is open, 0 to 1.
+    pub open: f64,
+    /// Share of the period in which the contact is closed and slower than its stick speed, 0 to 1.
+    pub stuck: f64,
+}
+
+impl Measures {
+    /// Sum of all powers, relative to the sum of their magnitudes: what the balance leaves open.
+    #[must_use]
+    pub fn imbalance(&self) -> f64 {
+        let sum: f64 = self.powers.iter().map(|(_, power)| power).sum();
+        let magnitude: f64 = self.powers.iter().map(|(_, power)| power.abs()).sum();
+        if magnitude > 0.0 { sum.abs() / magnitude } else { 0.0 }
+    }
+
+    /// Root mean square of the velocity of the given degrees of freedom together, m/s.
+    #[must_use]
+    pub fn rms_of(&self, dofs: &[usize]) -> f64 {
+        dofs.iter().map(|&dof| self.rms_velocity[dof].powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Largest displacement of one of the given degrees of freedom, m.
+    #[must_use]
+    pub fn peak_of(&self, dofs: &[usize]) -> f64 {
+        dofs.iter().map(|&dof| self.peak[dof]).fold(0.0, f64::max)
+    }
+}
+
+/// A motion with integrals over it after its state: work by family, squares of velocities, kinetic energy.
+struct Measured<'a> {
+    system: &'a ContactSystem,
+    scales: Vec<f64>,
+    families: Vec<String>,
+}
+
+impl Flow for Measured<'_> {
+    fn rate(&self, x: &[f64], out: &mut [f64]) {
+        let (d, n) = (self.system.dimension(), self.system.order());
+        let (x, (out, integrals)) = (&x[..d], out.split_at_mut(d));
+        self.system.rate(x, out);
+        let (works, rest) = integrals.split_at_mut(self.families.len());
+        self.system.powers(&self.families, x, works);
+        rest[..n].iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square = v * v);
+        rest[n] = self.system.kinetic_energy(x);
+    }
+
+    /// By contact its normal force and its velocity against both stick speeds; then all velocities, which turn where displacements peak.
+    fn switches(&self, x: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        let (u, velocity) = x.split_at(self.system.order());
+        for contact in self.system.contacts() {
+            let (slip, stick) = (contact.slip(velocity), contact.friction.stick_speed());
+            out.extend([contact.load + contact.approach(u), slip + stick, slip - stick]);
+        }
+        out.extend_from_slice(&velocity[..u.len()]);
+    }
+
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+}
+
+/// Goes through a period of a cycle and measures it.
+///
+/// # Errors
+/// A motion that cannot be followed.
+pub fn measure(system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<Measures, Error> {
+    let (d, n, families) = (system.dimension(), system.order(), system.families());
+    let mut x = cycle.start.clone();
+    x.resize(d + families.len() + n + 1, 0.0);
+    let mut scales = system.scales(std::f64::consts::TAU / cycle.period);
+    // The works are controlled too, by the energy of the motion.
+    let energy = cycle.start.iter().zip(&scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max).powi(2)
+        * system.kinetic_energy(&scales);
+    scales.resize(d + families.len(), energy.max(f64::MIN_POSITIVE));
+    let flow = Measured { system, scales, families };
+    let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * cycle.period);
+    let contacts = system.contacts().len();
+    let mut shares = vec![Shares::default(); contacts];
+    let mut peak: Vec<f64> = motion.x[..n].iter().map(|u| u.abs()).collect();
+    while motion.time < cycle.period {
+        let (from, sides) = (motion.time, motion.sides.clone());
+        motion.step(cycle.period)?;
+        let part = (motion.time - from) / cycle.period;
+        for (share, sides) in shares.iter_mut().zip(sides.chunks_exact(3)) {
+            let [is_closed, is_above, is_beyond] = [sides[0], sides[1], sides[2]];
+            share.open += if is_closed { 0.0 } else { part };
+            share.stuck += if is_closed && is_above && !is_beyond { part } else { 0.0 };
+        }
+        peak.iter_mut().zip(&motion.x).for_each(|(peak, u)| *peak = peak.max(u.abs()));
+    }
+    let integrals = &motion.x[d..];
+    let (works, rest) = integrals.split_at(flow.families.len());
+    let mean = |integral: &f64| integral / cycle.period;
+    Ok(Measures {
+        rms_velocity: rest[..n].iter().map(|square| mean(square).sqrt()).collect(),
+        peak,
+        kinetic_energy: mean(&rest[n]),
+        powers: flow.families.iter().cloned().zip(works.iter().map(mean)).collect(),
+        contacts: shares,
+    })
+}
+
+/// Normal force and sliding velocity of each contact at equal steps over a period of a cycle, `samples` rows of `(N, w)` by contact, N and m/s.
+///
+/// # Errors
+/// A motion that cannot be followed.
+pub fn history(
+    system: &ContactSystem,
+    cycle: &Cycle,
+    samples: usize,
+    tolerance: f64,
+) -> Result<Vec<Vec<(f64, f64)>>, Error> {
+    let of_contacts = |x: &[f64]| {
+        let (u, velocity) = x.split_at(system.order());
+        let contacts = system.contacts().iter();
+        contacts.map(|contact| ((contact.load + contact.approach(u)).max(0.0), contact.slip(velocity))).collect()
+    };
+    Ok(states(system, cycle, samples, tolerance)?.iter().map(|x| of_contacts(x)).collect())
+}
+
+/// States of motion at equal steps over a period of a cycle.
+pub(crate) fn states(
+    system: &ContactSystem,
+    cycle: &Cycle,
+    samples: usize,
+    tolerance: f64,
+) -> Result<Vec<Vec<f64>>, Error> {
+    let scales = system.scales(std::f64::consts::TAU / cycle.period);
+    let flow = Measured { system, scales, families: system.families() };
+    let mut x = cycle.start.clone();
+    x.resize(system.dimension() + flow.families.len() + system.order() + 1, 0.0);
+    let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * cycle.period);
+    let mut states = Vec::with_capacity(samples);
+    for sample in 0..samples {
+        let time = cycle.period * sample as f64 / samples as f64;
+        while motion.time < time {
+            motion.step(time)?;
+        }
+        states.push(motion.x[..system.dimension()].to_vec());
+    }
+    Ok(states)
+}

@@ -1,0 +1,198 @@
+//! Motion in time, and when it is periodic.
+
+use num_complex::Complex;
+
+use crate::dopri::{Flow, Integrator};
+use crate::shooting::shoot;
+use crate::{ContactSystem, Cycle, Error};
+
+/// How a motion is integrated, and how long.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Allowed error of a step, relative to the scales of the motion; chosen 1e-9.
+    pub tolerance: f64,
+    /// Periods of the mode after which a motion that does not repeat is not periodic; chosen 3,000.
+    pub most_periods: usize,
+    /// Periods of the mode in one period of the motion, at most; chosen 8.
+    pub most_multiple: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { tolerance: 1e-9, most_periods: 3000, most_multiple: 8 }
+    }
+}
+
+/// What a motion from somewhere becomes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// It repeats itself, and neighbouring motions come to it.
+    Cycle(Cycle),
+    /// It comes to rest in steady sliding.
+    Rest,
+    /// It grows beyond all bounds of the model: no contact that opens or sticks stops it.
+    Unbounded,
+    /// It does not repeat itself within the periods allowed.
+    NotPeriodic {
+        /// Time that was looked at, s.
+        time: f64,
+    },
+}
+
+/// Growth of the amplitude, relative to the scales of a motion, that nothing stops any more; chosen.
+const UNBOUNDED: f64 = 1e6;
+
+/// Part of the largest amplitude of a motion so far that counts as rest; chosen, far above what an allowed error keeps alive.
+const REST: f64 = 1e-6;
+
+/// Relative difference of two passages from which on they may be of one cycle; chosen, the shooting decides.
+const ALIKE: f64 = 1e-4;
+
+/// A motion with a plane that it passes once a period of its mode, or oftener.
+struct Crossing<'a> {
+    system: &'a ContactSystem,
+    scales: &'a [f64],
+    section: &'a [f64],
+}
+
+impl Flow for Crossing<'_> {
+    fn rate(&self, x: &[f64], out: &mut [f64]) {
+        self.system.rate(x, out);
+    }
+
+    fn switches(&self, x: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.extend(self.system.contacts().iter().map(|contact| contact.load + contact.approach(x)));
+        let velocity = &x[self.system.order()..];
+        out.push(self.section.iter().zip(velocity).map(|(s, v)| s * v).sum());
+    }
+
+    fn scales(&self) -> &[f64] {
+        self.scales
+    }
+}
+
+/// Follows the motion from a state to what it becomes. `omega`, rad/s, and `shape` are of a mode that it may swing in: they scale it, and its
+/// velocity along the shape is what passes 0 once a period.
+///
+/// # Errors
+/// A motion that cannot be followed, settings that are not allowed.
+pub fn follow(
+    system: &ContactSystem,
+    start: Vec<f64>,
+    omega: f64,
+    shape: &[Complex<f64>],
+    settings: &Settings,
+) -> Result<Motion, Error> {
+    check(system, &start, omega, settings)?;
+    let scales = system.scales(omega);
+    let section = section(system, shape);
+    let flow = Crossing { system, scales: &scales, section: &section };
+    let plane = system.contacts().len();
+    let period = std::f64::consts::TAU / omega;
+    let mut motion = Integrator::new(&flow, start, settings.tolerance, 0.01 * period);
+    let until = settings.most_periods as f64 * period;
+    let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
+    let (mut next_try, mut largest) = (0, amplitude(&motion.x, &scales));
+    while motion.time < until {
+        if motion.step(until)? != Some(plane) || !motion.sides[plane] {
+            continue;
+        }
+        let size = amplitude(&motion.x, &scales);
+        if size > UNBOUNDED {
+            return Ok(Motion::Unbounded);
+        }
+        largest = size.max(largest);
+        if size < REST * largest {
+            return Ok(Motion::Rest);
+        }
+        passages.push((motion.time, motion.x.clone()));
+        if passages.len() > settings.most_multiple + 1 {
+            passages.remove(0);
+        }
+        next_try = usize::saturating_sub(next_try, 1);
+        let Some(((end, last), earlier)) = passages.split_last() else { continue };
+        let alike = |(_, x): &&(f64, Vec<f64>)| distance(x, last, &scales) < ALIKE * size;
+        let Some((begin, _)) = earlier.iter().rev().find(alike).filter(|_| next_try == 0) else { continue };
+        let found = shoot(system, last.clone(), end - begin, &scales, settings.tolerance);
+        let is_near = |cycle: &Cycle| {
+            amplitude(&cycle.start, &scales) > 1e-3 * size && distance(&cycle.start, last, &scales) < size
+        };
+        if let Some(cycle) = found.ok().filter(|cycle| is_near(cycle) && cycle.is_stable()) {
+            return Ok(Motion::Cycle(with_least_period(system, cycle, &scales, settings)?));
+        }
+        // Not yet there, or not at all: a shooting costs more than some periods.
+        next_try = 20;
+    }
+    Ok(Motion::NotPeriodic { time: motion.time })
+}
+
+/// The cycle once, where it was found as several rounds of itself.
+fn with_least_period(
+    system: &ContactSystem,
+    cycle: Cycle,
+    scales: &[f64],
+    settings: &Settings,
+) -> Result<Cycle, Error> {
+    let size = amplitude(&cycle.start, scales);
+    for rounds in (2..=settings.most_multiple).rev() {
+        let period = cycle.period / rounds as f64;
+        let omega = std::f64::consts::TAU / period;
+        let after = state_after(system, cycle.start.clone(), period, omega, settings.tolerance)?;
+        if distance(&after, &cycle.start, scales) < ALIKE * size {
+            return shoot(system, cycle.start, period, scales, settings.tolerance);
+        }
+    }
+    Ok(cycle)
+}
+
+fn check(system: &ContactSystem, start: &[f64], omega: f64, settings: &Settings) -> Result<(), Error> {
+    let refused = |field, value, allowed: &str| Err(Error::Setting { field, value, allowed: allowed.into() });
+    if start.len() != system.dimension() {
+        return refused("entries of the start", start.len() as f64, "one for each entry of a state");
+    }
+    if !(omega > 0.0 && omega.is_finite()) {
+        return refused("omega", omega, "finite and > 0");
+    }
+    if !(settings.tolerance > 0.0 && settings.tolerance < 1.0) {
+        return refused("tolerance", settings.tolerance, "above 0 and below 1");
+    }
+    Ok(())
+}
+
+/// Plane of velocities that a motion in a mode passes once a period: `Re(phi)^T M u' = 0`.
+fn section(system: &ContactSystem, shape: &[Complex<f64>]) -> Vec<f64> {
+    let m = &system.structure().m;
+    m.column_iter().map(|column| column.iter().zip(shape).map(|(m, phi)| m * phi.re).sum()).collect()
+}
+
+/// Size of a state, relative to the scales.
+fn amplitude(x: &[f64], scales: &[f64]) -> f64 {
+    x.iter().zip(scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max)
+}
+
+fn distance(x: &[f64], other: &[f64], scales: &[f64]) -> f64 {
+    x.iter().zip(other).zip(scales).map(|((x, y), scale)| ((x - y) / scale).abs()).fold(0.0, f64::max)
+}
+
+/// State of the motion from `start` after a time, s.
+///
+/// # Errors
+/// A motion that cannot be followed.
+pub fn state_after(
+    system: &ContactSystem,
+    start: Vec<f64>,
+    time: f64,
+    omega: f64,
+    tolerance: f64,
+) -> Result<Vec<f64>, Error> {
+    let settings = Settings { tolerance, ..Settings::default() };
+    check(system, &start, omega, &settings)?;
+    let scales = system.scales(omega);
+    let flow = Crossing { system, scales: &scales, section: &[] };
+    let mut motion = Integrator::new(&flow, start, tolerance, 0.01 / omega);
+    while motion.time < time {
+        motion.step(time)?;
+    }
+    Ok(motion.x)
+}

@@ -1,0 +1,381 @@
+//! The equations of motion of a structure with contacts, and their tangent.
+
+use linsys::{Internal, SecondOrder};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use crate::contact::along;
+use crate::{Error, SlidingContact};
+
+/// Largest relative deviation of the tangent from the system of the complex eigenvalue analysis; chosen, some hundred roundings.
+const TANGENT_TOLERANCE: f64 = 1e-10;
+
+/// A part of a structure whose forces are one family: M, C and K.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Name of the family.
+    pub family: String,
+    /// Matrices of the part.
+    pub matrices: SecondOrder,
+}
+
+/// `M u'' + C u' + K u + sum_i [ c_i (N_i - N0_i - k_i c_i^T u) - b_i (mu_i N_i - mu0_i N0_i) ] = 0`, with `N_i = max(0, N0_i + k_i c_i^T u)`,
+/// the velocities `w_i = v_i - b_i^T u'`, and bristles `z_i' = f(w_i, z_i)`; see [`SlidingContact`].
+///
+/// K holds the springs of closed contacts. A state of motion is `(u, u', dz)`, with the bristles' deviation dz from steady sliding, which so
+/// is the state 0.
+#[derive(Debug, Clone)]
+pub struct ContactSystem {
+    parts: Vec<Part>,
+    structure: SecondOrder,
+    contacts: Vec<SlidingContact>,
+    /// z and mu of steady sliding, by contact.
+    steady: Vec<(f64, f64)>,
+    /// Place of the bristle of each contact in a state of motion.
+    bristles: Vec<Option<usize>>,
+    dimension: usize,
+    /// `M^-1 [K C]` by rows, as products with a state take it.
+    rows: Vec<f64>,
+    /// `M^-1 c_i` and `M^-1 b_i`, n by n.
+    normal: DMatrix<f64>,
+    sliding: DMatrix<f64>,
+}
+
+/// Forces of a contact in a state of motion, with their derivatives.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ContactForces {
+    /// `N - N0 - k c^T u`, what an open contact lacks, N.
+    pub excess: f64,
+    pub excess_by_gap: f64,
+    /// `mu N - mu0 N0`, N.
+    pub friction: f64,
+    pub friction_by_gap: f64,
+    pub friction_by_velocity: f64,
+    pub friction_by_state: f64,
+    /// z', and its derivatives.
+    pub rate: f64,
+    pub rate_by_velocity: f64,
+    pub rate_by_state: f64,
+}
+
+impl ContactSystem {
+    /// A structure with its closed contact springs, and the contacts on it.
+    ///
+    /// # Errors
+    /// No part, parts of different order, one with internal states, a mass matrix without an inverse, a contact with a number that is not
+    /// allowed.
+    pub fn new(parts: Vec<Part>, contacts: Vec<SlidingContact>) -> Result<Self, Error> {
+        let order = parts.first().map_or(0, |part| part.matrices.order());
+        let mut structure = SecondOrder::zeros(order, 0);
+        for Part { matrices, .. } in &parts {
+            matrices.check()?;
+            if matrices.order() != order {
+                let (found, expected) = (matrices.order(), order);
+                return Err(linsys::LinsysError::Count { what: "degrees of freedom of a part", found, expected }.into());
+            }
+            if matrices.states() > 0 {
+                return Err(Error::Structure("the structure has internal states; allowed: those of contacts alone"));
+            }
+            structure.m += &matrices.m;
+            structure.c += &matrices.c;
+            structure.k += &matrices.k;
+        }
+        structure.check()?;
+        contacts.iter().try_for_each(|contact| contact.check(order))?;
+        let inverse_mass = structure.m.clone().try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()));
+        let inverse_mass = inverse_mass.ok_or(Error::Structure("the mass matrix has no inverse"))?;
+        let columns = |of: fn(&SlidingContact) -> &Vec<(usize, f64)>| {
+            let mut columns = DMatrix::zeros(order, contacts.len());
+            for (at, contact) in contacts.iter().enumerate() {
+                of(contact).iter().for_each(|&(dof, value)| columns[(dof, at)] += value);
+            }
+            &inverse_mass * columns
+        };
+        let (normal, sliding) = (columns(|contact| &contact.normal), columns(|contact| &contact.sliding));
+        let mut dimension = 2 * order;
+        let bristles = contacts.iter().map(|contact| {
+            contact.friction.steady_state(contact.speed).map(|_| {
+                dimension += 1;
+                dimension - 1
+            })
+        });
+        let bristles = bristles.collect();
+        let (k, c) = (&inverse_mass * &structure.k, &inverse_mass * &structure.c);
+        let rows =
+            (0..order).flat_map(|i| k.row(i).iter().chain(c.row(i).iter()).copied().collect::<Vec<_>>()).collect();
+        let steady = contacts.iter().map(SlidingContact::steady).collect();
+        Ok(Self { parts, structure, contacts, steady, bristles, dimension, rows, normal, sliding })
+    }
+
+    /// n, the number of degrees of freedom.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.structure.order()
+    }
+
+    /// 2 n and one for each bristle, the length of a state of motion.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The contacts.
+    #[must_use]
+    pub fn contacts(&self) -> &[SlidingContact] {
+        &self.contacts
+    }
+
+    /// The parts of the structure.
+    #[must_use]
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// M, C and K of the structure with its closed contacts, without friction.
+    #[must_use]
+    pub fn structure(&self) -> &SecondOrder {
+        &self.structure
+    }
+
+    pub(crate) fn bristle(&self, contact: usize) -> Option<usize> {
+        self.bristles[contact]
+    }
+
+    /// Bristle state of a contact in steady sliding.
+    pub(crate) fn steady_bristle(&self, contact: usize) -> f64 {
+        self.steady[contact].0
+    }
+
+    /// Forces of a contact at a change `gap` of its normal force, N, a sliding velocity, m/s, and the deviation of its bristle.
+    pub(crate) fn forces(&self, contact: usize, gap: f64, velocity: f64, state: f64) -> ContactForces {
+        let (of, (steady, mu0)) = (&self.contacts[contact], self.steady[contact]);
+        let friction = of.friction.at(velocity, steady + state);
+        let normal = of.load + gap;
+        let (normal, by_gap) = if normal > 0.0 { (normal, 1.0) } else { (0.0, 0.0) };
+        ContactForces {
+            excess: normal - of.load - gap,
+            excess_by_gap: by_gap - 1.0,
+            friction: friction.mu * normal - mu0 * of.load,
+            friction_by_gap: friction.mu * by_gap,
+            friction_by_velocity: friction.mu_by_velocity * normal,
+            friction_by_state: friction.mu_by_state * normal,
+            rate: friction.rate,
+            rate_by_velocity: friction.rate_by_velocity,
+            rate_by_state: friction.rate_by_state,
+        }
+    }
+
+    /// Forces of a contact in a state of motion.
+    pub(crate) fn forces_in(&self, contact: usize, x: &[f64]) -> ContactForces {
+        let (u, velocity) = x.split_at(self.order());
+        let of = &self.contacts[contact];
+        let state = self.bristles[contact].map_or(0.0, |place| x[place]);
+        self.forces(contact, of.approach(u), of.slip(velocity), state)
+    }
+
+    /// The rate x' of a state of motion x.
+    pub fn rate(&self, x: &[f64], out: &mut [f64]) {
+        let n = self.order();
+        out[..n].copy_from_slice(&x[n..2 * n]);
+        for (rate, row) in out[n..2 * n].iter_mut().zip(self.rows.chunks_exact(2 * n)) {
+            *rate = -row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+        }
+        for contact in 0..self.contacts.len() {
+            let forces = self.forces_in(contact, x);
+            let (normal, sliding) = (self.normal.column(contact), self.sliding.column(contact));
+            for ((rate, c), b) in out[n..2 * n].iter_mut().zip(&normal).zip(&sliding) {
+                *rate += b * forces.friction - c * forces.excess;
+            }
+            if let Some(place) = self.bristles[contact] {
+                out[place] = forces.rate;
+            }
+        }
+    }
+
+    /// The Jacobian of [`ContactSystem::rate`] in a state of motion, square. Next to a change between open and closed it is that of the side
+    /// on which the state is.
+    #[must_use]
+    pub fn jacobian(&self, x: &[f64]) -> DMatrix<f64> {
+        let n = self.order();
+        let mut jacobian = DMatrix::zeros(self.dimension, self.dimension);
+        for i in 0..n {
+            jacobian[(i, n + i)] = 1.0;
+            for j in 0..2 * n {
+                jacobian[(n + i, j)] = -self.rows[2 * n * i + j];
+            }
+        }
+        for (contact, of) in self.contacts.iter().enumerate() {
+            let forces = self.forces_in(contact, x);
+            let (normal, sliding) = (self.normal.column(contact), self.sliding.column(contact));
+            for i in 0..n {
+                let by_gap = sliding[i] * forces.friction_by_gap - normal[i] * forces.excess_by_gap;
+                of.normal.iter().for_each(|&(dof, c)| jacobian[(n + i, dof)] += by_gap * of.stiffness * c);
+                let by_velocity = sliding[i] * forces.friction_by_velocity;
+                of.sliding.iter().for_each(|&(dof, b)| jacobian[(n + i, n + dof)] -= by_velocity * b);
+                if let Some(place) = self.bristles[contact] {
+                    jacobian[(n + i, place)] += sliding[i] * forces.friction_by_state;
+                }
+            }
+            if let Some(place) = self.bristles[contact] {
+                of.sliding.iter().for_each(|&(dof, b)| jacobian[(place, n + dof)] -= forces.rate_by_velocity * b);
+                jacobian[(place, place)] = forces.rate_by_state;
+            }
+        }
+        jacobian
+    }
+
+    /// The linear system of small motion about steady sliding.
+    #[must_use]
+    pub fn tangent(&self) -> SecondOrder {
+        let n = self.order();
+        let mut tangent = self.structure.clone();
+        tangent.internal = Internal::zeros(n, self.dimension - 2 * n);
+        let at_rest = vec![0.0; self.dimension];
+        for (contact, of) in self.contacts.iter().enumerate() {
+            let forces = self.forces_in(contact, &at_rest);
+            for &(i, b) in &of.sliding {
+                of.normal.iter().for_each(|&(j, c)| tangent.k[(i, j)] -= b * forces.friction_by_gap * of.stiffness * c);
+                of.sliding.iter().for_each(|&(j, other)| tangent.c[(i, j)] += b * forces.friction_by_velocity * other);
+            }
+            if let Some(state) = self.bristles[contact].map(|place| place - 2 * n) {
+                tangent.internal.decay[state] = -forces.rate_by_state;
+                for &(i, b) in &of.sliding {
+                    tangent.internal.drive[(state, i)] -= b * forces.rate_by_velocity;
+                    tangent.internal.force[(i, state)] += b * forces.friction_by_state;
+                }
+            }
+        }
+        tangent
+    }
+
+    /// Checks that the tangent is the system of the complex eigenvalue analysis: `Q(i w)` of both at `w`, half and twice it, rad/s. Returns
+    /// the largest deviation, relative to the norms of the terms of Q.
+    ///
+    /// # Errors
+    /// [`Error::Tangent`] where it is more than rounding; a system of another order.
+    pub fn check_tangent(&self, of_cea: &SecondOrder, omega: f64) -> Result<f64, Error> {
+        let (found, expected) = (of_cea.order(), self.order());
+        if found != expected {
+            return Err(
+                linsys::LinsysError::Count { what: "degrees of freedom of the analysis", found, expected }.into()
+            );
+        }
+        let (tangent, mut deviation) = (self.tangent(), 0.0_f64);
+        for omega in [0.5 * omega, omega, 2.0 * omega] {
+            let lambda = Complex::new(0.0, omega);
+            let difference = (tangent.dynamic_stiffness(lambda) - of_cea.dynamic_stiffness(lambda)).norm();
+            let scale = of_cea.m.norm() * omega * omega + of_cea.c.norm() * omega + of_cea.k.norm();
+            // Not a number must not pass.
+            deviation = if difference.is_finite() { deviation.max(difference / scale) } else { f64::INFINITY };
+        }
+        if deviation <= TANGENT_TOLERANCE {
+            Ok(deviation)
+        } else {
+            Err(Error::Tangent { deviation, allowed: TANGENT_TOLERANCE })
+        }
+    }
+
+    /// Scale of each entry of a state in a motion near the angular frequency `omega`, rad/s: the displacement at which a contact opens, or else
+    /// that at which one sticks.
+    #[must_use]
+    pub fn scales(&self, omega: f64) -> Vec<f64> {
+        let opening = self.contacts.iter().filter(|contact| !contact.normal.is_empty());
+        let least = opening.map(|contact| contact.load / contact.stiffness).fold(f64::INFINITY, f64::min);
+        let slowest = self.contacts.iter().map(|contact| contact.speed / omega).fold(f64::INFINITY, f64::min);
+        let length = [least, slowest, 1.0].into_iter().find(|length| length.is_finite()).unwrap_or(1.0);
+        let mut scales = vec![length; self.order()];
+        scales.extend(vec![length * omega; self.order()]);
+        let bristles = self.bristles.iter().zip(&self.steady).filter(|(bristle, _)| bristle.is_some());
+        scales.extend(bristles.map(|(_, (steady, _))| if *steady == 0.0 { 1.0 } else { steady.abs() }));
+        scales
+    }
+
+    /// The amplitude of a mode, as a factor of its shape, from which on a contact opens: `min_i N0_i / |k_i c_i^T phi|`; infinite where none does.
+    #[must_use]
+    pub fn grazing(&self, shape: &[Complex<f64>]) -> f64 {
+        let amplitude = |contact: &SlidingContact| {
+            let approach: Complex<f64> = contact.normal.iter().map(|&(dof, c)| shape[dof] * c).sum();
+            contact.load / (contact.stiffness * approach.norm())
+        };
+        self.contacts.iter().filter(|contact| !contact.normal.is_empty()).map(amplitude).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The amplitude of a mode of angular frequency `omega`, rad/s, as a factor of its shape, from which on a contact opens or sticks: up to
+    /// there a law of constant coefficient is linear. Infinite where no contact does either.
+    #[must_use]
+    pub fn first_kink(&self, omega: f64, shape: &[Complex<f64>]) -> f64 {
+        let sticks = self.contacts.iter().map(|contact| {
+            let slip: Complex<f64> = contact.sliding.iter().map(|&(dof, b)| shape[dof] * b).sum();
+            contact.speed / (omega * slip.norm())
+        });
+        sticks.fold(self.grazing(shape), f64::min)
+    }
+
+    /// The state of a motion `Re(a phi e^(lambda t))` at t = 0: displacements, velocities, and bristles that follow `lambda`.
+    #[must_use]
+    pub fn state_of_mode(&self, lambda: Complex<f64>, shape: &[Complex<f64>], amplitude: f64) -> Vec<f64> {
+        let mut x = vec![0.0; self.dimension];
+        let n = self.order();
+        let at_rest = x.clone();
+        for (dof, phi) in shape.iter().enumerate().take(n) {
+            (x[dof], x[n + dof]) = (amplitude * phi.re, amplitude * (lambda * phi).re);
+        }
+        for (contact, of) in self.contacts.iter().enumerate() {
+            let Some(place) = self.bristles[contact] else { continue };
+            let forces = self.forces_in(contact, &at_rest);
+            let slip: Complex<f64> = of.sliding.iter().map(|&(dof, b)| -lambda * shape[dof] * b).sum();
+            x[place] = amplitude * (slip * forces.rate_by_velocity / (lambda - forces.rate_by_state)).re;
+        }
+        x
+    }
+
+    /// Power of each family of forces on the structure, W, in the order of [`ContactSystem::families`].
+    pub(crate) fn powers(&self, families: &[String], x: &[f64], out: &mut [f64]) {
+        let n = self.order();
+        let (u, velocity) = (&x[..n], &x[n..2 * n]);
+        out.fill(0.0);
+        let place = |family: &str| families.iter().position(|name| name == family);
+        for Part { family, matrices } in &self.parts {
+            let Some(place) = place(family) else { continue };
+            let product = |matrix: &DMatrix<f64>, x: &[f64]| -> f64 {
+                matrix.column_iter().zip(x).map(|(column, x)| x * along_column(column.as_slice(), velocity)).sum()
+            };
+            out[place] -= product(&matrices.c, velocity) + product(&matrices.k, u);
+        }
+        for (contact, of) in self.contacts.iter().enumerate() {
+            let forces = self.forces_in(contact, x);
+            if let Some(place) = place(&of.family) {
+                out[place] += forces.friction * along(&of.sliding, velocity);
+            }
+            // A contact that opens gives back what it took.
+            out[families.len() - 1] -= forces.excess * along(&of.normal, velocity);
+        }
+    }
+
+    /// Names of the families of forces; the last is that of contacts that open, which is elastic.
+    #[must_use]
+    pub fn families(&self) -> Vec<String> {
+        let mut families: Vec<String> = Vec::new();
+        let named =
+            self.contacts.iter().map(|contact| &contact.family).chain(self.parts.iter().map(|part| &part.family));
+        for family in named {
+            if !families.contains(family) {
+                families.push(family.clone());
+            }
+        }
+        families.push("opening".into());
+        families
+    }
+
+    /// Kinetic energy of a state of motion, J.
+    #[must_use]
+    pub fn kinetic_energy(&self, x: &[f64]) -> f64 {
+        let velocity = &x[self.order()..2 * self.order()];
+        let columns = self.structure.m.column_iter().zip(velocity);
+        0.5 * columns.map(|(column, v)| v * along_column(column.as_slice(), velocity)).sum::<f64>()
+    }
+}
+
+fn along_column(column: &[f64], x: &[f64]) -> f64 {
+    column.iter().zip(x).map(|(a, x)| a * x).sum()
+}

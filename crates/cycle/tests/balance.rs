@@ -1,0 +1,59 @@
+//! Harmonic balance against integration, and branches over a parameter.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::{hoffmann, hoffmann_mode};
+use cycle::{Balance, Error, Motion, Reach, Settings, follow};
+
+const TIGHT: f64 = 1e-12;
+
+#[test]
+fn the_balance_tends_to_the_integrated_cycle_as_harmonics_grow() {
+    let system = hoffmann(1.1, 1.0);
+    let (lambda, shape) = hoffmann_mode(1.1);
+    let start = system.state_of_mode(lambda, &shape, 1.1 * system.grazing(&shape));
+    let settings = Settings { tolerance: TIGHT, ..Settings::default() };
+    let Motion::Cycle(cycle) = follow(&system, start, lambda.im, &shape, &settings).unwrap() else { panic!() };
+    for (harmonics, allowed) in [(1, 1e-3), (3, 1e-5), (9, 1e-6), (25, 2e-7)] {
+        let balance = Balance::new(harmonics, 4096).unwrap();
+        let found = balance.near(&system, &cycle, lambda.im, &shape, TIGHT).unwrap();
+        let error = (found.omega * cycle.period / TAU - 1.0).abs();
+        println!("{harmonics} {error} {}", found.residual);
+        assert!(error < allowed, "{harmonics}: {error}");
+        let refined = balance.refined(&system, &found, (lambda.im, &shape), TIGHT).unwrap();
+        assert!((refined.period / cycle.period - 1.0).abs() < 1e-10, "{harmonics}: {}", refined.period);
+    }
+}
+
+#[test]
+fn a_branch_stands_upright_at_its_onset_until_the_contact_opens() {
+    let onset = (1.0 + 2.0 * 0.05 * 0.05) / (4.0 / 3.0);
+    let (lambda, shape) = hoffmann_mode(onset);
+    assert!(lambda.re.abs() < 1e-12);
+    let grazing = hoffmann(onset, 1.0).grazing(&shape);
+    let reach = Reach { range: [0.7, 1.1], longest_step: 0.2, most_points: 200 };
+    let at = |mu: f64| Ok::<_, Error>(hoffmann(mu, 1.0));
+    let points = Balance::new(9, 512).unwrap().branch_from_onset(&at, (lambda.im, &shape), onset, &reach).unwrap();
+    let below: Vec<_> = points.iter().filter(|point| point.amplitude < 0.999 * grazing).collect();
+    assert!(below.len() > 2);
+    for point in below {
+        assert!((point.cycle.parameter - onset).abs() < 1e-9, "{}", point.cycle.parameter);
+        assert!((point.cycle.omega / lambda.im - 1.0).abs() < 1e-9);
+    }
+    let last = points.last().unwrap();
+    println!("{} points, {} at {}", points.len(), last.amplitude, last.cycle.parameter);
+    assert!((last.cycle.parameter - 1.1).abs() < 1e-12);
+    assert!((TAU / last.cycle.omega - 4.670813590).abs() < 1e-4, "{}", TAU / last.cycle.omega);
+}
+
+#[test]
+fn more_harmonics_than_samples_are_refused() {
+    let error = Balance::new(9, 18).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "samples of a period = 18; allowed: 19 or more, two for each of 9 harmonics and one for the mean"
+    );
+    assert!(Balance::new(0, 18).is_err());
+}

@@ -1,0 +1,257 @@
+//! Cycles with known answers, by integration and shooting.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt};
+use cycle::{
+    Bristled, ContactSystem, Cycle, Measures, Motion, Settings, Smoothed, follow, history, measure, state_after,
+};
+use friction::{
+    BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent, VelocityDependentParameters,
+};
+use linsys::{Internal, SecondOrder};
+use nalgebra::{dmatrix, dvector};
+use num_complex::Complex;
+
+const TIGHT: f64 = 1e-12;
+
+/// The shape of a single mass.
+const ONE: [Complex<f64>; 1] = [Complex::new(1.0, 0.0)];
+
+fn motion(system: &ContactSystem, start: Vec<f64>, omega: f64, shape: &[Complex<f64>], tolerance: f64) -> Motion {
+    follow(system, start, omega, shape, &Settings { tolerance, ..Settings::default() }).unwrap()
+}
+
+fn cycle(system: &ContactSystem, start: Vec<f64>, omega: f64, shape: &[Complex<f64>], tolerance: f64) -> Cycle {
+    match motion(system, start, omega, shape, tolerance) {
+        Motion::Cycle(cycle) => cycle,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn of_hoffmann(mu: f64, load: f64) -> (ContactSystem, Cycle, Measures) {
+    let system = hoffmann(mu, load);
+    let (lambda, shape) = hoffmann_mode(mu);
+    let start = system.state_of_mode(lambda, &shape, 1.1 * system.grazing(&shape));
+    let cycle = cycle(&system, start, lambda.im, &shape, TIGHT);
+    let measures = measure(&system, &cycle, TIGHT).unwrap();
+    (system, cycle, measures)
+}
+
+#[test]
+fn hoffmanns_oscillator_lifts_off_as_two_matched_linear_phases_do() {
+    // mu, period, time open, largest y: two phases of exponentials, matched.
+    let known = [
+        (0.76, 4.448966455, 0.486631, 0.792378),
+        (0.80, 4.485144715, 0.968634, 0.911365),
+        (0.90, 4.560150545, 1.435545, 1.096984),
+        (1.00, 4.620386802, 1.703075, 1.237861),
+        (1.10, 4.670813590, 1.895878, 1.357805),
+    ];
+    for (mu, period, open, largest) in known {
+        let (system, cycle, measures) = of_hoffmann(mu, 1.0);
+        assert!((cycle.period - period).abs() < 1e-8, "{mu}: {}", cycle.period);
+        assert!((measures.contacts[0].open * cycle.period - open).abs() < 1e-6, "{mu}: {:?}", measures.contacts);
+        let loads = history(&system, &cycle, 4096, TIGHT).unwrap();
+        let normal = loads.iter().map(|contacts| contacts[0].0).fold(0.0, f64::max);
+        assert!(((normal - 1.0) * 0.75 - largest).abs() < 2e-6, "{mu}: {normal}");
+        let multiplier = cycle.largest_multiplier();
+        assert!((0.889..0.8955).contains(&multiplier), "{mu}: {multiplier}");
+        assert!(measures.imbalance() < 1e-10, "{mu}: {}", measures.imbalance());
+        // Friction feeds what dashpots take, and a contact that opens takes nothing.
+        let power = |name: &str| measures.powers.iter().find(|(family, _)| family == name).unwrap().1;
+        assert!(
+            power("friction") > 0.0 && power("dashpots") < 0.0 && power("opening").abs() < 1e-10 * power("friction")
+        );
+    }
+}
+
+#[test]
+fn an_amplitude_is_proportional_to_the_load_and_a_frequency_is_not() {
+    let (_, one, of_one) = of_hoffmann(0.9, 1.0);
+    for load in [1e-3, 0.37, 250.0] {
+        let (_, other, of_other) = of_hoffmann(0.9, load);
+        assert!((other.period / one.period - 1.0).abs() < 1e-12, "{load}: {}", other.period / one.period - 1.0);
+        let ratio = of_other.peak[1] / of_one.peak[1] / load;
+        assert!((ratio - 1.0).abs() < 1e-12, "{load}: {}", ratio - 1.0);
+    }
+}
+
+#[test]
+fn a_stable_motion_comes_to_rest() {
+    let system = hoffmann(0.5, 1.0);
+    let shape = [Complex::new(1.0, 0.0), Complex::new(-1.0, 0.0)];
+    let found = motion(&system, vec![0.1, -0.1, 0.0, 0.0], 1.0, &shape, 1e-9);
+    assert_eq!(found, Motion::Rest);
+}
+
+#[test]
+fn a_motion_that_nothing_stops_is_unbounded() {
+    // Friction that falls with a slope for ever feeds more than the dashpot takes.
+    let system = mass_on_belt(FAST, 0.01, Arc::new(Curve(|w| (0.5 - 0.1 * (w - FAST), -0.1))));
+    assert_eq!(motion(&system, vec![1e-3, 0.0], 1.0, &ONE, 1e-9), Motion::Unbounded);
+}
+
+#[test]
+fn van_der_pols_oscillator_has_its_amplitude_and_period() {
+    // Rayleigh's equation, whose velocity is van der Pol's x: y'' - (y' - y'^3 / 3) + y = 0 under the belt's v = 10.
+    let system = mass_on_belt(
+        10.0,
+        0.0,
+        Arc::new(Curve(|w| (1.0 + (10.0 - w) - (10.0 - w).powi(3) / 3.0, -1.0 + (10.0 - w).powi(2)))),
+    );
+    let found = cycle(&system, vec![0.1, 0.0], 1.0, &ONE, TIGHT);
+    assert!((found.period - 6.663286859).abs() < 1e-8, "{}", found.period);
+    let slips = history(&system, &found, 8192, TIGHT).unwrap();
+    let amplitude = slips.iter().map(|contacts| (contacts[0].1 - 10.0).abs()).fold(0.0, f64::max);
+    assert!((amplitude - 2.008619861).abs() < 1e-6, "{amplitude}");
+}
+
+#[test]
+fn a_cubic_friction_curve_has_the_amplitudes_integrated_elsewhere() {
+    // mu_s 0.4, mu_m 0.25, v_m 0.5, damping 2 x 0.05, without stick: the belt is 1 % and 5 % slower than where small motion begins to grow.
+    const K1: f64 = 1.5 * 0.15 / 0.5;
+    const K3: f64 = 0.5 * 0.15 / 0.125;
+    let curve = |w: f64| (0.4 - K1 * w + K3 * w.powi(3), -K1 + 3.0 * K3 * w * w);
+    let onset = 0.5 * (1.0_f64 - 4.0 * 0.05 * 0.5 / (3.0 * 0.15)).sqrt();
+    for (part, integrated, averaged) in [(0.99, 0.124757, 0.124410), (0.95, 0.278952, 0.275379)] {
+        let speed = part * onset;
+        assert!((2.0 * (onset * onset - speed * speed).sqrt() - averaged).abs() < 1e-6);
+        let system = mass_on_belt(speed, 0.1, Arc::new(Curve(curve)));
+        let found = cycle(&system, vec![0.8 * averaged, 0.0], 1.0, &ONE, 1e-11);
+        let extremes = {
+            let measures = measure(&system, &found, 1e-11).unwrap();
+            // Half of the way from peak to peak: from the cycle, whose mean is not 0.
+            let states = (0..2000).map(|i| {
+                state_after(&system, found.start.clone(), found.period * f64::from(i) / 2000.0, 1.0, 1e-9).unwrap()[0]
+            });
+            let all: Vec<f64> = states.collect();
+            let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+            let greatest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            assert!((measures.peak[0] - greatest.max(-least)).abs() < 1e-6);
+            0.5 * (greatest - least)
+        };
+        assert!((extremes - integrated).abs() < 2e-6, "{part}: {extremes}");
+    }
+}
+
+/// Coefficient 1 at rest and 0.6 in sliding at a belt of 0.3, undamped: `D = 0.4`, amplitude 0.5, period 7.095261538.
+fn stick_slip(stick_speed: f64) -> (f64, f64, f64) {
+    let law =
+        VelocityDependent::new(VelocityDependentParameters { mu_s: 1.0, mu_k: 0.6, alpha: 1.0 / (30.0 * stick_speed) })
+            .unwrap();
+    let system = mass_on_belt(0.3, 0.0, Arc::new(Smoothed { law, stick_speed }));
+    let found = cycle(&system, vec![0.45, 0.0], 1.0, &ONE, 1e-9);
+    let measures = measure(&system, &found, 1e-9).unwrap();
+    (found.period, measures.peak[0], measures.contacts[0].stuck)
+}
+
+#[test]
+fn stick_slip_tends_to_coulombs_as_the_smoothing_narrows() {
+    let (period, stuck) = (7.095261538, 2.0 * 0.4 / 0.3 / 7.095261538);
+    let mut last = f64::INFINITY;
+    for stick_speed in [1e-3, 4e-4, 1e-4] {
+        let found = stick_slip(stick_speed);
+        println!("{stick_speed} {found:?} {stuck}");
+        let errors = [found.0 / period - 1.0, found.1 / 0.5 - 1.0, found.2 / stuck - 1.0].map(f64::abs);
+        let error = errors.into_iter().fold(0.0, f64::max);
+        assert!(error < last, "{stick_speed}: {found:?}");
+        last = error;
+    }
+    assert!(last < 0.02, "{last}");
+}
+
+/// LuGre friction at a belt of 0.3 whose bristles are so stiff.
+fn bristled(sigma0: f64) -> f64 {
+    let law = LuGre::new(LuGreParameters {
+        mu_s: 1.0,
+        mu_k: 0.6,
+        v_s: 3e-3,
+        sigma0,
+        // Else an undamped mass would swing on its bristles while it sticks.
+        sigma1: sigma0.sqrt(),
+        sigma2: 0.0,
+        bristle_damping: BristleDamping::Decaying,
+    });
+    let system = mass_on_belt(0.3, 0.0, Arc::new(Bristled { law: law.unwrap(), stick_speed: 3e-3 }));
+    cycle(&system, vec![0.45, 0.0, 0.0], 1.0, &ONE, 1e-9).period
+}
+
+#[test]
+fn lugre_tends_to_coulomb_as_its_bristles_stiffen() {
+    let periods = [3e3, 1e4, 3e4].map(bristled);
+    println!("{periods:?}");
+    let errors = periods.map(|period| (period / 7.095261538 - 1.0).abs());
+    assert!(errors[1] < errors[0] && errors[2] < errors[1] && errors[2] < 2e-2, "{periods:?}");
+}
+
+#[test]
+fn the_tangent_is_that_of_a_law_to_the_last_digits_and_no_other() {
+    let law = LuGre::new(LuGreParameters {
+        mu_s: 0.6,
+        mu_k: 0.4,
+        v_s: 0.5,
+        sigma0: 50.0,
+        sigma1: 0.3,
+        sigma2: 0.02,
+        bristle_damping: BristleDamping::Decaying,
+    })
+    .unwrap();
+    let at = |damping: f64| mass_on_belt(0.7, damping, Arc::new(Bristled { law, stick_speed: 1e-3 }));
+    // The channel of the linear system: b against the belt, load 1.
+    let Tangent { slope, internal, .. } = law.tangent_at(0.7).unwrap();
+    let state = internal.unwrap();
+    let internal =
+        Internal { decay: dvector![state.decay], drive: dmatrix![-state.drive], force: dmatrix![state.force] };
+    let of_cea = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.1 + slope], dmatrix![1.0], internal).unwrap();
+    assert!(at(0.1).check_tangent(&of_cea, 1.0).unwrap() < 1e-14);
+    let error = at(0.1001).check_tangent(&of_cea, 1.0).unwrap_err().to_string();
+    assert!(error.contains("tangent in steady sliding deviates"), "{error}");
+}
+
+#[test]
+fn jacobians_are_limits_of_differences() {
+    let law = LuGre::new(LuGreParameters {
+        mu_s: 0.6,
+        mu_k: 0.4,
+        v_s: 0.5,
+        sigma0: 50.0,
+        sigma1: 0.3,
+        sigma2: 0.02,
+        bristle_damping: BristleDamping::Decaying,
+    })
+    .unwrap();
+    let smoothed = Smoothed { law: law_of_speed(), stick_speed: 0.1 };
+    let systems = [
+        (
+            mass_on_belt(0.7, 0.1, Arc::new(Bristled { law, stick_speed: 1e-3 })),
+            vec![vec![0.2, 0.3, 0.004], vec![0.1, 1.2, -0.003]],
+        ),
+        (
+            mass_on_belt(0.7, 0.1, Arc::new(smoothed)),
+            vec![vec![0.2, 0.3], vec![0.1, 0.66], vec![0.1, 0.75], vec![0.0, 1.3]],
+        ),
+        (hoffmann(0.8, 1.0), vec![vec![0.1, 0.4, -0.3, 0.2], vec![0.1, -1.4, -0.3, 0.2]]),
+    ];
+    for (system, states) in systems {
+        for x in states {
+            let (jacobian, d) = (system.jacobian(&x), x.len());
+            let (mut ahead, mut behind) = (vec![0.0; d], vec![0.0; d]);
+            for j in 0..d {
+                let moved = |by: f64| (0..d).map(|i| if i == j { x[i] + by } else { x[i] }).collect::<Vec<_>>();
+                system.rate(&moved(1e-6), &mut ahead);
+                system.rate(&moved(-1e-6), &mut behind);
+                for i in 0..d {
+                    let difference = (ahead[i] - behind[i]) / 2e-6;
+                    assert!((difference - jacobian[(i, j)]).abs() < 1e-7 * (1.0 + jacobian.amax()), "{x:?} {i} {j}");
+                }
+            }
+        }
+    }
+}
+
+fn law_of_speed() -> VelocityDependent {
+    VelocityDependent::new(VelocityDependentParameters { mu_s: 0.6, mu_k: 0.4, alpha: 2.0 }).unwrap()
+}

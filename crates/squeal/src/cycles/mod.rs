@@ -1,0 +1,190 @@
+//! The motion after the onset: what each unstable mode of a scene grows into, and cycles over a parameter.
+//!
+//! Any [`UncertainBrake`] that gives its [`SlidingContacts`](study::SlidingContacts) can be asked. Every run begins with a check that the
+//! equations of motion have the system of the complex eigenvalue analysis as their tangent.
+
+mod branches;
+mod starts;
+mod tables;
+
+pub use branches::{Branch, BranchCycle, branches};
+
+use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdicts_beyond};
+use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow, measure};
+use num_complex::Complex;
+use study::{Scene, SlidingContacts, UncertainBrake};
+
+use crate::Error;
+
+/// What the motion of a scene is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CycleOptions {
+    /// Starts of motions.
+    pub from: Start,
+    /// Harmonics of the balance, 1 or more.
+    pub harmonics: usize,
+    /// Equal steps of a period at which a balance evaluates the contacts: 2 H + 1 or more.
+    pub samples: usize,
+    /// A contact sticks where it slides with less than this part of its steady speed; above 0, below 1.
+    pub stick: f64,
+}
+
+impl Default for CycleOptions {
+    fn default() -> Self {
+        Self { from: Start::UnstableModes, harmonics: 9, samples: 512, stick: 0.01 }
+    }
+}
+
+/// Start of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// From each unstable mode, just beyond the amplitude at which the first contact opens or sticks.
+    UnstableModes,
+    /// From the mode of this rank, as the complex eigenvalue analysis counts it.
+    Mode(usize),
+    /// From noise, a stream of the seed of the study.
+    Noise,
+}
+
+/// What the unstable modes of a scene become.
+#[derive(Debug, Clone)]
+pub struct Cycles {
+    /// Deviation of the tangent from the system of the complex eigenvalue analysis, relative.
+    pub tangent_deviation: f64,
+    /// Harmonics of the balance.
+    pub harmonics: usize,
+    /// The motions, by their starts.
+    pub motions: Vec<MotionOfMode>,
+    /// Names of the bodies, with their degrees of freedom.
+    pub(crate) bodies: Vec<(String, Vec<usize>)>,
+    /// Names of the contacts.
+    pub(crate) contacts: Vec<String>,
+}
+
+/// The motion that starts at a mode.
+#[derive(Debug, Clone)]
+pub struct MotionOfMode {
+    /// Start: the rank of a mode or `noise`.
+    pub start: String,
+    /// Eigenvalue of the mode, 1/s; of noise, that of the mode that grows fastest.
+    pub lambda: Complex<f64>,
+    /// What the motion becomes.
+    pub motion: Motion,
+    /// Measures of the cycle; `None` where the motion is none.
+    pub measures: Option<Measures>,
+    /// Frequency of the harmonic balance, Hz; `None` where it does not converge or there is no cycle.
+    pub balanced_hz: Option<f64>,
+}
+
+/// An unstable mode of a scene.
+#[derive(Debug, Clone)]
+pub(crate) struct GrowingMode {
+    pub rank: usize,
+    pub lambda: Complex<f64>,
+    pub shape: Vec<Complex<f64>>,
+}
+
+/// Allowed error of a step of time, relative; chosen: cycles are known to some 1e-9.
+pub(crate) const TOLERANCE: f64 = 1e-10;
+
+/// The contacts of a brake beyond their tangents.
+///
+/// # Errors
+/// [`Error::NotGiven`].
+pub(crate) fn contacts_of<B: UncertainBrake>(brake: &B) -> Result<&dyn SlidingContacts, Error> {
+    brake
+        .sliding_contacts()
+        .ok_or(Error::NotGiven { capability: "sliding_contacts", needed_by: "the motion after the onset" })
+}
+
+/// Refuses options that no scene could take, and gives the balance.
+pub(crate) fn checked(options: &CycleOptions) -> Result<Balance, Error> {
+    if !(options.stick > 0.0 && options.stick < 1.0) {
+        let allowed = "above 0 and below 1: the part of the sliding speed below which a contact sticks".into();
+        return Err(Error::Argument { argument: "stick", value: options.stick.to_string(), allowed });
+    }
+    Ok(Balance::new(options.harmonics, options.samples)?)
+}
+
+/// The motions after the onset in a scene at its medians.
+///
+/// # Errors
+/// A brake that does not give its contacts, options that are not allowed, a tangent that is not that of the analysis, a scene without an
+/// unstable mode, a mode that is not unstable.
+pub fn cycles<B: UncertainBrake>(brake: &B, scene: &Scene, options: &CycleOptions) -> Result<Cycles, Error> {
+    let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
+    let system = contacts.contact_system(scene, &[], options.stick)?;
+    let of_cea = brake.system(scene, &brake.median())?;
+    let modes = growing_modes(brake, scene)?;
+    let Some(fastest) = modes.iter().max_by(|a, b| a.lambda.re.total_cmp(&b.lambda.re)) else {
+        return Err(Error::NeverSqueals { scene: plan.describe(scene) });
+    };
+    let tangent_deviation = system.check_tangent(&of_cea, fastest.lambda.im)?;
+    let in_mode = |mode: &GrowingMode| {
+        let amplitude = starts::BEYOND_THE_KINK * starts::first_kink(&system, mode);
+        let start = system.state_of_mode(mode.lambda, &mode.shape, amplitude);
+        motion_of(&system, &balance, mode, start, format!("{}", mode.rank))
+    };
+    let motions = match options.from {
+        Start::UnstableModes => modes.iter().map(in_mode).collect::<Result<_, _>>()?,
+        Start::Mode(rank) => match modes.iter().find(|mode| mode.rank == rank) {
+            Some(mode) => vec![in_mode(mode)?],
+            None => {
+                let ranks: Vec<String> = modes.iter().map(|mode| mode.rank.to_string()).collect();
+                let allowed = format!("noise, or the rank of an unstable mode: {}", ranks.join(", "));
+                return Err(Error::Argument { argument: "from", value: rank.to_string(), allowed });
+            }
+        },
+        Start::Noise => {
+            let start = starts::noise(&system, fastest, plan.seed);
+            vec![motion_of(&system, &balance, fastest, start, "noise".into())?]
+        }
+    };
+    let brake = plan.brake(scene);
+    Ok(Cycles {
+        tangent_deviation,
+        harmonics: options.harmonics,
+        motions,
+        bodies: brake.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
+        contacts: system.contacts().iter().map(|contact| contact.name.clone()).collect(),
+    })
+}
+
+/// Unstable modes of a scene at its medians, in ascending frequency.
+pub(crate) fn growing_modes<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<Vec<GrowingMode>, Error> {
+    let system = brake.system(scene, &brake.median())?;
+    let mut work = Workspace::default();
+    let spectrum = QrSolver.eigenvalues(&system, &mut work).map_err(study::Error::from)?;
+    let modes = Modes::classify(&system, &spectrum, &mut work).map_err(study::Error::from)?;
+    let threshold = &brake.plan().threshold;
+    let verdicts =
+        verdicts_beyond(threshold, &system, &modes.oscillatory, &spectrum, &mut work).map_err(study::Error::from)?;
+    let growing =
+        modes.oscillatory.iter().enumerate().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable);
+    let mode = |((index, &lambda), _): ((usize, &Complex<f64>), Verdict)| {
+        let shape = Mode::at(&system, &[lambda], &mut work).map_err(study::Error::from)?.swap_remove(0).shape;
+        Ok(GrowingMode { rank: modes.rank(index), lambda, shape: shape.iter().copied().collect() })
+    };
+    growing.map(mode).collect()
+}
+
+/// Follows the motion from a state, and measures what it becomes.
+fn motion_of(
+    system: &ContactSystem,
+    balance: &Balance,
+    mode: &GrowingMode,
+    start: Vec<f64>,
+    name: String,
+) -> Result<MotionOfMode, Error> {
+    let (omega, shape) = (mode.lambda.im, &mode.shape[..]);
+    let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
+    let motion = follow(system, start, omega, shape, &settings)?;
+    let cycle: Option<&Cycle> = match &motion {
+        Motion::Cycle(cycle) => Some(cycle),
+        _ => None,
+    };
+    let measures = cycle.map(|cycle| measure(system, cycle, TOLERANCE)).transpose()?;
+    let balanced = cycle.and_then(|cycle| balance.near(system, cycle, omega, shape, TOLERANCE).ok());
+    let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
+    Ok(MotionOfMode { start: name, lambda: mode.lambda, motion, measures, balanced_hz })
+}

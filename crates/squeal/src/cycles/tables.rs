@@ -1,0 +1,242 @@
+//! Tables of motions and branches.
+
+use cycle::{Cycle, Measures, Motion};
+use output::Table;
+
+use super::{Branch, Cycles};
+
+/// Hz of an eigenvalue.
+fn hz(omega: f64) -> f64 {
+    omega / std::f64::consts::TAU
+}
+
+impl Cycles {
+    /// The motions, one a row: `cycles`.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let mut columns: Vec<String> = [
+            "from_mode",
+            "cea_hz",
+            "growth_per_s",
+            "kind",
+            "cycle_hz",
+            "balance_hz",
+            "largest_multiplier",
+            "residual",
+            "kinetic_energy_j",
+            "power_imbalance",
+        ]
+        .map(str::to_owned)
+        .to_vec();
+        let families: Vec<String> = self.families();
+        for (name, _) in &self.bodies {
+            columns.extend([format!("rms_velocity_m_per_s {name}"), format!("peak_m {name}")]);
+        }
+        for name in &self.contacts {
+            columns.extend([format!("open {name}"), format!("stuck {name}")]);
+        }
+        columns.extend(families.iter().map(|family| format!("power_w {family}")));
+        let rows = self.motions.iter().map(|of| {
+            let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+            let (cycle, measures) = (cycle_of(&of.motion), of.measures.as_ref());
+            let mut row = vec![
+                of.start.clone(),
+                hz(of.lambda.im).to_string(),
+                of.lambda.re.to_string(),
+                kind(&of.motion).into(),
+                number(cycle.map(Cycle::frequency_hz)),
+                number(of.balanced_hz),
+                number(cycle.map(Cycle::largest_multiplier)),
+                number(cycle.map(|cycle| cycle.residual)),
+                number(measures.map(|measures| measures.kinetic_energy)),
+                number(measures.map(Measures::imbalance)),
+            ];
+            for (_, dofs) in &self.bodies {
+                row.push(number(measures.map(|measures| measures.rms_of(dofs))));
+                row.push(number(measures.map(|measures| measures.peak_of(dofs))));
+            }
+            for contact in 0..self.contacts.len() {
+                row.push(number(measures.map(|measures| measures.contacts[contact].open)));
+                row.push(number(measures.map(|measures| measures.contacts[contact].stuck)));
+            }
+            let powers = |at: usize| number(measures.map(|measures| measures.powers[at].1));
+            row.extend((0..families.len()).map(powers));
+            row
+        });
+        Table::new("cycles", columns, rows)
+    }
+
+    fn families(&self) -> Vec<String> {
+        let measures = self.motions.iter().find_map(|of| of.measures.as_ref());
+        measures.map_or_else(Vec::new, |measures| measures.powers.iter().map(|(family, _)| family.clone()).collect())
+    }
+
+    /// The motions in words, a line each with the loudest body.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{:>6}  {:>12}  {:>11}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  kind, loudest body\n",
+            "from", "CEA Hz", "growth 1/s", "cycle Hz", "balance Hz", "multiplier", "open", "stuck", "rms m/s"
+        );
+        for of in &self.motions {
+            let blank = String::new;
+            let (cycle, measures) = (cycle_of(&of.motion), of.measures.as_ref());
+            let hertz = |value: Option<f64>| value.map_or_else(blank, crate::results::hertz);
+            let share = |value: fn(&cycle::Shares) -> f64| {
+                let greatest = |measures: &Measures| measures.contacts.iter().map(value).fold(0.0, f64::max);
+                measures.map_or_else(blank, |measures| format!("{:.3}", greatest(measures)))
+            };
+            let loudest = measures.and_then(|measures| {
+                let bodies = self.bodies.iter().map(|(name, dofs)| (name, measures.rms_of(dofs)));
+                bodies.max_by(|a, b| a.1.total_cmp(&b.1))
+            });
+            text += &format!(
+                "{:>6}  {:>12}  {:>11.4}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  {}{}\n",
+                of.start,
+                crate::results::hertz(hz(of.lambda.im)),
+                of.lambda.re,
+                hertz(cycle.map(Cycle::frequency_hz)),
+                hertz(of.balanced_hz),
+                cycle.map_or_else(blank, |cycle| format!("{:.4}", cycle.largest_multiplier())),
+                share(|shares| shares.open),
+                share(|shares| shares.stuck),
+                loudest.map_or_else(blank, |(_, rms)| format!("{rms:.4}")),
+                kind(&of.motion),
+                loudest.map_or_else(blank, |(name, _)| format!(", {name}")),
+            );
+        }
+        let imbalance =
+            self.motions.iter().filter_map(|of| of.measures.as_ref()).map(Measures::imbalance).fold(0.0, f64::max);
+        text + &format!(
+            "\nopen, stuck: largest share of the period of a contact; multiplier: what a small deviation becomes in a period\n\
+             the motion's tangent deviates from the complex eigenvalue analysis by {:.1e}; powers sum to zero within {imbalance:.1e}\n",
+            self.tangent_deviation
+        )
+    }
+}
+
+fn cycle_of(motion: &Motion) -> Option<&Cycle> {
+    match motion {
+        Motion::Cycle(cycle) => Some(cycle),
+        _ => None,
+    }
+}
+
+/// What a motion became, in words.
+fn kind(motion: &Motion) -> &'static str {
+    match motion {
+        Motion::Cycle(_) => "cycle",
+        Motion::Rest => "rest",
+        Motion::Unbounded => "unbounded",
+        Motion::NotPeriodic { .. } => "not periodic",
+    }
+}
+
+impl Branch {
+    /// The cycles of some branches, one a row: `branches`.
+    #[must_use]
+    pub fn table(branches: &[Self]) -> Table {
+        let name = branches.first().map_or("parameter", |branch| &branch.parameter.name);
+        let columns = [
+            "mode",
+            "onset",
+            "onset_hz",
+            name,
+            "balance_hz",
+            "cycle_hz",
+            "amplitude",
+            "fold",
+            "stable",
+            "largest_multiplier",
+            "open",
+            "stuck",
+            "loudest_body",
+            "rms_velocity_m_per_s",
+        ];
+        let rows = branches.iter().flat_map(|branch| branch.cycles.iter().map(|cycle| branch.row(cycle)));
+        Table::new("branches", columns, rows)
+    }
+
+    fn row(&self, of: &super::BranchCycle) -> Vec<String> {
+        let mut row = vec![
+            self.mode.clone(),
+            self.onset.to_string(),
+            self.onset_hz.to_string(),
+            of.at.to_string(),
+            of.balanced_hz.to_string(),
+        ];
+        let Some((cycle, measures)) = &of.in_time else {
+            row.extend([String::new(), of.amplitude.to_string(), yes(of.is_fold)]);
+            row.extend(vec![String::new(); 6]);
+            return row;
+        };
+        let greatest = |share: fn(&cycle::Shares) -> f64| measures.contacts.iter().map(share).fold(0.0, f64::max);
+        let bodies = self.bodies.iter().map(|(name, dofs)| (name.clone(), measures.rms_of(dofs)));
+        let (loudest, rms) = bodies.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+        row.extend([
+            cycle.frequency_hz().to_string(),
+            of.amplitude.to_string(),
+            yes(of.is_fold),
+            yes(cycle.is_stable()),
+            cycle.largest_multiplier().to_string(),
+            greatest(|shares| shares.open).to_string(),
+            greatest(|shares| shares.stuck).to_string(),
+            loudest,
+            rms.to_string(),
+        ]);
+        row
+    }
+
+    /// The branches in words.
+    #[must_use]
+    pub fn text(branches: &[Self]) -> String {
+        let mut text = String::new();
+        for branch in branches {
+            let name = &branch.parameter.name;
+            text += &format!(
+                "mode {}, onset at {name} = {:.6}, {} Hz\n{:>12}  {:>12}  {:>12}  {:>10}  {:>10}  {:>6}  {:>6}  {:>8}\n",
+                branch.mode,
+                branch.onset,
+                crate::results::hertz(branch.onset_hz),
+                name,
+                "balance Hz",
+                "cycle Hz",
+                "amplitude",
+                "multiplier",
+                "open",
+                "stuck",
+                "rms m/s"
+            );
+            for of in &branch.cycles {
+                let head = format!("{:>12.6}  {:>12}", of.at, crate::results::hertz(of.balanced_hz));
+                let fold = if of.is_fold { "  fold" } else { "" };
+                text += &match &of.in_time {
+                    None => format!(
+                        "{head}  {:>12}  {:>10.4}  no motion in time found from the balance{fold}\n",
+                        "", of.amplitude
+                    ),
+                    Some((cycle, measures)) => {
+                        let greatest =
+                            |share: fn(&cycle::Shares) -> f64| measures.contacts.iter().map(share).fold(0.0, f64::max);
+                        let rms = branch.bodies.iter().map(|(_, dofs)| measures.rms_of(dofs)).fold(0.0, f64::max);
+                        format!(
+                            "{head}  {:>12}  {:>10.4}  {:>10.4}  {:>6.3}  {:>6.3}  {rms:>8.4}{}{fold}\n",
+                            crate::results::hertz(cycle.frequency_hz()),
+                            of.amplitude,
+                            cycle.largest_multiplier(),
+                            greatest(|shares| shares.open),
+                            greatest(|shares| shares.stuck),
+                            if cycle.is_stable() { "" } else { "  unstable" },
+                        )
+                    }
+                };
+            }
+            text += "\n";
+        }
+        text + "amplitude: of the first harmonic, in that at which the first contact opens or sticks\n"
+    }
+}
+
+fn yes(is: bool) -> String {
+    if is { "yes" } else { "no" }.into()
+}

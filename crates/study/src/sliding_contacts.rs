@@ -1,0 +1,16 @@
+//! The capability of a brake whose contacts are known beyond their tangents: for the motion after the onset.
+
+use cycle::ContactSystem;
+
+use crate::{Error, Scene};
+
+/// Contacts that may open, slide and stick.
+pub trait SlidingContacts: Sync {
+    /// The equations of motion of a scene in which some of the brake's [`Parametrised`](crate::Parametrised) parameters, by their indices,
+    /// have `values`, and all others their medians. A contact sticks where it slides with less than `stick` of its steady speed, above 0
+    /// and below 1.
+    ///
+    /// # Errors
+    /// A contact whose load, speed, spring or law is not known; as [`UncertainBrake::operating_point`](crate::UncertainBrake::operating_point).
+    fn contact_system(&self, scene: &Scene, values: &[(usize, f64)], stick: f64) -> Result<ContactSystem, Error>;
+}
