@@ -17,6 +17,7 @@ const LAYERS: [(&str, &str); 24] = [
     ("cea", "crates/cea"),
     ("tracking", "crates/tracking"),
     ("work", "crates/work"),
+    ("cycle", "crates/cycle"),
     ("sparse", "crates/sparse"),
     ("contact", "crates/contact"),
     ("reduction", "crates/reduction"),

@@ -4,12 +4,12 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::case::ChosenSpeed;
+use brakes::case::{CaseFile, ChosenSpeed};
 use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
 use output::{Table, printable};
 use serde_json::json;
-use squeal::cycles::{Branch, CycleOptions, Start, branches, cycles};
+use squeal::cycles::{Branch, CycleOptions, MOTION, Start, branches, contacts_digest, cycles};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::study::Study;
@@ -76,6 +76,11 @@ impl CycleArgs {
     /// What is wrong with the case or an option, and what has no motion.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
+        if matches!(case, CaseFile::FiniteElements(_)) {
+            // Its reduction would take long, and its contacts are not given.
+            let error = squeal::Error::NotGiven { capability: "sliding_contacts", needed_by: MOTION };
+            return Err(error.into());
+        }
         let purpose = self.over.as_ref().map_or(Purpose::Analysis, |over| Purpose::Sweep(std::slice::from_ref(over)));
         let brake = sized::brake(case, purpose, self.memory, None)?;
         let text = self.motion(&brake)?;
@@ -94,25 +99,34 @@ impl CycleArgs {
             samples: self.time_samples,
             stick: self.stick,
         };
-        let identity = of_study(brake).given("cycle", format!("{options:?} {:?}", self.over)).into_line();
+        let contacts = contacts_digest(brake, &plan.scenes[0], &options)?;
+        let over = self.over.as_ref().map_or_else(|| "medians".to_owned(), ToString::to_string);
+        let asked = format!(
+            "{over} from {:?}, {} harmonics, {} samples, stick {}, contacts {contacts}",
+            options.from, options.harmonics, options.samples, options.stick
+        );
+        let identity = of_study(brake).given("cycle", asked).into_line();
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let (table, text): (Table, String) = match &self.over {
+        let (tables, text): (Vec<Table>, String) = match &self.over {
             None => {
                 let cycles = cycles(brake, &plan.scenes[0], &options)?;
-                (cycles.table(), cycles.text())
+                (vec![cycles.table(), cycles.contacts_table()], cycles.text())
             }
             Some(over) => workers(None)?.install(|| -> Result<_, Error> {
                 let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
                 let branches = branches(&study, 0, over, &options, &Bar::of("sectors"))?;
-                Ok((Branch::table(&branches), Branch::text(&branches)))
+                Ok((vec![Branch::table(&branches)], Branch::text(&branches)))
             })?,
         };
         let seconds = begin.elapsed().as_secs_f64();
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
-            folder.publish(|stage| -> Result<(), Error> { Ok(table.write(stage)?) })?;
+            folder.publish(|stage| -> Result<(), Error> {
+                tables.iter().try_for_each(|table| table.write(stage))?;
+                Ok(())
+            })?;
             let own = json!({
                 "scene": plan.describe(&plan.scenes[0]),
                 "over": self.over.as_ref().map(ToString::to_string),
@@ -123,7 +137,7 @@ impl CycleArgs {
             results_folder::write_manifest(&folder, plan, None, seconds, own)?;
         }
         if self.json {
-            return Ok(format!("{:#}\n", json!({ "scene": plan.describe(&plan.scenes[0]), "rows": table.json() })));
+            return Ok(format!("{:#}\n", json!({ "scene": plan.describe(&plan.scenes[0]), "rows": tables[0].json() })));
         }
         let heading = brake.medians_in_words() + &counts_from(&plan.threshold);
         let place = results_folder::place(self.out.as_deref());

@@ -62,38 +62,16 @@ impl Balance {
         let amplitude = START * system.first_kink(mode.0, mode.1);
         let guess = equations.unknowns(&equations.of_mode(amplitude, mode.0, onset), width);
         let condition = Condition { row: equations.amplitude_row(false), value: amplitude };
-        self.branch(system_at, mode, guess, &condition, 1.0, reach)
+        self.branch(system_at, mode, guess, &condition, reach)
     }
 
-    /// The branch through a cycle, from there up (`direction` 1) or down (-1) in the parameter.
-    ///
-    /// # Errors
-    /// As [`Balance::branch_from_onset`].
-    pub fn branch_through<E: From<Error>>(
-        &self,
-        system_at: SystemAt<'_, E>,
-        mode: NearMode<'_>,
-        cycle: &BalancedCycle,
-        direction: f64,
-        reach: &Reach,
-    ) -> Result<Vec<BranchPoint>, E> {
-        let system = system_at(cycle.parameter)?;
-        let width = reach.range[1] - reach.range[0];
-        let guess = Equations::new(self, &system, mode.0, mode.1).unknowns(cycle, width);
-        let mut row = DVector::zeros(guess.len());
-        row[guess.len() - 1] = 1.0;
-        let value = cycle.parameter / width;
-        self.branch(system_at, mode, guess, &Condition { row, value }, direction, reach)
-    }
-
-    /// A branch from the solution of a first condition on, in the direction in which its value grows, or falls for -1.
+    /// A branch from the solution of a first condition on, in the direction in which its value grows.
     fn branch<E: From<Error>>(
         &self,
         system_at: SystemAt<'_, E>,
         mode: NearMode<'_>,
         guess: DVector<f64>,
         first: &Condition,
-        direction: f64,
         reach: &Reach,
     ) -> Result<Vec<BranchPoint>, E> {
         let [low, high] = reach.range;
@@ -120,10 +98,9 @@ impl Balance {
         let mut points = vec![BranchPoint { cycle, amplitude: amplitude_row.dot(&x), is_fold: false }];
         let unit = |at: usize| DVector::from_fn(last + 1, |i, _| if i == at { 1.0 } else { 0.0 });
         let no_tangent = || Error::NoConvergence { method: "the tangent of a branch", residual: f64::NAN };
-        let mut tangent = bordered.lu().solve(&unit(last)).ok_or_else(no_tangent)?.normalize() * direction;
+        let mut tangent = bordered.lu().solve(&unit(last)).ok_or_else(no_tangent)?.normalize();
         // The amplitude at which a contact opens is the length by which the series are measured.
-        let longest =
-            reach.longest_step * size_of(&points[0].cycle, graze / points[0].amplitude.abs().max(f64::MIN_POSITIVE));
+        let longest = reach.longest_step * points[0].cycle.series.norm() * graze / points[0].amplitude;
         let mut step = 0.1 * longest;
         while points.len() < reach.most_points {
             let guess = &x + &tangent * step;
@@ -169,9 +146,4 @@ impl Balance {
         }
         Ok(points)
     }
-}
-
-/// Length of the series of a cycle, times a factor.
-fn size_of(cycle: &BalancedCycle, factor: f64) -> f64 {
-    cycle.series.norm() * factor
 }

@@ -16,7 +16,7 @@ pub enum Error {
         /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A structure that cannot move in time: a mass matrix without an inverse, or internal states of its own.
+    /// A structure that cannot move in time: no contact, a mass matrix without an inverse, internal states of its own.
     #[error("{0}")]
     Structure(&'static str),
     /// A number of an analysis that is not allowed.

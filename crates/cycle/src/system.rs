@@ -62,7 +62,7 @@ impl ContactSystem {
     /// A structure with its closed contact springs, and the contacts on it.
     ///
     /// # Errors
-    /// No part, parts of different order, one with internal states, a mass matrix without an inverse, a contact with a number that is not
+    /// No part, no contact, parts of different order, one with internal states, a mass matrix without an inverse, a contact with a number that is not
     /// allowed.
     pub fn new(parts: Vec<Part>, contacts: Vec<SlidingContact>) -> Result<Self, Error> {
         let order = parts.first().map_or(0, |part| part.matrices.order());
@@ -81,6 +81,11 @@ impl ContactSystem {
             structure.k += &matrices.k;
         }
         structure.check()?;
+        if contacts.is_empty() {
+            return Err(Error::Structure(
+                "the brake has no contact that could open, slide or stick: its motion is linear",
+            ));
+        }
         contacts.iter().try_for_each(|contact| contact.check(order))?;
         let inverse_mass = structure.m.clone().try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()));
         let inverse_mass = inverse_mass.ok_or(Error::Structure("the mass matrix has no inverse"))?;
@@ -123,12 +128,6 @@ impl ContactSystem {
     #[must_use]
     pub fn contacts(&self) -> &[SlidingContact] {
         &self.contacts
-    }
-
-    /// The parts of the structure.
-    #[must_use]
-    pub fn parts(&self) -> &[Part] {
-        &self.parts
     }
 
     /// M, C and K of the structure with its closed contacts, without friction.

@@ -232,19 +232,13 @@ fn expression(to: &mut Written, expression: &Expression) {
     to.text(expression.text());
 }
 
-fn gain(to: &mut Written, GainExpressions { mu, slope, lag, load, speed, stiffness }: &GainExpressions) {
+/// Gain of a channel. Load, speed and spring of the contact are no part of it: no eigenvalue depends on them, and a motion names its own.
+fn gain(to: &mut Written, GainExpressions { mu, slope, lag, .. }: &GainExpressions) {
     expression(to, mu);
     expression(to, slope);
     to.option(lag.as_ref(), |to, LagExpressions { decay, drive, force }| {
         [decay, drive, force].into_iter().for_each(|each| expression(to, each));
     });
-    // Given or not: a case without them is the case that it was.
-    for (name, given) in [("load", load), ("speed", speed), ("stiffness", stiffness)] {
-        if let Some(given) = given {
-            to.text(name);
-            expression(to, given);
-        }
-    }
 }
 
 fn fixed_dofs(to: &mut Written, FixedDofs { name, fixed }: &FixedDofs) {

@@ -10,8 +10,9 @@ mod tables;
 pub use branches::{Branch, BranchCycle, branches};
 
 use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdicts_beyond};
-use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow, measure};
+use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow, history, measure};
 use num_complex::Complex;
+use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use study::{Scene, SlidingContacts, UncertainBrake};
 
 use crate::Error;
@@ -42,7 +43,7 @@ pub enum Start {
     UnstableModes,
     /// From the mode of this rank, as the complex eigenvalue analysis counts it.
     Mode(usize),
-    /// From noise, a stream of the seed of the study.
+    /// From noise, four streams of the seed of the study: several motions may be stable.
     Noise,
 }
 
@@ -64,7 +65,7 @@ pub struct Cycles {
 /// The motion that starts at a mode.
 #[derive(Debug, Clone)]
 pub struct MotionOfMode {
-    /// Start: the rank of a mode or `noise`.
+    /// Start: the rank of a mode or `noise` with a number.
     pub start: String,
     /// Eigenvalue of the mode, 1/s; of noise, that of the mode that grows fastest.
     pub lambda: Complex<f64>,
@@ -72,6 +73,8 @@ pub struct MotionOfMode {
     pub motion: Motion,
     /// Measures of the cycle; `None` where the motion is none.
     pub measures: Option<Measures>,
+    /// Normal force, N, and sliding velocity, m/s, of each contact at equal steps over the period; none where the motion is no cycle.
+    pub history: Vec<Vec<(f64, f64)>>,
     /// Frequency of the harmonic balance, Hz; `None` where it does not converge or there is no cycle.
     pub balanced_hz: Option<f64>,
 }
@@ -84,6 +87,18 @@ pub(crate) struct GrowingMode {
     pub shape: Vec<Complex<f64>>,
 }
 
+/// Equal steps of a period in a table of what contacts do; chosen: ten of a ninth harmonic.
+const HISTORY: usize = 128;
+
+impl GrowingMode {
+    fn rank_in_words(&self) -> String {
+        self.rank.to_string()
+    }
+}
+
+/// What needs the contacts of a brake, in words.
+pub const MOTION: &str = "the motion after the onset";
+
 /// Allowed error of a step of time, relative; chosen: cycles are known to some 1e-9.
 pub(crate) const TOLERANCE: f64 = 1e-10;
 
@@ -92,9 +107,17 @@ pub(crate) const TOLERANCE: f64 = 1e-10;
 /// # Errors
 /// [`Error::NotGiven`].
 pub(crate) fn contacts_of<B: UncertainBrake>(brake: &B) -> Result<&dyn SlidingContacts, Error> {
-    brake
-        .sliding_contacts()
-        .ok_or(Error::NotGiven { capability: "sliding_contacts", needed_by: "the motion after the onset" })
+    brake.sliding_contacts().ok_or(Error::NotGiven { capability: "sliding_contacts", needed_by: MOTION })
+}
+
+/// Digest of the contacts of a scene at its medians, with loads, speeds, springs and laws, which the identity of a study does not have.
+///
+/// # Errors
+/// As [`cycles`].
+pub fn contacts_digest<B: UncertainBrake>(brake: &B, scene: &Scene, options: &CycleOptions) -> Result<String, Error> {
+    checked(options)?;
+    let system = contacts_of(brake)?.contact_system(scene, &[], options.stick)?;
+    Ok(study::fingerprint(&format!("{:?}", system.contacts())))
 }
 
 /// Refuses options that no scene could take, and gives the balance.
@@ -120,26 +143,25 @@ pub fn cycles<B: UncertainBrake>(brake: &B, scene: &Scene, options: &CycleOption
         return Err(Error::NeverSqueals { scene: plan.describe(scene) });
     };
     let tangent_deviation = system.check_tangent(&of_cea, fastest.lambda.im)?;
-    let in_mode = |mode: &GrowingMode| {
-        let amplitude = starts::BEYOND_THE_KINK * starts::first_kink(&system, mode);
-        let start = system.state_of_mode(mode.lambda, &mode.shape, amplitude);
-        motion_of(&system, &balance, mode, start, format!("{}", mode.rank))
-    };
-    let motions = match options.from {
-        Start::UnstableModes => modes.iter().map(in_mode).collect::<Result<_, _>>()?,
+    let in_mode = |mode| (GrowingMode::rank_in_words(mode), mode, starts::in_mode(&system, mode));
+    let starts: Vec<(String, &GrowingMode, Vec<f64>)> = match options.from {
+        Start::UnstableModes => modes.iter().map(in_mode).collect(),
         Start::Mode(rank) => match modes.iter().find(|mode| mode.rank == rank) {
-            Some(mode) => vec![in_mode(mode)?],
+            Some(mode) => vec![in_mode(mode)],
             None => {
-                let ranks: Vec<String> = modes.iter().map(|mode| mode.rank.to_string()).collect();
+                let ranks: Vec<String> = modes.iter().map(GrowingMode::rank_in_words).collect();
                 let allowed = format!("noise, or the rank of an unstable mode: {}", ranks.join(", "));
                 return Err(Error::Argument { argument: "from", value: rank.to_string(), allowed });
             }
         },
-        Start::Noise => {
-            let start = starts::noise(&system, fastest, plan.seed);
-            vec![motion_of(&system, &balance, fastest, start, "noise".into())?]
-        }
+        Start::Noise => (0..starts::STREAMS)
+            .map(|stream| {
+                (format!("noise {}", stream + 1), fastest, starts::noise(&system, fastest, plan.seed, stream))
+            })
+            .collect(),
     };
+    let motions = starts.into_par_iter().map(|(name, mode, start)| motion_of(&system, &balance, mode, start, name));
+    let motions = motions.collect::<Result<_, _>>()?;
     let brake = plan.brake(scene);
     Ok(Cycles {
         tangent_deviation,
@@ -184,7 +206,8 @@ fn motion_of(
         _ => None,
     };
     let measures = cycle.map(|cycle| measure(system, cycle, TOLERANCE)).transpose()?;
+    let history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
     let balanced = cycle.and_then(|cycle| balance.near(system, cycle, omega, shape, TOLERANCE).ok());
     let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
-    Ok(MotionOfMode { start: name, lambda: mode.lambda, motion, measures, balanced_hz })
+    Ok(MotionOfMode { start: name, lambda: mode.lambda, motion, measures, history, balanced_hz })
 }

@@ -66,6 +66,21 @@ impl Cycles {
         Table::new("cycles", columns, rows)
     }
 
+    /// Normal force and sliding velocity of each contact over the period of each cycle: `cycle_contacts`.
+    #[must_use]
+    pub fn contacts_table(&self) -> Table {
+        let columns = ["from_mode", "contact", "part_of_period", "normal_force_n", "sliding_velocity_m_per_s"];
+        let rows = self.motions.iter().flat_map(|of| {
+            of.history.iter().enumerate().flat_map(move |(step, contacts)| {
+                let part = step as f64 / of.history.len() as f64;
+                self.contacts.iter().zip(contacts).map(move |(name, (normal, slip))| {
+                    vec![of.start.clone(), name.clone(), part.to_string(), normal.to_string(), slip.to_string()]
+                })
+            })
+        });
+        Table::new("cycle_contacts", columns, rows)
+    }
+
     fn families(&self) -> Vec<String> {
         let measures = self.motions.iter().find_map(|of| of.measures.as_ref());
         measures.map_or_else(Vec::new, |measures| measures.powers.iter().map(|(family, _)| family.clone()).collect())
@@ -75,7 +90,7 @@ impl Cycles {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{:>6}  {:>12}  {:>11}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  kind, loudest body\n",
+            "{:>7}  {:>12}  {:>11}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  kind, loudest body\n",
             "from", "CEA Hz", "growth 1/s", "cycle Hz", "balance Hz", "multiplier", "open", "stuck", "rms m/s"
         );
         for of in &self.motions {
@@ -133,7 +148,7 @@ fn kind(motion: &Motion) -> &'static str {
 }
 
 impl Branch {
-    /// The cycles of some branches, one a row: `branches`.
+    /// The cycles of some branches, one a row: `cycle_branches`.
     #[must_use]
     pub fn table(branches: &[Self]) -> Table {
         let name = branches.first().map_or("parameter", |branch| &branch.parameter.name);
@@ -154,7 +169,7 @@ impl Branch {
             "rms_velocity_m_per_s",
         ];
         let rows = branches.iter().flat_map(|branch| branch.cycles.iter().map(|cycle| branch.row(cycle)));
-        Table::new("branches", columns, rows)
+        Table::new("cycle_branches", columns, rows)
     }
 
     fn row(&self, of: &super::BranchCycle) -> Vec<String> {

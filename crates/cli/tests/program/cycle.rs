@@ -1,0 +1,56 @@
+//! `squeal cycle`: its files, its words, and what it refuses.
+
+use serde_json::Value;
+
+use crate::common::{answer, asked, assert_same, hoffmann, refusal, results};
+
+#[test]
+fn a_cycle_is_said_in_words_numbers_and_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let words = answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
+    assert!(words.contains("cycle, mass") && words.contains("0.2230"), "{words}");
+    let first = results(&out);
+    assert_eq!(first.keys().collect::<Vec<_>>(), ["cycle_contacts.csv", "cycles.csv", "study.txt"]);
+    answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
+    assert_same(&first, &results(&out));
+    let json: Value = serde_json::from_str(&answer("cycle", &hoffmann(), &["--json"])).unwrap();
+    let row = &json["rows"][0];
+    assert!((1.0 / row["cycle_hz"].as_f64().unwrap() - 4.485144715).abs() < 1e-7, "{row}");
+    assert_eq!((row["from_mode"].as_f64(), row["kind"].as_str()), (Some(2.0), Some("cycle")));
+    assert!((row["open belt"].as_f64().unwrap() * 4.485144715 - 0.968634).abs() < 1e-5);
+    let friction = row["power_w friction"].as_f64().unwrap();
+    assert!(friction > 0.0 && (row["power_w dashpots"].as_f64().unwrap() / friction + 1.0).abs() < 1e-8, "{row}");
+    // Another question does not overwrite the folder.
+    refusal(&asked("cycle", &hoffmann(), &["--harmonics", "5", "--out", out.to_str().unwrap()]), &["allowed: a new"]);
+}
+
+#[test]
+fn branches_go_from_the_onset_to_the_end_of_the_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let words = answer("cycle", &hoffmann(), &["--over", "mu=0.5:1.1", "--out", out.to_str().unwrap()]);
+    assert!(words.contains("onset at mu = 0.753750"), "{words}");
+    let rows = String::from_utf8(results(&out)["cycle_branches.csv"].clone()).unwrap();
+    let last: Vec<&str> = rows.lines().last().unwrap().split(',').collect();
+    assert!((last[3].parse::<f64>().unwrap() - 1.1).abs() < 1e-12, "{last:?}");
+    assert!((1.0 / last[5].parse::<f64>().unwrap() - 4.670813590).abs() < 1e-7, "{last:?}");
+}
+
+#[test]
+fn what_has_no_motion_is_refused_in_a_line() {
+    for (options, expected) in [
+        (&["--stick", "0"][..], &["--stick = 0", "allowed: above 0 and below 1"][..]),
+        (&["--harmonics", "0"], &["harmonics = 0", "allowed: 1 or more"]),
+        (&["--harmonics", "9", "--time-samples", "18"], &["samples of a period = 18", "allowed: 19 or more"]),
+        (&["--from", "1"], &["--from = 1", "allowed: noise, or the rank of an unstable mode: 2"]),
+        (&["--over", "mu=0.1:0.5"], &["no mode oscillates and grows"]),
+        (&["--over", "nu=0.1:0.5"], &["--over = nu", "allowed: "]),
+    ] {
+        refusal(&asked("cycle", &hoffmann(), options), expected);
+    }
+    let disc = hoffmann().with_file_name("wobbling-disc.toml");
+    refusal(&asked("cycle", &disc, &[]), &["no contact that could open, slide or stick"]);
+    let pad = hoffmann().with_file_name("disc-pad").join("disc-pad.toml");
+    refusal(&asked("cycle", &pad, &[]), &["needs sliding_contacts of the brake"]);
+}
