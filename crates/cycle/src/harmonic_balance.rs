@@ -462,7 +462,7 @@ pub(crate) fn solve<E: From<Error>>(
             return Err(failed.into());
         };
         unknowns += step;
-        if !(unknowns[size] > 0.0) {
+        if unknowns[size] <= 0.0 {
             return Err(failed.into());
         }
     }
@@ -477,18 +477,18 @@ impl<'a> Equations<'a> {
 }
 
 impl Balance {
-    /// The balanced cycle nearest to one found in time, of the same system; `omega` and `shape` are of the mode that fixes the phase.
+    /// The balanced cycle nearest to one found in time, of the same system. Its own first harmonic fixes its phase.
     ///
     /// # Errors
     /// [`Error::NoConvergence`]; a motion that cannot be followed.
-    pub fn near(
-        &self,
-        system: &ContactSystem,
-        cycle: &Cycle,
-        omega: f64,
-        shape: &[Complex<f64>],
-        tolerance: f64,
-    ) -> Result<BalancedCycle, Error> {
+    pub fn near(&self, system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<BalancedCycle, Error> {
+        let samples = self.evaluate.nrows();
+        let mut shape = vec![Complex::default(); system.order()];
+        for (sample, x) in states(system, cycle, samples, tolerance)?.iter().enumerate() {
+            let turn = Complex::cis(-std::f64::consts::TAU * sample as f64 / samples as f64) * 2.0 / samples as f64;
+            shape.iter_mut().zip(x).for_each(|(phi, u)| *phi += turn * u);
+        }
+        let (omega, shape) = (std::f64::consts::TAU / cycle.period, &shape[..]);
         let equations = Equations::new(self, system, omega, shape);
         let guess = equations.unknowns(&equations.of_cycle(cycle, 1.0, tolerance)?, 1.0);
         let mut row = DVector::zeros(guess.len());

@@ -1,5 +1,7 @@
 //! Cycles with known answers, by integration and shooting.
 
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
+
 mod common;
 
 use std::sync::Arc;
@@ -154,7 +156,6 @@ fn stick_slip_tends_to_coulombs_as_the_smoothing_narrows() {
     let mut last = f64::INFINITY;
     for stick_speed in [1e-3, 4e-4, 1e-4] {
         let found = stick_slip(stick_speed);
-        println!("{stick_speed} {found:?} {stuck}");
         let errors = [found.0 / period - 1.0, found.1 / 0.5 - 1.0, found.2 / stuck - 1.0].map(f64::abs);
         let error = errors.into_iter().fold(0.0, f64::max);
         assert!(error < last, "{stick_speed}: {found:?}");
@@ -182,7 +183,6 @@ fn bristled(sigma0: f64) -> f64 {
 #[test]
 fn lugre_tends_to_coulomb_as_its_bristles_stiffen() {
     let periods = [3e3, 1e4, 3e4].map(bristled);
-    println!("{periods:?}");
     let errors = periods.map(|period| (period / 7.095261538 - 1.0).abs());
     assert!(errors[1] < errors[0] && errors[2] < errors[1] && errors[2] < 2e-2, "{periods:?}");
 }

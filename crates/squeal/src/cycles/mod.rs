@@ -207,7 +207,7 @@ fn motion_of(
     };
     let measures = cycle.map(|cycle| measure(system, cycle, TOLERANCE)).transpose()?;
     let history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
-    let balanced = cycle.and_then(|cycle| balance.near(system, cycle, omega, shape, TOLERANCE).ok());
+    let balanced = cycle.and_then(|cycle| balance.near(system, cycle, TOLERANCE).ok());
     let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
     Ok(MotionOfMode { start: name, lambda: mode.lambda, motion, measures, history, balanced_hz })
 }
