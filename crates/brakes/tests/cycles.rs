@@ -94,7 +94,8 @@ fn the_lattice_has_the_cycle_that_another_program_integrated() {
     assert!(rms([4, 6]).iter().any(|x| (x - 0.2064).abs() < 1e-3), "{measures:?}");
     assert!((measures.kinetic_energy - 0.932).abs() < 1e-3, "{}", measures.kinetic_energy);
     assert!(measures.imbalance() < 1e-8, "{}", measures.imbalance());
-    assert!(measures.contacts.iter().all(|shares| shares.stuck == 0.0 && shares.open > 0.0));
+    let open = measures.contacts.iter().map(|shares| shares.open).fold(0.0, f64::max);
+    assert!(measures.contacts.iter().all(|shares| shares.stuck == 0.0) && (open - 0.584).abs() < 1e-3, "{measures:?}");
 }
 
 #[test]

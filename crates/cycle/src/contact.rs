@@ -38,7 +38,8 @@ impl SlidingContact {
                 return Err(refused(field, value, "finite and > 0"));
             }
         }
-        if !self.normal.is_empty() && !(self.stiffness > 0.0 && self.stiffness.is_finite()) {
+        let has_spring = self.stiffness > 0.0 && self.stiffness.is_finite();
+        if !self.normal.is_empty() && !has_spring {
             return Err(refused("stiffness", self.stiffness, "finite and > 0"));
         }
         if self.friction.stick_speed() >= self.speed {

@@ -82,7 +82,7 @@ impl Balance {
         }
         let term = |sample: usize, term: usize| {
             let angle = std::f64::consts::TAU * ((sample * term.div_ceil(2)) % samples) as f64 / samples as f64;
-            if term % 2 == 0 && term > 0 { angle.sin() } else { angle.cos() }
+            if term > 0 && term.is_multiple_of(2) { angle.sin() } else { angle.cos() }
         };
         let evaluate = DMatrix::from_fn(samples, terms, term);
         let weight = |term: usize| if term == 0 { 1.0 } else { 2.0 } / samples as f64;
@@ -169,15 +169,14 @@ impl<'a> Equations<'a> {
             series[at * terms + 2] = -amplitude * eta.im;
         }
         let contacts = self.system.contacts().len();
-        let mut place = 2 * contacts;
-        for contact in (0..contacts).filter(|&at| self.system.bristle(at).is_some()) {
+        let bristled = (0..contacts).filter(|&at| self.system.bristle(at).is_some());
+        for (place, contact) in (2 * contacts..).zip(bristled) {
             let forces = self.system.forces(contact, 0.0, self.system.contacts()[contact].speed, 0.0);
             let slip = self.shape[contacts + contact] * self.scales[contacts + contact];
             let lambda = Complex::new(0.0, omega);
             let z = -lambda * slip * forces.rate_by_velocity / (lambda - forces.rate_by_state) / self.scales[place];
             series[place * terms + 1] = amplitude * z.re;
             series[place * terms + 2] = -amplitude * z.im;
-            place += 1;
         }
         BalancedCycle { series, omega, parameter, residual: f64::INFINITY }
     }
