@@ -1,6 +1,6 @@
 //! The motion after the onset: what each unstable mode of a scene grows into, and cycles over a parameter.
 //!
-//! Any [`UncertainBrake`] that gives its [`SlidingContacts`](study::SlidingContacts) can be asked. Every run begins with a check that the
+//! Any [`UncertainBrake`] that gives its [`SlidingContacts`] can be asked. Every run begins with a check that the
 //! equations of motion have the system of the complex eigenvalue analysis as their tangent.
 
 mod branches;
