@@ -153,7 +153,7 @@ fn what_a_motion_needs_and_a_case_lacks_is_said_in_a_line() {
     for (options, expected) in [
         (CycleOptions { stick: 0.0, ..CycleOptions::default() }, "stick = 0; allowed: above 0 and below 1"),
         (CycleOptions { samples: 18, ..CycleOptions::default() }, "samples of a period = 18; allowed: 19 or more"),
-        (CycleOptions { harmonics: 0, ..CycleOptions::default() }, "harmonics = 0; allowed: 1 or more"),
+        (CycleOptions { harmonics: 0, ..CycleOptions::default() }, "harmonics = 0; allowed: 1 to 100"),
         (
             CycleOptions { from: Start::Mode(1), ..CycleOptions::default() },
             "from = 1; allowed: noise, or the rank of an unstable mode: 2",

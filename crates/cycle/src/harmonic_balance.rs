@@ -15,6 +15,10 @@ use crate::{ContactSystem, Cycle, Error, NearMode, SystemAt};
 /// Corrections after which Newton's method has failed; chosen.
 const MOST_CORRECTIONS: usize = 15;
 
+/// Most harmonics and samples; chosen: more take long and say nothing, as the forces of contacts have kinks.
+const MOST_HARMONICS: usize = 100;
+const MOST_SAMPLES: usize = 16_384;
+
 /// Residual of the balance at which it is solved, relative to the scales of its unknowns; chosen.
 const SOLVED: f64 = 1e-11;
 
@@ -70,11 +74,16 @@ impl Balance {
     /// Series with `harmonics` above the mean, and forces at `samples` equal steps.
     ///
     /// # Errors
-    /// No harmonic; fewer samples than a series has terms.
+    /// No harmonic or more than 100; fewer samples than a series has terms, or more than 16,384.
     pub fn new(harmonics: usize, samples: usize) -> Result<Self, Error> {
-        let terms = 2 * harmonics + 1;
-        if harmonics == 0 {
-            return Err(Error::Setting { field: "harmonics", value: 0.0, allowed: "1 or more".into() });
+        let terms = harmonics.saturating_mul(2).saturating_add(1);
+        if harmonics == 0 || harmonics > MOST_HARMONICS {
+            let allowed = format!("1 to {MOST_HARMONICS}");
+            return Err(Error::Setting { field: "harmonics", value: harmonics as f64, allowed });
+        }
+        if samples > MOST_SAMPLES {
+            let allowed = format!("at most {MOST_SAMPLES}");
+            return Err(Error::Setting { field: "samples of a period", value: samples as f64, allowed });
         }
         if samples < terms {
             let allowed = format!("{terms} or more, two for each of {harmonics} harmonics and one for the mean");

@@ -49,11 +49,13 @@ fn a_branch_stands_upright_at_its_onset_until_the_contact_opens() {
 }
 
 #[test]
-fn more_harmonics_than_samples_are_refused() {
+fn more_harmonics_than_samples_and_too_many_of_either_are_refused() {
     let error = Balance::new(9, 18).unwrap_err().to_string();
     assert_eq!(
         error,
         "samples of a period = 18; allowed: 19 or more, two for each of 9 harmonics and one for the mean"
     );
-    assert!(Balance::new(0, 18).is_err());
+    for (harmonics, samples) in [(0, 18), (usize::MAX, 18), (101, 4096), (9, 1_000_000_000_000)] {
+        assert!(Balance::new(harmonics, samples).is_err());
+    }
 }
