@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 24] = [
+const LAYERS: [(&str, &str); 25] = [
     ("formats", "crates/formats"),
     ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
