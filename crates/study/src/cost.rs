@@ -42,6 +42,13 @@ const BYTES_BY_BASIS: f64 = 2300.0;
 /// Processor time for each basis, s, by the cube of its columns. Measured with cases/disc-pad: 330 s.
 const SECONDS_BY_BASIS: f64 = 3e-6;
 
+/// Degrees of freedom of the refined disc and pad by which a complete solution is scaled, of 2,349 to 205,227.
+const LARGE: f64 = 47_376.0;
+/// Memory of a complete solution of it, bytes, and its processor time, s. Measured: 0.33, 1.5, 4.6 and 11.5 GB, 1.9, 11, 48 and 151 s for 14,985, 47,376,
+/// 108,459 and 205,227 degrees of freedom (docs/large-problems.md).
+const BYTES_OF_LARGE: f64 = 1.5e9;
+const SECONDS_OF_LARGE: f64 = 12.0;
+
 impl Cost {
     /// The cost of `samples` samples, on all cores, of scenes and configurations of an order.
     pub fn new(order: usize, configurations: usize, scenes: usize, samples: u64) -> Self {
@@ -65,6 +72,14 @@ impl Cost {
         let seconds = |&columns: &usize| SECONDS_BY_BASIS * (columns as f64).powi(3);
         let (bytes, seconds) = (columns.iter().map(bytes).sum(), columns.iter().map(seconds).sum());
         Self { order, scenes: 0, bytes, seconds }
+    }
+
+    /// The cost of some complete solutions of the whole brake beside it: its modes in a band, one solution after another.
+    #[must_use]
+    pub fn with_solutions(self, count: usize) -> Self {
+        let large = self.order as f64 / LARGE;
+        let bytes = self.bytes + if count > 0 { BYTES_OF_LARGE * large.powf(1.45) } else { 0.0 };
+        Self { bytes, seconds: self.seconds + count as f64 * SECONDS_OF_LARGE * large.powf(1.65), ..self }
     }
 
     /// Refuses a study that takes more memory than there is, `budget` bytes; `study` is the case file or the name.

@@ -8,6 +8,7 @@ mod parameters;
 mod places;
 mod points;
 mod reduce;
+mod set_basis;
 mod swept;
 mod whole;
 
@@ -48,8 +49,8 @@ const ALLOWANCE: f64 = 100.0;
 const LEAST_ERROR: f64 = 1e-5;
 /// Columns that a basis of a brake without contact is expected to have, before it is made; chosen.
 const EXPECTED_COLUMNS: usize = 40;
-/// Columns that a basis is expected to have with a contact between faces; chosen.
-const EXPECTED_COLUMNS_OF_FACES: usize = 150;
+/// Columns that a basis is expected to have with a contact between faces or of many pairs; chosen.
+const EXPECTED_COLUMNS_OF_MODES: usize = 150;
 /// Columns that a basis is expected to have for each closed pair of nodes: with friction along the sliding alone, and across it too. Measured
 /// with cases/disc-pad (27 pairs), the second also with its refinement of 75 pairs.
 const EXPECTED_COLUMNS_BY_PAIR: [f64; 2] = [3.2, 4.15];
@@ -153,9 +154,9 @@ impl FiniteElementBrake {
     /// Memory and processor time of the bases of a case, roughly, before any of them is made: a basis has columns by its closed pairs.
     pub fn expected_cost(case: &FiniteElementCase) -> Cost {
         let columns: Vec<usize> = case.contact.as_ref().map_or(vec![EXPECTED_COLUMNS], |contact| {
-            if contact.is_of_faces {
+            if !set_basis::is_of_responses(contact) {
                 // A basis of modes, whatever the number of points.
-                return vec![EXPECTED_COLUMNS_OF_FACES; contact.panels.iter().map(|(_, all)| all.len()).sum()];
+                return vec![EXPECTED_COLUMNS_OF_MODES; contact.panels.iter().map(|(_, all)| all.len()).sum()];
             }
             let by_pair = EXPECTED_COLUMNS_BY_PAIR[usize::from(contact.is_lateral)];
             let arrangements = contact.panels.iter().flat_map(|(_, arrangements)| arrangements);
@@ -164,7 +165,8 @@ impl FiniteElementBrake {
             let columns = |closed: &[usize]| (by_pair * pairs(closed) as f64) as usize;
             arrangements.map(|arrangement| EXPECTED_COLUMNS.max(columns(arrangement.in_contact()))).collect()
         });
-        Cost::of_bases(case.dofs.len(), &columns.repeat(case.constraints.len()))
+        let solutions = case.constraints.len() * set_basis::solutions(case);
+        Cost::of_bases(case.dofs.len(), &columns.repeat(case.constraints.len())).with_solutions(solutions)
     }
 
     /// Memory and processor time of its bases, roughly.
@@ -442,7 +444,8 @@ impl ModeSource for FiniteElementBrake {
 
     fn relative_error(&self, scene: &Scene) -> f64 {
         let part = self.part(scene);
-        (ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance)).max(LEAST_ERROR)
+        let set = &self.sets[part.set];
+        (ALLOWANCE * (part.within.distance + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
     }
 
     fn whole_eigenvalue(

@@ -12,14 +12,14 @@ use num_complex::Complex;
 use osc_model::ContactArrangement;
 use rayon::prelude::*;
 use reduction::{
-    Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, RouteCounts, Rung, Wanted, Within, compared,
-    response_basis, rungs, within,
+    Compared, FrictionModes, Options, Reduced, RouteCounts, Rung, Wanted, Within, compared, rungs, within,
 };
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{
     State, all_patches, closed_channels, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of,
 };
+use super::set_basis::{self, is_of_responses};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law, ReductionGoal};
 
@@ -37,33 +37,26 @@ const SLOWEST: f64 = 1e-3;
 /// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
 pub const BESIDE: f64 = 1.05;
 /// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
-const MOST_SOLUTIONS: usize = 60;
-/// Residual that responses to forces in the contacts may have on the basis of a set, as a part of `reduction.residual`. That of modes on this basis is
-/// three times as large (measured with cases/disc-pad): half of what is asked for.
-const OF_RESPONSES: f64 = 1.0 / 6.0;
+pub(super) const MOST_SOLUTIONS: usize = 60;
 /// Residual that modes may have on a smaller basis within that of a set, as a part of `reduction.residual`. Both are taken to add as squares,
 /// 0.5^2 + 0.8^2 < 1; chosen: residuals of samples are measured in the whole brake.
 const WITHIN: f64 = 0.8;
 /// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
 /// when a study has ended ([`study::FullChecks`]).
 const PROBES: usize = 1;
-/// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
-const MOST_COLUMNS: usize = 600;
 /// Number of anchors of a part, points with known modes from which those of a sample are followed: at most so many, but all that were solved
 /// completely; chosen. The second is for samples that differ in friction alone, of which few are followed.
 const MOST_ANCHORS: usize = 12;
 const ANCHORS_BESIDE_FRICTION: usize = 4;
 /// Draws among which those are chosen at which modes are known there; chosen.
 const KNOWN_FROM: u64 = 240;
-/// Least number of draws at whose coefficients responses are computed, beside the medians, where any are drawn: one for each law and range of speed if
-/// these are more; chosen.
-const DRAWN_STRUCTURES: u64 = 4;
+/// Draws of each set of constraints at which a basis of modes is compared with the whole brake; chosen: each is a complete solution of it.
+pub(super) const HELD_OUT: usize = 3;
+/// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
+const NEXT_TO_AXIS: f64 = 0.02;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
 const RUNGS: usize = 6;
 const MEASURED_POINTS: u64 = 6;
-/// Largest number of draws or points of a sweep at whose coefficients responses are computed, thinned evenly; chosen: each takes a factorisation at a few
-/// frequencies.
-const MOST_STRUCTURES: usize = 6;
 
 /// The brake with one set of constraints.
 #[derive(Debug)]
@@ -80,6 +73,9 @@ pub struct ReducedSet {
     pub modes: Vec<Complex<f64>>,
     /// Comparison of these modes with those of the reduced brake.
     pub compared: Compared,
+    /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at draws of which a
+    /// basis of modes was not made; 0 of a basis of responses, which no draw was taken for.
+    pub held_out: f64,
 }
 
 /// The brake with one set of constraints in some arrangements, on a basis of its own.
@@ -193,12 +189,17 @@ pub(super) fn all_bases(
         set.compared = compared(&whole, parts[origin].within.first.clone());
         set.modes = whole;
     }
+    if case.contact.as_ref().is_some_and(|contact| !contact.is_of_faces && !is_of_responses(contact)) {
+        let distance = |set: usize| held_out(case, set, &sets[set], (&of_configurations, &parts));
+        let distances = (0..sets.len()).map(distance).collect::<Result<Vec<_>, Error>>()?;
+        sets.iter_mut().zip(distances).for_each(|(set, distance)| set.held_out = distance);
+    }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })
 }
 
 /// The arrangements of a case, in the order of its configurations; one without patches where it has no contact.
-fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
+pub(super) fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
     let Some(contact) = &case.contact else { return vec![Vec::new()] };
     let of_panel = |(_, arrangements): &(usize, Vec<ContactArrangement>)| {
         arrangements.iter().map(|arrangement| arrangement.in_contact().to_vec()).collect::<Vec<_>>()
@@ -262,8 +263,7 @@ fn modes_in(
     Ok(found.pairs.into_iter().map(|pair| pair.lambda).collect())
 }
 
-/// The brake over the rows that are left free, on a basis for all arrangements: of responses to forces in the contact, or, without a
-/// contact and with one between faces, which has a force for each of its many points, of modes at training points.
+/// The brake over the rows that are left free, on a basis for all arrangements.
 fn reduced_set(
     case: &FiniteElementCase,
     fixed: &[usize],
@@ -272,48 +272,10 @@ fn reduced_set(
 ) -> Result<ReducedSet, Error> {
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?;
-    let all = all_patches(case);
-    let at_median = of_brake(case, &all, &naming_point(case, &all)?);
-    let tolerance = case.reduction.residual;
-    let basis = match case.contact.as_ref().filter(|contact| !contact.is_of_faces) {
-        Some(_) => {
-            let mut points = vec![at_median.clone()];
-            if !case.parameters.is_empty() {
-                let training = training(case, std::slice::from_ref(&all), DRAWN_STRUCTURES, swept)?;
-                let step = training.len().div_ceil(MOST_STRUCTURES);
-                points.extend(training.into_iter().step_by(step));
-                points.extend(trained.iter().map(|point| all_closed(case, &at_median, point)));
-            }
-            let goal = ResponseGoal {
-                frequencies: rectangle(case).im,
-                tolerance: OF_RESPONSES * tolerance,
-                most_columns: MOST_COLUMNS,
-            };
-            response_basis(&system, &points, &goal)?.basis
-        }
-        None => {
-            let mut training = training(case, &[all], case.reduction.training as u64, swept)?;
-            training.extend_from_slice(trained);
-            let points = std::slice::from_ref(&at_median);
-            let wanted = Wanted { rectangle: rectangle(case), points, training: &training };
-            let options =
-                Options { tolerance: 0.5 * tolerance, most_enrichments: MOST_SOLUTIONS, ..Options::default() };
-            Reduction::build(&system, &wanted, &options)?.reduced.basis().clone()
-        }
-    };
+    let basis = set_basis::basis(case, &system, swept, trained)?;
     let reduced = system.project(&basis)?;
-    Ok(ReducedSet { dofs, system, basis, reduced, modes: Vec::new(), compared: compared(&[], Vec::new()) })
-}
-
-/// A point with all patches closed, as stiff as they are where they are closed: at least those of the medians.
-fn all_closed(case: &FiniteElementCase, medians: &OperatingPoint, at: &OperatingPoint) -> OperatingPoint {
-    let patches = all_patches(case).len();
-    let first = at.coefficients.len() - patches;
-    let factor = at.coefficients[first..].iter().copied().find(|&factor| factor != 0.0);
-    let mut coefficients = at.coefficients.clone();
-    let closed = coefficients[first..].iter_mut().zip(&medians.coefficients[first..]);
-    closed.for_each(|(own, median)| *own = factor.unwrap_or(*median));
-    OperatingPoint { coefficients, channels: at.channels.clone() }
+    let compared = compared(&[], Vec::new());
+    Ok(ReducedSet { dofs, system, basis, reduced, modes: Vec::new(), compared, held_out: 0.0 })
 }
 
 /// The modes of the whole brake at the point where those of a part were found first.
@@ -326,6 +288,30 @@ fn modes_at_medians(
     let first = &asked.arrangements[0];
     let at = of_brake(case, first, &naming_point(case, first)?);
     whole_modes(case, &set.system.assemble(&at)?, &part.within.first)
+}
+
+/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake with a set of constraints: at some draws,
+/// spread over all arrangements, laws and ranges of speed.
+fn held_out(
+    case: &FiniteElementCase,
+    number: usize,
+    set: &ReducedSet,
+    (of_configurations, parts): (&[usize], &[Part]),
+) -> Result<f64, Error> {
+    let arrangements = arrangements(case);
+    let drawn = training(case, &arrangements, 0, &[])?;
+    let states = drawn.len() / arrangements.len();
+    let mut largest = 0.0_f64;
+    for turn in 0..HELD_OUT {
+        let at = (2 * turn + 1) * drawn.len() / (2 * HELD_OUT);
+        let part = &parts[of_configurations[number * arrangements.len() + at / states]];
+        let reduced = part.reduced.modes(&drawn[at])?.lambdas;
+        let whole = whole_modes(case, &set.system.assemble(&drawn[at])?, &reduced)?;
+        let is_next_to = |lambda: &Complex<f64>| lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm();
+        let next: Vec<Complex<f64>> = whole.into_iter().filter(is_next_to).collect();
+        largest = largest.max(compared(&next, reduced).distance);
+    }
+    Ok(largest)
 }
 
 /// A part on the fewest directions that hold it.
@@ -353,8 +339,8 @@ fn part(
     let basis = &set.basis * &within.basis;
     let mut reduced = Reduced::new(&set.system, basis, wanted.rectangle, anchors(ANCHORS_BESIDE_FRICTION), &options)?;
     let friction = match asked.arrangements.as_slice() {
-        // As many ports as a face has points cost more than they spare.
-        [closed] if swept.is_empty() && !case.contact.as_ref().is_some_and(|contact| contact.is_of_faces) => {
+        // As many ports as there are points of faces, or many pairs, cost more than they spare.
+        [closed] if swept.is_empty() && case.contact.as_ref().is_none_or(is_of_responses) => {
             let channels: Vec<usize> = closed_channels(case, closed).collect();
             FrictionModes::new(&reduced, &self::training(case, &asked.arrangements, KNOWN_FROM, &[])?, &channels)?
         }
@@ -381,7 +367,7 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
 /// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after
 /// another: `count`, or one for each of these where they are more. Speeds are spread over their range from end to end, as friction across the
 /// sliding grows without bound towards low ones.
-fn training(
+pub(super) fn training(
     case: &FiniteElementCase,
     arrangements: &[Closed],
     count: u64,
