@@ -118,7 +118,7 @@ pub fn follow(
             amplitude(&cycle.start, &scales) > 1e-3 * size && distance(&cycle.start, last, &scales) < size
         };
         if let Some(cycle) = found.ok().filter(|cycle| is_near(cycle) && cycle.is_stable()) {
-            return Ok(Motion::Cycle(with_least_period(system, cycle, &scales, settings)?));
+            return Ok(Motion::Cycle(with_least_period(system, cycle, &scales, settings)));
         }
         // Not yet there, or not at all: a shooting costs more than some periods.
         next_try = 20;
@@ -126,23 +126,23 @@ pub fn follow(
     Ok(Motion::NotPeriodic { time: motion.time })
 }
 
-/// The cycle once, where it was found as several rounds of itself.
-fn with_least_period(
-    system: &ContactSystem,
-    cycle: Cycle,
-    scales: &[f64],
-    settings: &Settings,
-) -> Result<Cycle, Error> {
+/// The cycle once, where it was found as several rounds of itself. Next to a period doubling, where the rounds differ by less than can be told
+/// from one another, the single round is another cycle that is not stable, and the cycle stays as it is.
+fn with_least_period(system: &ContactSystem, cycle: Cycle, scales: &[f64], settings: &Settings) -> Cycle {
     let size = amplitude(&cycle.start, scales);
     for rounds in (2..=settings.most_multiple).rev() {
         let period = cycle.period / rounds as f64;
         let omega = std::f64::consts::TAU / period;
-        let after = state_after(system, cycle.start.clone(), period, omega, settings.tolerance)?;
-        if distance(&after, &cycle.start, scales) < ALIKE * size {
-            return shoot(system, cycle.start, period, scales, settings.tolerance);
+        let after = state_after(system, cycle.start.clone(), period, omega, settings.tolerance);
+        if after.is_ok_and(|after| distance(&after, &cycle.start, scales) < ALIKE * size)
+            && let Ok(once) = shoot(system, cycle.start.clone(), period, scales, settings.tolerance)
+            && once.is_stable()
+            && distance(&once.start, &cycle.start, scales) < 10.0 * ALIKE * size
+        {
+            return once;
         }
     }
-    Ok(cycle)
+    cycle
 }
 
 fn check(system: &ContactSystem, start: &[f64], omega: f64, settings: &Settings) -> Result<(), Error> {
@@ -194,4 +194,59 @@ pub fn state_after(
         motion.step(time)?;
     }
     Ok(motion.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use friction::BristleMotion;
+    use linsys::SecondOrder;
+    use nalgebra::dmatrix;
+
+    use super::*;
+    use crate::{ContactFriction, Part, SlidingContact};
+
+    /// Friction of Rayleigh's equation backwards in time: a cycle that motions leave.
+    #[derive(Debug)]
+    struct Backwards;
+
+    impl ContactFriction for Backwards {
+        fn at(&self, velocity: f64, _: f64) -> BristleMotion {
+            let y = 10.0 - velocity;
+            let (mu, mu_by_velocity) = (0.1 * (y.powi(3) / 3.0 - y), 0.1 * (1.0 - y * y));
+            BristleMotion { mu, mu_by_velocity, ..BristleMotion::default() }
+        }
+
+        fn steady_state(&self, _: f64) -> Option<f64> {
+            None
+        }
+
+        fn stick_speed(&self) -> f64 {
+            1e-6
+        }
+    }
+
+    #[test]
+    fn a_stable_cycle_of_two_rounds_is_not_exchanged_for_an_unstable_one_of_one_round() {
+        let one = || dmatrix![1.0];
+        let mass = Part { family: "mass".into(), matrices: SecondOrder::new(one(), dmatrix![0.0], one()).unwrap() };
+        let belt = SlidingContact {
+            name: "belt".into(),
+            family: "friction".into(),
+            sliding: vec![(0, 1.0)],
+            normal: Vec::new(),
+            stiffness: 0.0,
+            load: 1.0,
+            speed: 10.0,
+            friction: Arc::new(Backwards),
+        };
+        let system = ContactSystem::new(vec![mass], vec![belt]).unwrap();
+        let (scales, settings) = (system.scales(1.0), Settings::default());
+        let once = shoot(&system, vec![2.0, 0.0], 6.28, &scales, settings.tolerance).unwrap();
+        assert!(!once.is_stable(), "{once:?}");
+        // Just beyond a period doubling, two rounds are a stable cycle that differs by less than ALIKE from this one.
+        let twice = Cycle { period: 2.0 * once.period, multipliers: vec![Complex::from(0.9)], ..once };
+        assert_eq!(with_least_period(&system, twice.clone(), &scales, &settings), twice);
+    }
 }
