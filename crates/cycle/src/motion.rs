@@ -94,16 +94,17 @@ pub fn follow(
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
     let (mut next_try, mut largest) = (0, amplitude(&motion.x, &scales));
     while motion.time < until {
-        if motion.step(until)? != Some(0) || !motion.sides[0] {
-            continue;
-        }
+        let switch = motion.step(until)?;
         let size = amplitude(&motion.x, &scales);
+        largest = size.max(largest);
         if size > UNBOUNDED {
             return Ok(Motion::Unbounded);
         }
-        largest = size.max(largest);
         if size < REST * largest {
             return Ok(Motion::Rest);
+        }
+        if switch != Some(0) || !motion.sides[0] {
+            continue;
         }
         passages.push((motion.time, motion.x.clone()));
         if passages.len() > settings.most_multiple + 1 {
