@@ -1,7 +1,7 @@
 //! The equations of motion of a structure with contacts, and their tangent.
 
 use linsys::{Internal, SecondOrder};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use num_complex::Complex;
 
 use crate::contact::along;
@@ -9,6 +9,9 @@ use crate::{Error, SlidingContact};
 
 /// Largest relative deviation of the tangent from the system of the complex eigenvalue analysis; chosen, some hundred roundings.
 const TANGENT_TOLERANCE: f64 = 1e-10;
+
+/// Eigenvalues of a stiffness below this part of its largest entry, negative, count as negative; chosen, far above rounding.
+const NEGATIVE: f64 = 1e-9;
 
 /// A part of a structure whose forces are one family: M, C and K.
 #[derive(Debug, Clone, PartialEq)]
@@ -247,12 +250,42 @@ impl ContactSystem {
         tangent
     }
 
+    /// Checks that K can hold the springs of the contacts: without `sum_i k_i c_i c_i^T` its symmetric part has no more negative eigenvalues
+    /// than with them. A k that is too small gives a spring too stiff for K, which an open contact would take from it.
+    fn check_springs(&self) -> Result<(), Error> {
+        let symmetric = |k: &DMatrix<f64>| SymmetricEigen::new((k + k.transpose()) * 0.5);
+        let mut opened = self.structure.k.clone();
+        for contact in &self.contacts {
+            for (&(i, a), &(j, b)) in contact.normal.iter().flat_map(|a| contact.normal.iter().map(move |b| (a, b))) {
+                opened[(i, j)] -= contact.stiffness * a * b;
+            }
+        }
+        let rounding = NEGATIVE * self.structure.k.amax();
+        let negative = |of: &SymmetricEigen<f64, Dyn>| of.eigenvalues.iter().filter(|k| **k < -rounding).count();
+        let (with, without) = (symmetric(&self.structure.k), symmetric(&opened));
+        if negative(&without) <= negative(&with) {
+            return Ok(());
+        }
+        // The contact whose spring takes most in the most negative direction.
+        let direction = without.eigenvectors.column(without.eigenvalues.imin());
+        let taken = |contact: &SlidingContact| contact.stiffness * along(&contact.normal, direction.as_slice()).powi(2);
+        let Some(contact) = self.contacts.iter().max_by(|a, b| taken(a).total_cmp(&taken(b))) else { return Ok(()) };
+        Err(Error::Contact {
+            contact: contact.name.clone(),
+            field: "stiffness",
+            value: contact.stiffness,
+            allowed: "that of the spring which K holds: K without the springs of the contacts would have a negative stiffness",
+        })
+    }
+
     /// Checks that the tangent is the system of the complex eigenvalue analysis: `Q(i w)` of both at `w`, half and twice it, rad/s. Returns
-    /// the largest deviation, relative to the norms of the terms of Q.
+    /// the largest deviation, relative to the norms of the terms of Q. No tangent knows the springs of contacts: that K can hold them is
+    /// checked too.
     ///
     /// # Errors
-    /// [`Error::Tangent`] where it is more than rounding; a system of another order.
+    /// [`Error::Tangent`] where it is more than rounding; [`Error::Contact`] for a spring that K does not hold; a system of another order.
     pub fn check_tangent(&self, of_cea: &SecondOrder, omega: f64) -> Result<f64, Error> {
+        self.check_springs()?;
         let (found, expected) = (of_cea.order(), self.order());
         if found != expected {
             return Err(

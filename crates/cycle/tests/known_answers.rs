@@ -6,9 +6,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt};
+use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt, part};
 use cycle::{
-    Bristled, ContactSystem, Cycle, Measures, Motion, Settings, Smoothed, follow, history, measure, state_after,
+    Bristled, ContactSystem, Cycle, Measures, Motion, Part, Settings, SlidingContact, Smoothed, follow, history,
+    measure, state_after,
 };
 use friction::{
     BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent, VelocityDependentParameters,
@@ -94,6 +95,37 @@ fn a_motion_that_nothing_stops_is_unbounded() {
     // Friction that falls with a slope for ever feeds more than the dashpot takes.
     let system = mass_on_belt(FAST, 0.01, Arc::new(Curve(|w| (0.5 - 0.1 * (w - FAST), -0.1))));
     assert_eq!(motion(&system, vec![1e-3, 0.0], 1.0, &ONE, 1e-9), Motion::Unbounded);
+}
+
+#[test]
+fn a_motion_without_swings_comes_to_rest_or_grows_without_bounds() {
+    // A dashpot of 5 lets the mass creep back; a spring of -1 lets it go.
+    for (damping, stiffness, expected) in [(5.0, 1.0, Motion::Rest), (0.1, -1.0, Motion::Unbounded)] {
+        let mass = part("mass", dmatrix![1.0], dmatrix![damping], dmatrix![stiffness]);
+        let belt = mass_on_belt(1.0, 0.0, Arc::new(Curve(|_| (0.5, 0.0)))).contacts()[0].clone();
+        let system = ContactSystem::new(vec![mass], vec![belt]).unwrap();
+        assert_eq!(motion(&system, vec![0.1, 0.0], 1.0, &ONE, 1e-9), expected);
+    }
+}
+
+#[test]
+fn springs_that_the_stiffness_does_not_hold_are_refused_by_name() {
+    let of = |stiffness: f64| {
+        let of_hoffmann = hoffmann(0.8, 1.0);
+        // The same reading k c, so that the tangent is the same.
+        let normal = vec![(1, 4.0 / 3.0 / stiffness)];
+        let belt = SlidingContact { stiffness, normal, ..of_hoffmann.contacts()[0].clone() };
+        let structure = Part { family: "structure".into(), matrices: of_hoffmann.structure().clone() };
+        ContactSystem::new(vec![structure], vec![belt]).unwrap().check_tangent(&of_hoffmann.tangent(), 1.4)
+    };
+    // Without the spring [2 1; 1 2 - 16 / 9 / k] remains, definite for k > 32 / 27.
+    for stiffness in [1.186, 4.0 / 3.0, 10.0] {
+        assert!(of(stiffness).unwrap() < 1e-14);
+    }
+    for stiffness in [0.133, 1.185] {
+        let error = of(stiffness).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("contact \"belt\": stiffness = {stiffness}; allowed: ")), "{error}");
+    }
 }
 
 #[test]
