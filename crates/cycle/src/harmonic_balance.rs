@@ -8,6 +8,7 @@ use num_complex::Complex;
 
 use crate::contact::along;
 use crate::measure::states;
+use crate::motion::{amplitude, distance};
 use crate::shooting::shoot;
 use crate::system::ContactForces;
 use crate::{ContactSystem, Cycle, Error, NearMode, SystemAt};
@@ -21,6 +22,10 @@ const MOST_SAMPLES: usize = 16_384;
 
 /// Residual of the balance at which it is solved, relative to the scales of its unknowns; chosen.
 const SOLVED: f64 = 1e-11;
+
+/// Differences of a balance and the motion in time that it approximates, at most: of the start relative to its size, of the period; chosen.
+const OWN_START: f64 = 0.3;
+const OWN_PERIOD: f64 = 0.05;
 
 /// Fourier series of a number of harmonics, with the forces of contacts evaluated at equal steps of a period (alternating frequency and time).
 ///
@@ -508,7 +513,7 @@ impl Balance {
     /// The motion in time that a balanced cycle is an approximation of, with its Floquet multipliers.
     ///
     /// # Errors
-    /// [`Error::NoConvergence`]; a motion that cannot be followed.
+    /// [`Error::NoConvergence`], also where shooting goes away to another motion; a motion that cannot be followed.
     pub fn refined(
         &self,
         system: &ContactSystem,
@@ -516,7 +521,14 @@ impl Balance {
         (omega, shape): NearMode<'_>,
         tolerance: f64,
     ) -> Result<Cycle, Error> {
-        let start = Equations::new(self, system, omega, shape).state(cycle)?;
-        shoot(system, start, std::f64::consts::TAU / cycle.omega, &system.scales(omega), tolerance)
+        let (start, scales) = (Equations::new(self, system, omega, shape).state(cycle)?, system.scales(omega));
+        let period = std::f64::consts::TAU / cycle.omega;
+        let refined = shoot(system, start.clone(), period, &scales, tolerance)?;
+        let moved = distance(&refined.start, &start, &scales) / amplitude(&start, &scales);
+        let changed = (refined.period / period - 1.0).abs();
+        if moved < OWN_START && changed < OWN_PERIOD {
+            return Ok(refined);
+        }
+        Err(Error::NoConvergence { method: "shooting to the motion of a balance", residual: moved.max(changed) })
     }
 }

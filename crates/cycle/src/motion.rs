@@ -48,6 +48,12 @@ const REST: f64 = 1e-6;
 /// Relative difference of two passages from which on they may be of one cycle; chosen, the shooting decides.
 const ALIKE: f64 = 1e-4;
 
+/// Distance of a cycle from the passage that it was found from, relative to the size of the motion, at most; chosen.
+const NEAR: f64 = 0.05;
+
+/// What the motion of a cycle would go in a period at the rate of its start, relative to its size, at least; chosen.
+const MOVING: f64 = 1e-3;
+
 /// A motion with a plane that it passes once a period of its mode, or oftener.
 struct Crossing<'a> {
     system: &'a ContactSystem,
@@ -116,7 +122,9 @@ pub fn follow(
         let Some((begin, _)) = earlier.iter().rev().find(alike).filter(|_| next_try == 0) else { continue };
         let found = shoot(system, last.clone(), end - begin, &scales, settings.tolerance);
         let is_near = |cycle: &Cycle| {
-            amplitude(&cycle.start, &scales) > 1e-3 * size && distance(&cycle.start, last, &scales) < size
+            amplitude(&cycle.start, &scales) > 1e-3 * size
+                && distance(&cycle.start, last, &scales) < NEAR * size
+                && is_moving(system, cycle, &scales)
         };
         if let Some(cycle) = found.ok().filter(|cycle| is_near(cycle) && cycle.is_stable()) {
             return Ok(Motion::Cycle(with_least_period(system, cycle, &scales, settings)));
@@ -125,6 +133,13 @@ pub fn follow(
         next_try = 20;
     }
     Ok(Motion::NotPeriodic { time: motion.time })
+}
+
+/// False for an equilibrium beside steady sliding, where the state after any time is that before.
+fn is_moving(system: &ContactSystem, cycle: &Cycle, scales: &[f64]) -> bool {
+    let mut rate = vec![0.0; system.dimension()];
+    system.rate(&cycle.start, &mut rate);
+    cycle.period * amplitude(&rate, scales) > MOVING * amplitude(&cycle.start, scales)
 }
 
 /// The cycle once, where it was found as several rounds of itself. Next to a period doubling, where the rounds differ by less than can be told
@@ -167,11 +182,12 @@ fn section(system: &ContactSystem, shape: &[Complex<f64>]) -> Vec<f64> {
 }
 
 /// Size of a state, relative to the scales.
-fn amplitude(x: &[f64], scales: &[f64]) -> f64 {
+pub(crate) fn amplitude(x: &[f64], scales: &[f64]) -> f64 {
     x.iter().zip(scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max)
 }
 
-fn distance(x: &[f64], other: &[f64], scales: &[f64]) -> f64 {
+/// Largest difference of two states, relative to the scales.
+pub(crate) fn distance(x: &[f64], other: &[f64], scales: &[f64]) -> f64 {
     x.iter().zip(other).zip(scales).map(|((x, y), scale)| ((x - y) / scale).abs()).fold(0.0, f64::max)
 }
 
