@@ -17,7 +17,7 @@ pub type NearMode<'a> = (f64, &'a [Complex<f64>]);
 pub struct Reach {
     /// Least and greatest value of the parameter.
     pub range: [f64; 2],
-    /// Longest step along the branch, in amplitudes at which a contact opens and widths of the range.
+    /// Longest step along the branch, in amplitudes at which the first contact opens or sticks and widths of the range.
     pub longest_step: f64,
     /// Points after which a branch ends.
     pub most_points: usize,
@@ -28,7 +28,7 @@ pub struct Reach {
 pub struct BranchPoint {
     /// The balanced cycle.
     pub cycle: BalancedCycle,
-    /// Amplitude of the first harmonic in the mode, as a factor of its shape.
+    /// Amplitude of the first harmonic in the mode, in that at which the first contact opens or sticks in it.
     pub amplitude: f64,
     /// True if the parameter turns between the point before and this one.
     pub is_fold: bool,
@@ -37,10 +37,10 @@ pub struct BranchPoint {
 /// Steps shorter than this part of the longest are given up; chosen.
 const SHORTEST: f64 = 1e-4;
 
-/// Part of the grazing amplitude with which a branch starts at an onset; chosen, below the first kink of the forces.
+/// Part of the amplitude of the first kink with which a branch starts at an onset; chosen, where forces of a constant coefficient are linear.
 const START: f64 = 0.5;
 
-/// Amplitude, as a part of the grazing one, below which a branch has ended in steady sliding; chosen.
+/// Amplitude, as a part of that of the first kink, below which a branch has ended in steady sliding; chosen.
 const END: f64 = 1e-3;
 
 impl Balance {
@@ -80,10 +80,12 @@ impl Balance {
             let allowed = format!("above {low}");
             return Err(Error::Setting { field: "end of the range", value: high, allowed }.into());
         }
-        let graze = system_at(0.5 * (low + high))?.first_kink(mode.0, mode.1);
-        let amplitude_row = {
-            let system = system_at(0.5 * (low + high))?;
-            Equations::new(self, &system, mode.0, mode.1).amplitude_row(false)
+        // The parameter may move the scales of the series and the first kink.
+        let amplitude_of = |cycle: &BalancedCycle| -> Result<f64, E> {
+            let system = system_at(cycle.parameter)?;
+            let row = Equations::new(self, &system, mode.0, mode.1).amplitude_row(false);
+            let size = cycle.series.len();
+            Ok(row.rows(0, size).dot(&cycle.series) / system.first_kink(mode.0, mode.1))
         };
         let unknowns = |cycle: &BalancedCycle| {
             let mut x = DVector::zeros(cycle.series.len() + 2);
@@ -95,12 +97,12 @@ impl Balance {
         let (cycle, bordered, _) = solve(self, system_at, mode, guess, first, width)?;
         let mut x = unknowns(&cycle);
         let last = x.len() - 1;
-        let mut points = vec![BranchPoint { cycle, amplitude: amplitude_row.dot(&x), is_fold: false }];
+        let mut points = vec![BranchPoint { amplitude: amplitude_of(&cycle)?, cycle, is_fold: false }];
         let unit = |at: usize| DVector::from_fn(last + 1, |i, _| if i == at { 1.0 } else { 0.0 });
         let no_tangent = || Error::NoConvergence { method: "the tangent of a branch", residual: f64::NAN };
         let mut tangent = bordered.lu().solve(&unit(last)).ok_or_else(no_tangent)?.normalize();
-        // The amplitude at which a contact opens is the length by which the series are measured.
-        let longest = reach.longest_step * points[0].cycle.series.norm() * graze / points[0].amplitude;
+        // The amplitude of the first kink is the length by which the series are measured.
+        let longest = reach.longest_step * points[0].cycle.series.norm() / points[0].amplitude;
         let mut step = 0.1 * longest;
         while points.len() < reach.most_points {
             let guess = &x + &tangent * step;
@@ -116,8 +118,8 @@ impl Balance {
             let next = unknowns(&cycle);
             let Some(new_tangent) = bordered.lu().solve(&unit(last)).map(|tangent| tangent.normalize()) else { break };
             let is_fold = new_tangent[last] * tangent[last] < 0.0;
-            let amplitude = amplitude_row.dot(&next);
-            if amplitude < END * graze {
+            let amplitude = amplitude_of(&cycle)?;
+            if amplitude < END {
                 break;
             }
             if !(low..=high).contains(&cycle.parameter) {
@@ -127,8 +129,7 @@ impl Balance {
                 let guess = &x + (&next - &x) * part;
                 let condition = Condition { row: unit(last), value: end / width };
                 if let Ok((cycle, ..)) = solve(self, system_at, mode, guess, &condition, width) {
-                    let amplitude = amplitude_row.dot(&unknowns(&cycle));
-                    points.push(BranchPoint { cycle, amplitude, is_fold });
+                    points.push(BranchPoint { amplitude: amplitude_of(&cycle)?, cycle, is_fold });
                 }
                 break;
             }

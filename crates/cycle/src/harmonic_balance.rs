@@ -449,16 +449,18 @@ pub(crate) fn solve<E: From<Error>>(
         let series = unknowns.rows(0, size).into_owned();
         let (residual, jacobian) = equations.residual(&series, omega, true)?;
         let step = 1e-6 * parameter_scale;
+        // The parameter may move scales too, and so the phase.
         let shifted = |by: f64| -> Result<DVector<f64>, E> {
             let system = system_at(parameter + by)?;
-            Ok(Equations { system: &system, ..equations.copied() }.residual(&series, omega, false)?.0)
+            let equations = Equations::new(balance, &system, omega_scale, shape);
+            Ok(equations.residual(&series, omega, false)?.0.push(equations.amplitude_row(true).dot(&unknowns)))
         };
         let by_parameter = (shifted(step)? - shifted(-step)?) / 2e-6;
         let mut matrix = DMatrix::zeros(size + 2, size + 2);
         matrix.view_mut((0, 0), (size, size + 1)).copy_from(&jacobian);
-        matrix.view_mut((0, size + 1), (size, 1)).copy_from(&by_parameter);
         let phase = equations.amplitude_row(true);
         matrix.row_mut(size).copy_from(&phase.transpose());
+        matrix.view_mut((0, size + 1), (size + 1, 1)).copy_from(&by_parameter);
         matrix.row_mut(size + 1).copy_from(&condition.row.transpose());
         let mut right = DVector::zeros(size + 2);
         right.rows_mut(0, size).copy_from(&-&residual);
@@ -480,13 +482,6 @@ pub(crate) fn solve<E: From<Error>>(
         }
     }
     Err(Error::NoConvergence { method: "harmonic balance", residual: last }.into())
-}
-
-impl<'a> Equations<'a> {
-    fn copied(&self) -> Equations<'a> {
-        let Self { balance, system, scales, omega_scale, shape } = self;
-        Equations { balance, system, scales: scales.clone(), omega_scale: *omega_scale, shape: shape.clone() }
-    }
 }
 
 impl Balance {

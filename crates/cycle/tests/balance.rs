@@ -33,11 +33,10 @@ fn a_branch_stands_upright_at_its_onset_until_the_contact_opens() {
     let onset = (1.0 + 2.0 * 0.05 * 0.05) / (4.0 / 3.0);
     let (lambda, shape) = hoffmann_mode(onset);
     assert!(lambda.re.abs() < 1e-12);
-    let grazing = hoffmann(onset, 1.0).grazing(&shape);
     let reach = Reach { range: [0.7, 1.1], longest_step: 0.2, most_points: 200 };
     let at = |mu: f64| Ok::<_, Error>(hoffmann(mu, 1.0));
     let points = Balance::new(9, 512).unwrap().branch_from_onset(&at, (lambda.im, &shape), onset, &reach).unwrap();
-    let below: Vec<_> = points.iter().filter(|point| point.amplitude < 0.999 * grazing).collect();
+    let below: Vec<_> = points.iter().filter(|point| point.amplitude < 0.999).collect();
     assert!(below.len() > 2);
     for point in below {
         assert!((point.cycle.parameter - onset).abs() < 1e-9, "{}", point.cycle.parameter);
@@ -46,6 +45,29 @@ fn a_branch_stands_upright_at_its_onset_until_the_contact_opens() {
     let last = points.last().unwrap();
     assert!((last.cycle.parameter - 1.1).abs() < 1e-12);
     assert!((TAU / last.cycle.omega - 4.670813590).abs() < 1e-4, "{}", TAU / last.cycle.omega);
+}
+
+#[test]
+fn a_parameter_that_moves_the_load_too_has_the_same_branch() {
+    // Motions are proportional to the load: measured in that of the first kink they do not change.
+    let onset = (1.0 + 2.0 * 0.05 * 0.05) / (4.0 / 3.0);
+    let (lambda, shape) = hoffmann_mode(onset);
+    let reach = Reach { range: [0.7, 1.1], longest_step: 0.2, most_points: 200 };
+    let branch = |load: fn(f64) -> f64| {
+        let at = |mu: f64| Ok::<_, Error>(hoffmann(mu, load(mu)));
+        Balance::new(9, 512).unwrap().branch_from_onset(&at, (lambda.im, &shape), onset, &reach).unwrap()
+    };
+    let (one, other) = (branch(|_| 1.0), branch(|mu| (5.0 * mu).exp()));
+    assert_eq!(one.len(), other.len());
+    assert!((one[0].amplitude - 0.5).abs() < 1e-9, "{}", one[0].amplitude);
+    for (one, other) in one.iter().zip(&other) {
+        let differences = [
+            one.amplitude - other.amplitude,
+            one.cycle.parameter - other.cycle.parameter,
+            one.cycle.omega - other.cycle.omega,
+        ];
+        assert!(differences.iter().all(|difference| difference.abs() < 1e-6), "{differences:?}");
+    }
 }
 
 #[test]

@@ -83,13 +83,12 @@ pub fn branches<B: UncertainBrake>(
         let mode: NearMode<'_> = (onset.omega, shape.as_slice());
         let reach = Reach { range: [over.from, over.to], longest_step: LONGEST_STEP, most_points: MOST_POINTS };
         let points = balance.branch_from_onset(&system_at, mode, onset.at, &reach)?;
-        let kink = system.first_kink(mode.0, mode.1);
         let cycle = |point: &cycle::BranchPoint| -> Result<BranchCycle, Error> {
             let at = point.cycle.parameter;
             Ok(BranchCycle {
                 at,
                 balanced_hz: point.cycle.omega / std::f64::consts::TAU,
-                amplitude: point.amplitude / kink,
+                amplitude: point.amplitude,
                 is_fold: point.is_fold,
                 in_time: in_time(&balance, &system_at(at)?, &point.cycle, mode),
             })
