@@ -9,7 +9,7 @@ use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
 use output::{Table, printable};
 use serde_json::json;
-use squeal::cycles::{Branch, CycleOptions, MOTION, Start, branches, contacts_digest, cycles};
+use squeal::cycles::{CycleOptions, MOTION, Start, branches, contacts_digest, cycles};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::study::Study;
@@ -117,7 +117,7 @@ impl CycleArgs {
             Some(over) => workers(None)?.install(|| -> Result<_, Error> {
                 let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
                 let branches = branches(&study, 0, over, &options, &Bar::of("sectors"))?;
-                Ok((vec![Branch::table(&branches)], Branch::text(&branches)))
+                Ok((vec![branches.table()], branches.text()))
             })?,
         };
         let seconds = begin.elapsed().as_secs_f64();
@@ -130,6 +130,11 @@ impl CycleArgs {
             let own = json!({
                 "scene": plan.describe(&plan.scenes[0]),
                 "over": self.over.as_ref().map(ToString::to_string),
+                "from": self.from.map(|from| match from {
+                    Start::UnstableModes => "each unstable mode".to_owned(),
+                    Start::Mode(rank) => rank.to_string(),
+                    Start::Noise => "noise".to_owned(),
+                }),
                 "harmonics": self.harmonics,
                 "time_samples": self.time_samples,
                 "stick": self.stick,

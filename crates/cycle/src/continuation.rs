@@ -34,6 +34,30 @@ pub struct BranchPoint {
     pub is_fold: bool,
 }
 
+/// Why a branch ends.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BranchEnd {
+    /// It leaves the range of the parameter.
+    Range,
+    /// It comes down to steady sliding.
+    Sliding,
+    /// It is as long as a branch may be, and goes on.
+    MostPoints,
+    /// It could not be followed any further, though it may go on: the reason, in words.
+    Lost(String),
+}
+
+impl std::fmt::Display for BranchEnd {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Range => f.write_str("end of the range"),
+            Self::Sliding => f.write_str("steady sliding"),
+            Self::MostPoints => f.write_str("not reached: as many points as a branch may have"),
+            Self::Lost(reason) => write!(f, "not reached: {reason}"),
+        }
+    }
+}
+
 /// Steps shorter than this part of the longest are given up; chosen.
 const SHORTEST: f64 = 1e-4;
 
@@ -44,18 +68,18 @@ const START: f64 = 0.5;
 const END: f64 = 1e-3;
 
 impl Balance {
-    /// The branch that starts at an onset: parameter, angular frequency and shape of a mode on the imaginary axis. A branch over a constant
+    /// The branch that starts at an onset, and why it ends: parameter, angular frequency and shape of a mode on the imaginary axis. A branch over a constant
     /// coefficient of friction stands upright there until a contact opens.
     ///
     /// # Errors
     /// [`Error::NoConvergence`] where its first point is not found; what the system refuses.
-    pub fn branch_from_onset<E: From<Error>>(
+    pub fn branch_from_onset<E: From<Error> + std::fmt::Display>(
         &self,
         system_at: SystemAt<'_, E>,
         mode: NearMode<'_>,
         onset: f64,
         reach: &Reach,
-    ) -> Result<Vec<BranchPoint>, E> {
+    ) -> Result<(Vec<BranchPoint>, BranchEnd), E> {
         let system = system_at(onset)?;
         let equations = Equations::new(self, &system, mode.0, mode.1);
         let width = reach.range[1] - reach.range[0];
@@ -66,14 +90,14 @@ impl Balance {
     }
 
     /// A branch from the solution of a first condition on, in the direction in which its value grows.
-    fn branch<E: From<Error>>(
+    fn branch<E: From<Error> + std::fmt::Display>(
         &self,
         system_at: SystemAt<'_, E>,
         mode: NearMode<'_>,
         guess: DVector<f64>,
         first: &Condition,
         reach: &Reach,
-    ) -> Result<Vec<BranchPoint>, E> {
+    ) -> Result<(Vec<BranchPoint>, BranchEnd), E> {
         let [low, high] = reach.range;
         let width = high - low;
         if !(width > 0.0 && width.is_finite()) {
@@ -108,19 +132,24 @@ impl Balance {
             let guess = &x + &tangent * step;
             let condition = Condition { value: tangent.dot(&guess), row: tangent.clone() };
             let found = solve(self, system_at, mode, guess, &condition, width);
-            let Ok((cycle, bordered, corrections)) = found else {
-                step *= 0.25;
-                if step < SHORTEST * longest {
-                    break;
+            let (cycle, bordered, corrections) = match found {
+                Ok(found) => found,
+                Err(error) => {
+                    step *= 0.25;
+                    if step < SHORTEST * longest {
+                        return Ok((points, BranchEnd::Lost(error.to_string())));
+                    }
+                    continue;
                 }
-                continue;
             };
             let next = unknowns(&cycle);
-            let Some(new_tangent) = bordered.lu().solve(&unit(last)).map(|tangent| tangent.normalize()) else { break };
+            let Some(new_tangent) = bordered.lu().solve(&unit(last)).map(|tangent| tangent.normalize()) else {
+                return Ok((points, BranchEnd::Lost(no_tangent().to_string())));
+            };
             let is_fold = new_tangent[last] * tangent[last] < 0.0;
             let amplitude = amplitude_of(&cycle)?;
             if amplitude < END {
-                break;
+                return Ok((points, BranchEnd::Sliding));
             }
             if !(low..=high).contains(&cycle.parameter) {
                 // The last point is the one at the end of the range.
@@ -128,10 +157,13 @@ impl Balance {
                 let part = (end / width - x[last]) / (next[last] - x[last]);
                 let guess = &x + (&next - &x) * part;
                 let condition = Condition { row: unit(last), value: end / width };
-                if let Ok((cycle, ..)) = solve(self, system_at, mode, guess, &condition, width) {
-                    points.push(BranchPoint { amplitude: amplitude_of(&cycle)?, cycle, is_fold });
-                }
-                break;
+                return match solve(self, system_at, mode, guess, &condition, width) {
+                    Ok((cycle, ..)) => {
+                        points.push(BranchPoint { amplitude: amplitude_of(&cycle)?, cycle, is_fold });
+                        Ok((points, BranchEnd::Range))
+                    }
+                    Err(error) => Ok((points, BranchEnd::Lost(error.to_string()))),
+                };
             }
             points.push(BranchPoint { cycle, amplitude, is_fold });
             (x, tangent) = (next, new_tangent);
@@ -145,6 +177,6 @@ impl Balance {
                 })
             .min(longest);
         }
-        Ok(points)
+        Ok((points, BranchEnd::MostPoints))
     }
 }

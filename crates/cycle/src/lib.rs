@@ -24,7 +24,7 @@ mod shooting;
 mod system;
 
 pub use contact::SlidingContact;
-pub use continuation::{BranchPoint, NearMode, Reach, SystemAt};
+pub use continuation::{BranchEnd, BranchPoint, NearMode, Reach, SystemAt};
 pub use error::Error;
 pub use friction::{Bristled, ContactFriction, Smoothed};
 pub use harmonic_balance::{Balance, BalancedCycle};

@@ -7,7 +7,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{hoffmann, hoffmann_mode};
-use cycle::{Balance, Error, Motion, Reach, Settings, follow};
+use cycle::{Balance, BranchEnd, Error, Motion, Reach, Settings, follow};
 
 const TIGHT: f64 = 1e-12;
 
@@ -35,13 +35,15 @@ fn a_branch_stands_upright_at_its_onset_until_the_contact_opens() {
     assert!(lambda.re.abs() < 1e-12);
     let reach = Reach { range: [0.7, 1.1], longest_step: 0.2, most_points: 200 };
     let at = |mu: f64| Ok::<_, Error>(hoffmann(mu, 1.0));
-    let points = Balance::new(9, 512).unwrap().branch_from_onset(&at, (lambda.im, &shape), onset, &reach).unwrap();
+    let (points, end) =
+        Balance::new(9, 512).unwrap().branch_from_onset(&at, (lambda.im, &shape), onset, &reach).unwrap();
     let below: Vec<_> = points.iter().filter(|point| point.amplitude < 0.999).collect();
     assert!(below.len() > 2);
     for point in below {
         assert!((point.cycle.parameter - onset).abs() < 1e-9, "{}", point.cycle.parameter);
         assert!((point.cycle.omega / lambda.im - 1.0).abs() < 1e-9);
     }
+    assert_eq!(end, BranchEnd::Range);
     let last = points.last().unwrap();
     assert!((last.cycle.parameter - 1.1).abs() < 1e-12);
     assert!((TAU / last.cycle.omega - 4.670813590).abs() < 1e-4, "{}", TAU / last.cycle.omega);
@@ -57,8 +59,8 @@ fn a_parameter_that_moves_the_load_too_has_the_same_branch() {
         let at = |mu: f64| Ok::<_, Error>(hoffmann(mu, load(mu)));
         Balance::new(9, 512).unwrap().branch_from_onset(&at, (lambda.im, &shape), onset, &reach).unwrap()
     };
-    let (one, other) = (branch(|_| 1.0), branch(|mu| (5.0 * mu).exp()));
-    assert_eq!(one.len(), other.len());
+    let ((one, end), (other, _)) = (branch(|_| 1.0), branch(|mu| (5.0 * mu).exp()));
+    assert_eq!((one.len(), end), (other.len(), BranchEnd::Range));
     assert!((one[0].amplitude - 0.5).abs() < 1e-9, "{}", one[0].amplitude);
     for (one, other) in one.iter().zip(&other) {
         let differences = [
@@ -68,6 +70,23 @@ fn a_parameter_that_moves_the_load_too_has_the_same_branch() {
         ];
         assert!(differences.iter().all(|difference| difference.abs() < 1e-6), "{differences:?}");
     }
+}
+
+#[test]
+fn a_branch_that_is_cut_says_why() {
+    let onset = (1.0 + 2.0 * 0.05 * 0.05) / (4.0 / 3.0);
+    let (lambda, shape) = hoffmann_mode(onset);
+    let branch = |most_points, known_to: f64| {
+        let reach = Reach { range: [0.7, 1.1], longest_step: 0.2, most_points };
+        let at = |mu: f64| match mu < known_to {
+            true => Ok(hoffmann(mu, 1.0)),
+            false => Err(Error::Structure("no such brake")),
+        };
+        Balance::new(9, 512).unwrap().branch_from_onset(&at, (lambda.im, &shape), onset, &reach).unwrap()
+    };
+    let (points, end) = branch(5, 2.0);
+    assert_eq!((points.len(), end), (5, BranchEnd::MostPoints));
+    assert_eq!(branch(200, 0.9).1, BranchEnd::Lost("no such brake".into()));
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn branches_go_from_the_onset_to_the_end_of_the_range() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let words = answer("cycle", &hoffmann(), &["--over", "mu=0.5:1.1", "--out", out.to_str().unwrap()]);
-    assert!(words.contains("onset at mu = 0.753750"), "{words}");
+    assert!(words.contains("onset at mu = 0.753750") && words.contains("\nend: end of the range\n"), "{words}");
     let rows = String::from_utf8(results(&out)["cycle_branches.csv"].clone()).unwrap();
     let last: Vec<&str> = rows.lines().last().unwrap().split(',').collect();
     assert!((last[3].parse::<f64>().unwrap() - 1.1).abs() < 1e-12, "{last:?}");
@@ -45,6 +45,10 @@ fn what_has_no_motion_is_refused_in_a_line() {
         (&["--harmonics", "9", "--time-samples", "18"], &["samples of a period = 18", "allowed: 19 or more"]),
         (&["--from", "1"], &["--from = 1", "allowed: noise, or the rank of an unstable mode: 2"]),
         (&["--over", "mu=0.1:0.5"], &["no mode oscillates and grows"]),
+        (
+            &["--over", "mu=0.8:1.1"],
+            &["--over = mu=0.8:1.1", "an onset in it; modes that grow at its begin already: 1"],
+        ),
         (&["--over", "nu=0.1:0.5"], &["--over = nu", "allowed: "]),
     ] {
         refusal(&asked("cycle", &hoffmann(), options), expected);

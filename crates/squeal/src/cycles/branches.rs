@@ -1,7 +1,7 @@
 //! Cycles over a parameter, from each onset that a sweep finds.
 
 use cea::{QrSolver, Workspace, right_vector};
-use cycle::{Balance, ContactSystem, Cycle, Measures, NearMode, Reach, measure};
+use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Measures, NearMode, Reach, measure};
 use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
@@ -16,6 +16,19 @@ const LONGEST_STEP: f64 = 0.3;
 /// Most points of a branch; chosen.
 const MOST_POINTS: usize = 200;
 
+/// Branches of cycles over a parameter, and what may be missing among them.
+#[derive(Debug, Clone)]
+pub struct Branches {
+    /// The parameter.
+    pub parameter: SweptParameter,
+    /// The branches, by their onsets.
+    pub branches: Vec<Branch>,
+    /// Number of modes that oscillate and grow at the begin of the range already: their branches start outside.
+    pub growing_at_start: usize,
+    /// Ranges of the parameter in which a mode comes so near its threshold that it may have an onset or not.
+    pub unresolved: Vec<(f64, f64)>,
+}
+
 /// The branch of cycles that starts at an onset.
 #[derive(Debug, Clone)]
 pub struct Branch {
@@ -25,10 +38,10 @@ pub struct Branch {
     pub onset: f64,
     /// Frequency at the onset, Hz.
     pub onset_hz: f64,
-    /// The parameter of the branch.
-    pub parameter: SweptParameter,
     /// The cycles, along the branch.
     pub cycles: Vec<BranchCycle>,
+    /// Why it ends.
+    pub end: BranchEnd,
     /// Bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
 }
@@ -58,12 +71,12 @@ pub fn branches<B: UncertainBrake>(
     over: &Over,
     options: &CycleOptions,
     progress: &dyn Progress,
-) -> Result<Vec<Branch>, Error> {
+) -> Result<Branches, Error> {
     let brake = study.brake();
     let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
     let key = &plan.scenes[scene];
     let found = sweep(study, scene, over, &QrSolver, progress)?;
-    let parameter = found.parameter.clone();
+    let parameter = found.parameter;
     let of_cea = |at: f64| match brake.parametrised() {
         Some(parametrised) => Ok(parametrised.system_with(key, &[(parameter.place, at)])?),
         None => Err(Error::NotGiven { capability: "parametrised", needed_by: "cycles over a parameter" }),
@@ -82,7 +95,7 @@ pub fn branches<B: UncertainBrake>(
         let shape = right_vector(&of_cea, lambda, &mut Workspace::default()).map_err(study::Error::from)?;
         let mode: NearMode<'_> = (onset.omega, shape.as_slice());
         let reach = Reach { range: [over.from, over.to], longest_step: LONGEST_STEP, most_points: MOST_POINTS };
-        let points = balance.branch_from_onset(&system_at, mode, onset.at, &reach)?;
+        let (points, end) = balance.branch_from_onset(&system_at, mode, onset.at, &reach)?;
         let cycle = |point: &cycle::BranchPoint| -> Result<BranchCycle, Error> {
             let at = point.cycle.parameter;
             Ok(BranchCycle {
@@ -97,15 +110,24 @@ pub fn branches<B: UncertainBrake>(
             mode: onset.mode.clone(),
             onset: onset.at,
             onset_hz: onset.omega / std::f64::consts::TAU,
-            parameter: parameter.clone(),
             cycles: points.iter().map(cycle).collect::<Result<_, Error>>()?,
+            end,
             bodies: bodies.clone(),
         });
+    }
+    let growing_at_start = found.unstable_at_start - found.diverging_at_start;
+    if branches.is_empty() && (growing_at_start > 0 || !found.unresolved.is_empty()) {
+        let near = |(from, to): &(f64, f64)| format!("; from {from} to {to} one may be, or not");
+        let unresolved: String = found.unresolved.iter().map(near).collect();
+        let allowed = format!(
+            "a range with an onset in it; modes that grow at its begin already: {growing_at_start}{unresolved}"
+        );
+        return Err(Error::Argument { argument: "over", value: over.to_string(), allowed });
     }
     if branches.is_empty() {
         return Err(Error::NeverSqueals { scene: format!("{} over {over}", plan.describe(key)) });
     }
-    Ok(branches)
+    Ok(Branches { parameter, branches, growing_at_start, unresolved: found.unresolved })
 }
 
 /// The motion in time that a balanced cycle stands for, where shooting finds it.

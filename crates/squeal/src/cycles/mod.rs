@@ -7,7 +7,7 @@ mod branches;
 mod starts;
 mod tables;
 
-pub use branches::{Branch, BranchCycle, branches};
+pub use branches::{Branch, BranchCycle, Branches, branches};
 
 use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdicts_beyond};
 use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow, history, measure};

@@ -3,7 +3,8 @@
 use cycle::{Cycle, Measures, Motion};
 use output::Table;
 
-use super::{Branch, Cycles};
+use super::{Branch, Branches, Cycles};
+use crate::sweep::SweptParameter;
 
 /// Hz of an eigenvalue.
 fn hz(omega: f64) -> f64 {
@@ -147,16 +148,15 @@ fn kind(motion: &Motion) -> &'static str {
     }
 }
 
-impl Branch {
-    /// The cycles of some branches, one a row: `cycle_branches`.
+impl Branches {
+    /// The cycles of all branches, one a row: `cycle_branches`.
     #[must_use]
-    pub fn table(branches: &[Self]) -> Table {
-        let name = branches.first().map_or("parameter", |branch| &branch.parameter.name);
+    pub fn table(&self) -> Table {
         let columns = [
             "mode",
             "onset",
             "onset_hz",
-            name,
+            &self.parameter.name,
             "balance_hz",
             "cycle_hz",
             "amplitude",
@@ -167,11 +167,32 @@ impl Branch {
             "stuck",
             "loudest_body",
             "rms_velocity_m_per_s",
+            "branch_end",
         ];
-        let rows = branches.iter().flat_map(|branch| branch.cycles.iter().map(|cycle| branch.row(cycle)));
+        let rows = self.branches.iter().flat_map(|branch| branch.cycles.iter().map(|cycle| branch.row(cycle)));
         Table::new("cycle_branches", columns, rows)
     }
 
+    /// The branches in words.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let SweptParameter { name, from, .. } = &self.parameter;
+        let mut text: String = self.branches.iter().map(|branch| branch.text(name)).collect();
+        text += "amplitude: of the first harmonic, in that at which the first contact opens or sticks\n";
+        if self.growing_at_start > 0 {
+            let modes = self.growing_at_start;
+            text += &format!("modes that grow at {name} = {from} already, whose cycles are not followed: {modes}\n");
+        }
+        for (from, to) in &self.unresolved {
+            text += &format!(
+                "{name} = {from} to {to}: a mode comes so near its threshold that it may have an onset or not\n"
+            );
+        }
+        text
+    }
+}
+
+impl Branch {
     fn row(&self, of: &super::BranchCycle) -> Vec<String> {
         let mut row = vec![
             self.mode.clone(),
@@ -183,6 +204,7 @@ impl Branch {
         let Some((cycle, measures)) = &of.in_time else {
             row.extend([String::new(), of.amplitude.to_string(), yes(of.is_fold)]);
             row.extend(vec![String::new(); 6]);
+            row.push(self.end.to_string());
             return row;
         };
         let greatest = |share: fn(&cycle::Shares) -> f64| measures.contacts.iter().map(share).fold(0.0, f64::max);
@@ -198,57 +220,51 @@ impl Branch {
             greatest(|shares| shares.stuck).to_string(),
             loudest,
             rms.to_string(),
+            self.end.to_string(),
         ]);
         row
     }
 
-    /// The branches in words.
-    #[must_use]
-    pub fn text(branches: &[Self]) -> String {
-        let mut text = String::new();
-        for branch in branches {
-            let name = &branch.parameter.name;
-            text += &format!(
-                "mode {}, onset at {name} = {:.6}, {} Hz\n{:>12}  {:>12}  {:>12}  {:>10}  {:>10}  {:>6}  {:>6}  {:>8}\n",
-                branch.mode,
-                branch.onset,
-                crate::results::hertz(branch.onset_hz),
-                name,
-                "balance Hz",
-                "cycle Hz",
-                "amplitude",
-                "multiplier",
-                "open",
-                "stuck",
-                "rms m/s"
-            );
-            for of in &branch.cycles {
-                let head = format!("{:>12.6}  {:>12}", of.at, crate::results::hertz(of.balanced_hz));
-                let fold = if of.is_fold { "  fold" } else { "" };
-                text += &match &of.in_time {
-                    None => format!(
-                        "{head}  {:>12}  {:>10.4}  no motion in time found from the balance{fold}\n",
-                        "", of.amplitude
-                    ),
-                    Some((cycle, measures)) => {
-                        let greatest =
-                            |share: fn(&cycle::Shares) -> f64| measures.contacts.iter().map(share).fold(0.0, f64::max);
-                        let rms = branch.bodies.iter().map(|(_, dofs)| measures.rms_of(dofs)).fold(0.0, f64::max);
-                        format!(
-                            "{head}  {:>12}  {:>10.4}  {:>10.4}  {:>6.3}  {:>6.3}  {rms:>8.4}{}{fold}\n",
-                            crate::results::hertz(cycle.frequency_hz()),
-                            of.amplitude,
-                            cycle.largest_multiplier(),
-                            greatest(|shares| shares.open),
-                            greatest(|shares| shares.stuck),
-                            if cycle.is_stable() { "" } else { "  unstable" },
-                        )
-                    }
-                };
-            }
-            text += "\n";
+    fn text(&self, name: &str) -> String {
+        let mut text = format!(
+            "mode {}, onset at {name} = {:.6}, {} Hz\n{:>12}  {:>12}  {:>12}  {:>10}  {:>10}  {:>6}  {:>6}  {:>8}\n",
+            self.mode,
+            self.onset,
+            crate::results::hertz(self.onset_hz),
+            name,
+            "balance Hz",
+            "cycle Hz",
+            "amplitude",
+            "multiplier",
+            "open",
+            "stuck",
+            "rms m/s"
+        );
+        for of in &self.cycles {
+            let head = format!("{:>12.6}  {:>12}", of.at, crate::results::hertz(of.balanced_hz));
+            let fold = if of.is_fold { "  fold" } else { "" };
+            text += &match &of.in_time {
+                None => format!(
+                    "{head}  {:>12}  {:>10.4}  no motion in time found from the balance{fold}\n",
+                    "", of.amplitude
+                ),
+                Some((cycle, measures)) => {
+                    let greatest =
+                        |share: fn(&cycle::Shares) -> f64| measures.contacts.iter().map(share).fold(0.0, f64::max);
+                    let rms = self.bodies.iter().map(|(_, dofs)| measures.rms_of(dofs)).fold(0.0, f64::max);
+                    format!(
+                        "{head}  {:>12}  {:>10.4}  {:>10.4}  {:>6.3}  {:>6.3}  {rms:>8.4}{}{fold}\n",
+                        crate::results::hertz(cycle.frequency_hz()),
+                        of.amplitude,
+                        cycle.largest_multiplier(),
+                        greatest(|shares| shares.open),
+                        greatest(|shares| shares.stuck),
+                        if cycle.is_stable() { "" } else { "  unstable" },
+                    )
+                }
+            };
         }
-        text + "amplitude: of the first harmonic, in that at which the first contact opens or sticks\n"
+        text + &format!("end: {}\n\n", self.end)
     }
 }
 
