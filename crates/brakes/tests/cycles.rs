@@ -147,7 +147,19 @@ fn what_a_motion_needs_and_a_case_lacks_is_said_in_a_line() {
     let negative = answer(with("load = 1.0 ", "load = -1.0 "), &CycleOptions::default()).unwrap_err();
     assert!(negative.contains("-1") && negative.contains("allowed: a number > 0"), "{negative}");
     let sloped = answer(with("load = 1.0 ", "slope = -0.1\nload = 1.0 "), &CycleOptions::default()).unwrap_err();
-    assert!(sloped.contains("the tangent of a law that the case does not give"), "{sloped}");
+    assert!(
+        sloped.contains("contacts \"belt\".slope = -0.1; allowed: mu alone: a slope or lag is the tangent"),
+        "{sloped}"
+    );
+    let lagging = "lag = { decay = 2.0, drive = 0.1, force = 3.0 }\nload = 1.0 ";
+    let lagging = answer(with("load = 1.0 ", lagging), &CycleOptions::default()).unwrap_err();
+    assert!(lagging.contains("contacts \"belt\".lag.force = 3; allowed: mu alone"), "{lagging}");
+    let pulled = answer(with("mu = \"mu\"", "mu = \"-mu\""), &CycleOptions::default()).unwrap_err();
+    assert!(pulled.contains("hoffmann.toml") && pulled.contains("contacts \"belt\".mu = -0.8; allowed: "), "{pulled}");
+    // K without so stiff a spring would have a negative stiffness.
+    let soft =
+        answer(with("stiffness = 1.3333333333333333 ", "stiffness = 0.13 "), &CycleOptions::default()).unwrap_err();
+    assert!(soft.contains("contact \"belt\": stiffness = 0.13; allowed: "), "{soft}");
     let stable = answer(with("to = 1.1", "to = 0.7"), &CycleOptions::default()).unwrap_err();
     assert!(stable.contains("no mode oscillates and grows"), "{stable}");
     for (options, expected) in [

@@ -41,10 +41,13 @@ impl MatricesCase {
     ) -> Result<SlidingContact, Error> {
         let check = Check::new(&self.header.path);
         let of = |key: &str| field("contacts", &channel.name, key);
-        if gain.slope != 0.0 || gain.lag.is_some() {
+        let slope = Some(("slope", gain.slope)).filter(|(_, slope)| *slope != 0.0);
+        if let Some((key, value)) = slope.or(gain.lag.map(|lag| ("lag.force", lag.force))) {
             let allowed = "mu alone: a slope or lag is the tangent of a law that the case does not give, and its motion needs the law";
-            return Err(check.value(&of("slope"), "given", allowed).into());
+            return Err(check.value(&of(key), value, allowed).into());
         }
+        let law = AmontonsCoulomb::new(gain.mu)
+            .map_err(|_| check.value(&of("mu"), gain.mu, "a number >= 0, so that friction acts against the sliding"))?;
         let number = |key: &str, expression: &Option<Expression>, why: &str| -> Result<f64, Error> {
             let Some(expression) = expression else { return Err(check.value(&of(key), "missing", why).into()) };
             let value = expression.value(values).map_err(|source| CaseError::Expression {
@@ -73,10 +76,7 @@ impl MatricesCase {
             stiffness,
             load,
             speed,
-            friction: Arc::new(Smoothed {
-                law: AmontonsCoulomb::new(gain.mu).map_err(study::Error::from)?,
-                stick_speed: stick * speed,
-            }),
+            friction: Arc::new(Smoothed { law, stick_speed: stick * speed }),
         })
     }
 }
