@@ -38,7 +38,8 @@ impl Cycle {
         self.multipliers.first().map_or(0.0, |multiplier| multiplier.norm())
     }
 
-    /// True if neighbouring motions do not leave it.
+    /// True if neighbouring motions do not leave it: no multiplier is larger than 1 + 1e-5. A cycle whose neighbours neither come nor go counts
+    /// as stable.
     #[must_use]
     pub fn is_stable(&self) -> bool {
         self.largest_multiplier() <= 1.0 + ON_THE_CIRCLE
