@@ -68,8 +68,8 @@ const START: f64 = 0.5;
 const END: f64 = 1e-3;
 
 impl Balance {
-    /// The branch that starts at an onset, and why it ends: parameter, angular frequency and shape of a mode on the imaginary axis. A branch over a constant
-    /// coefficient of friction stands upright there until a contact opens.
+    /// The branch that starts at an onset, and why it ends. The onset is a parameter with the angular frequency and shape of a mode on the
+    /// imaginary axis. A branch over a constant coefficient of friction stands upright there until a contact opens.
     ///
     /// # Errors
     /// [`Error::NoConvergence`] where its first point is not found; what the system refuses.
