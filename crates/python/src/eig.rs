@@ -120,10 +120,11 @@ pub(crate) fn held<'py>(py: Python<'py>, m: Columns<'py>, c: Columns<'py>, k: Co
     let mut all = BTreeSet::new();
     for (name, columns) in [("M", &m), ("C", &c), ("K", &k)] {
         let matrix = sparse(py, name, columns)?;
-        let entries =
-            matrix.triplet_iter().map(|(row, column, &value)| Entry { row: row as u32, column: column as u32, value });
+        let entry =
+            |(row, column, &value): (usize, usize, &f64)| Entry { row: row as u32, column: column as u32, value };
         let tied = |tied: Tied| argument(py, name, "a matrix with a huge entry", &tied.to_string());
-        all.extend(held_rows(matrix.nrows(), entries).map_err(tied)?);
+        let rows = py.detach(|| held_rows(matrix.nrows(), matrix.triplet_iter().map(entry)));
+        all.extend(rows.map_err(tied)?);
     }
     Ok(all.into_iter().collect())
 }

@@ -263,7 +263,10 @@ struct Evaluated {
     open: i64,
 }
 
-/// Largest growth rate, frequency of that eigenvalue, numbers of unstable and open ones, the first complaint.
+/// Of all points: largest growth rates, frequencies of these eigenvalues, numbers of unstable and open ones; which failed, and why.
+type Columns = (Vec<f64>, Vec<f64>, Vec<i64>, Vec<i64>, Vec<(usize, String)>);
+
+/// The same as Python has it.
 type OfPoints<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
@@ -282,24 +285,30 @@ pub(crate) fn evaluate<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<OfPoints<'py>> {
-    let rows: Vec<Vec<f64>> = values.as_array().rows().into_iter().map(|row| row.to_vec()).collect();
+    let rows: Vec<f64> = values.as_array().iter().copied().collect();
     let source = brake.source.clone();
-    let found = away(py, Ends::Itself, progress.as_ref(), move |watch| points(source, &names, &rows, threads, watch))?;
+    let (growth, hertz, unstable, open, failed) = away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        Ok(in_columns(&points(source, &names, &rows, threads, watch)?))
+    })?;
+    Ok((growth.into_pyarray(py), hertz.into_pyarray(py), unstable.into_pyarray(py), open.into_pyarray(py), failed))
+}
+
+fn in_columns(found: &[Result<Evaluated, String>]) -> Columns {
     let failed = found.iter().enumerate().filter_map(|(at, of)| Some((at, of.as_ref().err()?.clone()))).collect();
-    let number = |of: &dyn Fn(&Evaluated) -> f64| -> Bound<'py, PyArray1<f64>> {
-        found.iter().map(|found| found.as_ref().map_or(f64::NAN, of)).collect::<Vec<_>>().into_pyarray(py)
+    let number = |of: &dyn Fn(&Evaluated) -> f64| -> Vec<f64> {
+        found.iter().map(|found| found.as_ref().map_or(f64::NAN, of)).collect()
     };
-    let count = |of: &dyn Fn(&Evaluated) -> i64| -> Bound<'py, PyArray1<i64>> {
-        found.iter().map(|found| found.as_ref().map_or(-1, of)).collect::<Vec<_>>().into_pyarray(py)
+    let count = |of: &dyn Fn(&Evaluated) -> i64| -> Vec<i64> {
+        found.iter().map(|found| found.as_ref().map_or(-1, of)).collect()
     };
     let hertz = |of: &Evaluated| analysis::frequency_hz(of.rightmost);
-    Ok((number(&|of| of.rightmost.re), number(&hertz), count(&|of| of.unstable), count(&|of| of.open), failed))
+    (number(&|of| of.rightmost.re), number(&hertz), count(&|of| of.unstable), count(&|of| of.open), failed)
 }
 
 fn points(
     source: Source,
     names: &[String],
-    rows: &[Vec<f64>],
+    rows: &[f64],
     threads: Option<usize>,
     watch: &Arc<Watch>,
 ) -> Result<Vec<Result<Evaluated, String>>, Error> {
@@ -317,7 +326,8 @@ fn points(
     };
     let places = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
     let told = watch.stage(EVALUATED);
-    told.begin(rows.len() as u64, 0);
+    let width = names.len().max(1);
+    told.begin((rows.len() / width) as u64, 0);
     let of_system = |system: &SecondOrder, spectrum, work: &mut Workspace| -> Result<Evaluated, CeaError> {
         let spectrum: analysis::Spectrum = spectrum?;
         let counted = CountedSpectrum::new(&plan.threshold, system, &spectrum, work)?;
@@ -326,22 +336,22 @@ fn points(
         let open = (counted.marginal.len() + counted.open) as i64;
         Ok(Evaluated { rightmost, unstable: counted.unstable() as i64, open })
     };
-    let of_some = |rows: &[Vec<f64>]| {
+    let of_some = |rows: &[f64]| {
         // What is not evaluated is not looked at: the work ends below.
         if told.is_cancelled() {
             return Vec::new();
         }
         let mut work = Workspace::default();
-        let system = |row: &Vec<f64>| {
+        let system = |row: &[f64]| {
             let values: Vec<(usize, f64)> = places.iter().copied().zip(row.iter().copied()).collect();
             of.system_with(scene, &values)
         };
-        let systems: Vec<_> = rows.iter().map(system).collect();
+        let systems: Vec<_> = rows.chunks_exact(width).map(system).collect();
         let sound: Vec<SecondOrder> = systems.iter().filter_map(|system| system.as_ref().ok().cloned()).collect();
         let mut spectra = Vec::with_capacity(sound.len());
         BatchSolver.eigenvalues_of_all(&sound, &mut work, &mut spectra);
         let mut spectra = spectra.into_iter();
-        told.advance(rows.len() as u64);
+        told.advance(systems.len() as u64);
         let found = systems.iter().map(|system| {
             let system = system.as_ref().map_err(ToString::to_string)?;
             let spectrum = spectra.next().unwrap_or(Err(CeaError::SpectraCount { found: 0, expected: 1 }));
@@ -349,7 +359,8 @@ fn points(
         });
         found.collect::<Vec<Result<Evaluated, String>>>()
     };
-    let found: Vec<_> = workers(threads)?.install(|| rows.par_chunks(TOGETHER).flat_map_iter(of_some).collect());
+    let found: Vec<_> =
+        workers(threads)?.install(|| rows.par_chunks(TOGETHER * width).flat_map_iter(of_some).collect());
     told.go_on().map_err(|error: MonteCarloError| Error::from(squeal::Error::from(error)))?;
     Ok(found)
 }
