@@ -3,6 +3,7 @@
 import pickle
 
 import numpy as np
+import pandas
 import pytest
 import scipy.sparse
 
@@ -209,6 +210,21 @@ def nothing(p):
         (lambda: sq.run(hoffmann(), design={"mu": []}), sq.ArgumentError, "at least 1"),
         (lambda: sq.run(hoffmann(), design=[1.0]), sq.ArgumentError, "a DataFrame"),
         (lambda: sq.run(hoffmann(), design={"mu": [1.0]}, samples=4), sq.ArgumentError, "None beside `design`"),
+        (lambda: sq.run(hoffmann(), design={"mu": np.ma.masked_equal([0.7, 0.8], 0.7)}), sq.ArgumentError, "none masked"),
+        (lambda: sq.run(hoffmann(), design={1: [1.0], "1": [1.0]}), sq.ArgumentError, "each of them once"),
+        (lambda: sq.run(hoffmann(), design={"mu": [0.7, [0.8, 0.9]]}), sq.ArgumentError, "an array of numbers"),
+        (lambda: hoffmann(contacts=[sq.Contact("belt", force={"x": np.complex128(1 + 2j)}, mu=1.0)]), sq.ArgumentError, "belt'.force['x']"),
+        (lambda: hoffmann(parameters={"mu": sq.Empirical(np.array([0.5, 1 + 1j]))}), sq.ArgumentError, "real numbers"),
+        (lambda: sq.cea(hoffmann(), contact=1), sq.ArgumentError, "a list of numbers of contacts"),
+        (lambda: sq.cea(hoffmann(), speed=np.complex128(1 + 2j)), sq.ArgumentError, "speed = (1+2j); allowed: a number"),
+        (lambda: sq.run(hoffmann(), half_width=np.complex128(0.1 + 2j), progress=False), sq.ArgumentError, "half_width"),
+        (lambda: sq.sweep(hoffmann(), mu=(0.5, np.complex128(1 + 2j))), sq.ArgumentError, "mu = "),
+        (lambda: sq.sweep(hoffmann(), {"mu": (0.5, 1.1)}, mu=(0.5, 0.9)), sq.ArgumentError, "one range"),
+        (lambda: sq.screen(hoffmann(), kinds="mass"), sq.ArgumentError, "kinds = 'mass'"),
+        (lambda: sq.shard(hoffmann(), None, 3, out="s"), sq.ArgumentError, "number = None"),
+        (lambda: sq.run(hoffmann(), progress=True), sq.ArgumentError, "progress = True"),
+        (lambda: sq.evaluate(hoffmann(), {1: [1.0]}), sq.ArgumentError, "a column \"1\"; allowed: mu"),
+        (lambda: sq.evaluate(hoffmann(), pandas.DataFrame({1: [1.0]})), sq.ArgumentError, "a column \"1\"; allowed: mu"),
         (lambda: sq.evaluate(hoffmann(), {"nu": [1.0]}), sq.ArgumentError, "allowed: mu"),
     ],
 )
@@ -218,7 +234,32 @@ def test_what_is_wrong_with_a_brake_is_named(make, kind, part):
     assert part in str(caught.value) and "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("what", ["raises", "long", "nan", "other"])
+def test_parameters_with_the_names_of_columns_lose_none():
+    """Tables of the same brake whose one parameter has another name."""
+    plain = sq.sweep(hoffmann(), mu=(0.5, 1.1), progress=False)
+    kept = sq.run(hoffmann(), samples=50, keep_samples=True, progress=False).samples
+    for name in ("growth", "speed", "error", "frequency_hz", "unstable", "index"):
+        contact = sq.Contact("belt", force={"x": -1.0}, reading={"y": 4 / 3}, mu=name)
+        b = hoffmann(contacts=[contact], parameters={name: sq.Uniform(0.5, 1.1, unit="1")})
+        w = sq.sweep(b, {name: (0.5, 1.1)}, progress=False)
+        for table, own in ((plain.branches, w.branches), (plain.onsets, w.onsets), (plain.coalescences, w.coalescences)):
+            assert len(own) == len(table)
+            for expected, found in zip(table.values(), own.values(), strict=True):
+                assert found.dtype == expected.dtype and np.array_equal(found, expected)
+        drawn = sq.run(b, samples=50, keep_samples=True, progress=False).samples
+        assert len(drawn) == len(kept)
+        for expected, found in zip(kept.values(), drawn.values(), strict=True):
+            assert found.dtype == expected.dtype and np.array_equal(found, expected)
+    assert plain.onsets["error"].dtype.kind == "f" and plain.coalescences["other_mode"].dtype.kind == "U"
+
+
+def test_unstable_modes_of_samples_are_text_even_if_there_are_none():
+    b = hoffmann(parameters={"mu": sq.Uniform(0.1, 0.2)})
+    unstable = sq.run(b, samples=10, keep_samples=True, progress=False).samples["unstable"]
+    assert unstable.dtype.kind == "U" and not unstable.astype(bool).any()
+
+
+@pytest.mark.parametrize("what", ["raises", "long", "nan", "complex", "masked", "other"])
 def test_a_callable_that_goes_wrong_ends_the_study_and_spoils_nothing(what, tmp_path):
     state = {"wrong": False, "calls": 0}
 
@@ -230,7 +271,8 @@ def test_a_callable_that_goes_wrong_ends_the_study_and_spoils_nothing(what, tmp_
                 raise ZeroDivisionError("mine")
             if what == "other":
                 return {"dashpots": 1.0}
-            found["belt.mu"] = np.ones(len(p["t"]) + 1) if what == "long" else np.nan
+            wrong = {"long": np.ones(len(p["t"]) + 1), "nan": np.nan, "complex": np.complex128(0.5 + 0.1j)}
+            found["belt.mu"] = wrong.get(what, np.ma.masked_greater(p["t"], 0.0))
         return found
 
     b = damped(**OPEN, coefficients=sometimes, samples=2000)

@@ -92,10 +92,23 @@ def test_stacks_are_broadcast_and_agree_with_numpy():
     for at in np.ndindex(7, 3):
         other = companion(M[at], C[at], K[at])
         assert np.max(matched(w[at], other)) < 1e-9 * np.max(np.abs(other))
+        assert np.array_equal(w[at], w[at][np.lexsort((w[at].imag, w[at].real, np.abs(w[at].imag)))])
     assert np.array_equal(sq.eigvals(M[0, 0], None, K, threads=1)[2, 1], sq.eigvals(M[0, 0], None, K[2, 1]))
     with pytest.warns(sq.FailureWarning, match="1 of 2 systems"):
         w = sq.eigvals(np.array([np.eye(2), np.diag([1.0, 0.0])]), None, np.eye(2))
     assert np.all(np.isfinite(w[0])) and np.all(np.isnan(w[1]))
+
+
+def test_stacks_are_read_whatever_their_memory_and_may_be_empty():
+    M, C, K = system(shape=(5,))
+    packed = np.zeros(5, dtype=[("flag", "i1"), ("K", "f8", (6, 6))])
+    packed["K"] = K
+    assert not packed["K"].flags.aligned
+    for of in (packed["K"], K.astype(">f8"), K[::-1][::-1], np.asfortranarray(K)):
+        assert np.array_equal(sq.eigvals(M, C, of), sq.eigvals(M, C, K))
+        assert np.array_equal(sq.eig(M[0], C[0], of[0]).eigenvalues, sq.eig(M[0], C[0], K[0]).eigenvalues)
+    assert sq.eigvals(M[:0], C[0], K[:0]).shape == (0, 12)
+    assert sq.eigvals(np.zeros((2, 0, 3, 3)), None, np.eye(3)).shape == (2, 0, 6)
 
 
 def test_a_box_has_what_the_whole_spectrum_has_there():
@@ -149,7 +162,15 @@ def test_files_of_scipy_are_read_back(tmp_path):
     (name,) = sq.read_matrices(tmp_path / "K.mtx")
     for of in (sq.read_matrices(tmp_path / "K.mtx")[name], sq.read_matrices(tmp_path / "brake.mat")["K"]):
         assert np.array_equal(of.toarray(), K.toarray()) and np.array_equal(of.tocsc().toarray(), K.toarray())
-    assert list(sq.read_matrices(tmp_path / "brake.mat")) == ["K", "M"]
+    files = sq.read_matrices(tmp_path / "brake.mat")
+    assert list(files) == ["K", "M"]
+    for name in ("K", "stiffness", "mass", "damping", "glue", None):
+        try:
+            files[name]
+        except KeyError:
+            assert name not in files
+        else:
+            assert name in files and name is not None
     (npz,) = sq.read_matrices(tmp_path / "K.npz").all
     assert np.array_equal(npz.toarray(), K.toarray())
     # A matrix of a file goes where a matrix of SciPy does.
@@ -163,6 +184,9 @@ def test_a_spectrum_is_a_table():
     assert list(table.columns) == list(s.to_structured().dtype.names)
     assert np.array_equal(table["lambda"], s.eigenvalues) and len(str(s).splitlines()) == len(s) + 1
     assert np.array_equal(s.damping_ratios, -s.eigenvalues.real / np.abs(s.eigenvalues))
+
+
+NAN_BELOW = np.array([[1.0, 2.0, 0.0], [0.0, 3.0, 0.0], [0.0, np.nan, 4.0]])
 
 
 @pytest.mark.parametrize(
@@ -181,6 +205,12 @@ def test_a_spectrum_is_a_table():
         (lambda: sq.eig(np.eye(2), None, np.eye(2), band_hz=(5, 1)), "band_hz", "each first below"),
         (lambda: sq.eig(np.eye(2), None, np.eye(2), rightmost=1), "rightmost", "with `box`"),
         (lambda: sq.eigvals(np.eye(2), None, np.eye(3)), "M, C, K", "shapes that broadcast"),
+        (lambda: sq.eig(np.eye(2), None, np.ma.masked_equal(np.eye(2), 1.0)), "K", "numbers, none masked"),
+        (lambda: sq.eig(np.eye(2), None, list(np.ma.masked_equal(np.eye(2), 1.0))), "K", "numbers, none masked"),
+        (lambda: sq.eig(np.eye(2), None, [[1.0], [1.0, 2.0]]), "K", "an array of numbers"),
+        (lambda: sq.check(np.eye(3), None, scipy.sparse.csr_array(NAN_BELOW)), "K[2, 1]", "a finite number"),
+        (lambda: sq.eig(np.eye(2), None, np.eye(2), box=((-1, 1), (np.complex128(1 + 2j), 3))), "box", "((re from"),
+        (lambda: sq.eig(np.eye(2), None, np.eye(2), box=((-1, 1), (0, 2)), progress=True), "progress", "None, False"),
         (lambda: sq.eigvals(np.eye(2), None, np.eye(2), threads=0), "threads", "1 to 1024"),
     ],
 )

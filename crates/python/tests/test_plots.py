@@ -42,7 +42,11 @@ def test_studies_sweeps_and_influence_are_shown(cases, ax):
     ax.clear()
     w = sq.sweep(case, mu=(0, 1.3), progress=False)
     w.plot(ax)
-    assert len(ax.lines) == len(set(w.branches["branch"])) + w.onsets.rows + 1
+    branches = set(w.branches["branch"])
+    assert len(ax.lines) == len(branches) + w.onsets.rows + 1
+    # Of all branches Re lambda is drawn, which is zero at the onsets.
+    drawn = np.concatenate([line.get_ydata() for line in ax.lines[: len(branches)]])
+    assert np.array_equal(np.sort(drawn), np.sort(w.branches["growth"])) and drawn.min() < 0 < drawn.max()
     ax.clear()
     m = sq.sweep(case, mu=(0, 1.3), x_damping=(50, 400), progress=False)
     m.plot(ax)

@@ -3,6 +3,7 @@
 import csv
 import filecmp
 import json
+import pickle
 import re
 import shutil
 import subprocess
@@ -167,6 +168,37 @@ def test_fields_are_set_by_name(cases, tmp_path):
         assert "\n" not in str(refused.value)
     with pytest.raises(sq.ArgumentError, match="numbers, text"):
         sq.Case(path, set={"study.name": object()})
+
+
+def test_fields_of_what_only_rust_reads_are_set_or_refused(cases, tmp_path):
+    text = (cases / "hoffmann.toml").read_text()
+    path = tmp_path / "brake.toml"
+    path.write_text("\ufeff" + text, encoding="utf-8")
+    assert sq.Case(path, set={"study.samples": 7}).samples == 7
+    # Inline tables over lines are TOML 1.1.
+    assert 'force = { x = -1.0 }' in text
+    path.write_text(text.replace("force = { x = -1.0 }", "force = {\n x = -1.0 }"))
+    assert sq.Case(path).samples == sq.Case(cases / "hoffmann.toml").samples
+    with pytest.raises(sq.ArgumentError, match="set = .*TOML 1.0"):
+        sq.Case(path, set={"study.samples": 7})
+
+
+def test_what_is_not_there_is_named(cases, tmp_path):
+    case = sq.Case(cases / "two-by-two.toml", samples=5)
+    line = sq.sweep(case, mu=(0, 1.3), progress=False)
+    area = sq.sweep(case, mu=(0, 1.3), x_damping=(50, 400), progress=False)
+    for of, name in ((line, "boundary"), (line, "regions"), (area, "onsets"), (area, "branches"), (area, "coalescences")):
+        with pytest.raises(AttributeError, match="allowed: a sweep of"):
+            getattr(of, name)
+    r = sq.run(case, progress=False)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(sq.FolderError, match="can be written"):
+        r.save(tmp_path / "file" / "x")
+    left = pickle.loads(pickle.dumps(r))
+    shutil.rmtree(r.folder)
+    with pytest.raises(sq.FolderError, match="is gone; allowed: `run` with `out`"):
+        left.save(tmp_path / "s")
+    assert left.occurrence.rows == r.occurrence.rows
 
 
 def test_time_and_memory_are_expected(cases):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import refused
+from ._errors import ArgumentError, refused
 
 Floats = npt.NDArray[np.float64]
 Columns = tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int64], Floats]
@@ -18,15 +19,38 @@ def is_sparse(matrix: object) -> bool:
     return hasattr(matrix, "tocsc") and hasattr(matrix, "shape")
 
 
-def real(argument: str, given: Any) -> Floats:
-    """An array of finite doubles."""
-    array = np.asarray(given)
+def number(argument: str, given: Any) -> float:
+    """A real number."""
+    if not isinstance(given, int | float | np.integer | np.floating) or isinstance(given, bool):
+        raise refused(argument, given, "a number")
+    return float(given)
+
+
+def _doubles(argument: str, given: Any) -> Floats:
+    """An array of doubles as Rust reads them, aligned."""
+    # The values below a mask are none.
+    if any(map(np.ma.is_masked, given if isinstance(given, list | tuple) else [given])):
+        raise refused(argument, "an array with masked entries", "numbers, none masked")
+    try:
+        array = np.asarray(given)
+    except ValueError:
+        raise refused(argument, "rows of different lengths", "an array of numbers") from None
     if array.dtype.kind not in "fiub":
         raise refused(argument, f"an array of dtype {array.dtype}", "real numbers")
-    array = np.asarray(array, dtype=np.float64)
+    return np.require(np.asarray(array, dtype=np.float64), requirements="A")
+
+
+def _not_finite(argument: str, place: Sequence[int], value: np.float64) -> ArgumentError:
+    at = ", ".join(str(int(index)) for index in place)
+    return refused(f"{argument}[{at}]" if at else argument, value, "a finite number")
+
+
+def real(argument: str, given: Any) -> Floats:
+    """An array of finite doubles."""
+    array = _doubles(argument, given)
     if not np.isfinite(array).all():
-        place = tuple(int(at) for at in np.argwhere(~np.isfinite(array))[0])
-        raise refused(f"{argument}[{', '.join(map(str, place))}]", array[place], "a finite number")
+        place = tuple(np.argwhere(~np.isfinite(array))[0])
+        raise _not_finite(argument, place, array[place])
     return array
 
 
@@ -50,7 +74,11 @@ def columns(argument: str, given: Any, order: int | None = None) -> Columns:
         _square(argument, given.shape, order)
         csc = given.tocsc(copy=True)
         csc.sum_duplicates()
-        values = real(argument, csc.data)
+        values = _doubles(argument, csc.data)
+        if not np.isfinite(values).all():
+            entry = int(np.argmin(np.isfinite(values)))
+            column = int(np.searchsorted(csc.indptr, entry, side="right")) - 1
+            raise _not_finite(argument, (csc.indices[entry], column), values[entry])
         return csc.shape[0], csc.indptr.astype(np.int64), csc.indices.astype(np.int64), values
     array = dense(argument, given, order)
     rows, places = np.nonzero(array.T)

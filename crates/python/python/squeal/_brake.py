@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal, _toml
-from ._arrays import Floats, dense, real
+from ._arrays import Floats, dense, number, real
 from ._errors import CaseWarning, refused
 from .distributions import Distribution
 
@@ -91,15 +91,18 @@ class Case(AnyBrake):
     ) -> None:
         self.path = os.fspath(path)
         run = (_whole("samples", samples, 1), _whole("seed", seed, 0))
-        self._make((self.path, _changed(self.path, set) if set else None, None, None, *run))
+        text = _changed(self.path, set) if set else None
+        self._make((self.path, text, None, None, *run))
+        if set and text is None:
+            raise refused("set", sorted(set), "fields of a case file of TOML 1.0 in UTF-8")
         for note in self._native.notes():
             warnings.warn(note, CaseWarning, stacklevel=2)
 
 
 def _changed(path: str, fields: Mapping[str, Any]) -> str | None:
-    """The text of a case with other fields; None where it is none, which reading it says better."""
+    """The text of a case with other fields; None where Python cannot read it, which Rust may."""
     try:
-        tables = tomllib.loads(pathlib.Path(path).read_text(encoding="utf-8"))
+        tables = tomllib.loads(pathlib.Path(path).read_text(encoding="utf-8-sig"))
     except (OSError, ValueError):
         return None
     for field, value in fields.items():
@@ -246,8 +249,10 @@ def _term(term: Term) -> dict[str, Any]:
 
 def _contact(contact: Contact, is_open: bool) -> dict[str, Any]:
     lag = contact.lag and {"decay": contact.lag.decay, "drive": contact.lag.drive, "force": contact.lag.force}
-    force = {str(dof): float(part) for dof, part in contact.force.items()}
-    reading = {str(dof): float(part) for dof, part in (contact.reading or {}).items()}
+    force, reading = (
+        {str(dof): number(f"contacts {contact.name!r}.{key}[{dof!r}]", part) for dof, part in (given or {}).items()}
+        for key, given in (("force", contact.force), ("reading", contact.reading))
+    )
     of = {"mu": contact.mu, "slope": contact.slope, "lag": lag, "family": contact.family}
     if is_open and contact.mu is None and contact.slope is None and contact.lag is None:
         of["mu"] = 0.0  # Computed, as `_check_computed` sees to.
@@ -276,12 +281,10 @@ def computed(callable_: Coefficients, given: dict[str, Floats], names: list[str]
         raise refused("coefficients", f"a callable that returns {keys}", f"{sorted(names)}, as at the medians")
     columns = []
     for name in names:
-        array = np.asarray(found[name], dtype=float)
+        array = real(f"coefficients: {name!r}", found[name])
         if array.shape not in ((), (length,)):
             raise refused(f"coefficients: {name!r}", f"an array of shape {array.shape}", f"({length},), one for each sample, or a number")
-        if not np.isfinite(array).all():
-            raise refused(f"coefficients: {name!r}", array[~np.isfinite(array)][0] if array.shape else array, "finite numbers")
-        columns.append(np.broadcast_to(array, (length,)).astype(float))
+        columns.append(np.broadcast_to(array, (length,)).copy())
     return columns
 
 
@@ -291,10 +294,12 @@ def table_of(points: Any, argument: str) -> tuple[list[str], Floats]:
         names = list(points.dtype.names)
         columns = [points[name] for name in names]
     elif isinstance(points, Mapping) or hasattr(points, "columns"):
-        names = [str(name) for name in (points.columns if hasattr(points, "columns") else points)]
-        columns = [points[name] for name in names]
+        keys = list(points.columns if hasattr(points, "columns") else points)
+        names, columns = [str(key) for key in keys], [points[key] for key in keys]
     else:
         raise refused(argument, type(points).__name__, "a DataFrame, a structured array or a dict, a column for each parameter")
+    if len(set(names)) != len(names):
+        raise refused(argument, f"the columns {names}", "each of them once")
     arrays = [real(f"{argument}[{name!r}]", column) for name, column in zip(names, columns, strict=True)]
     shapes = {array.shape for array in arrays}
     if len(shapes) != 1 or len(next(iter(shapes))) != 1 or next(iter(shapes)) == (0,):

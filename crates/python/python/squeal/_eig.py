@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Columns, Floats, columns, dense, is_sparse, none_of, real, without
+from ._arrays import Columns, Floats, columns, dense, is_sparse, none_of, number, real, without
 from ._errors import CaseWarning, FailureWarning, refused
 from ._progress import Progress, receiver
 
@@ -195,7 +195,7 @@ def _borders(box: Box | None, band_hz: tuple[float, float] | None) -> Box | None
         raise refused("band_hz", "given beside `box`", "one of them")
     if band_hz is not None:
         try:
-            low, high = (TAU * float(hertz) for hertz in band_hz)
+            low, high = (TAU * number("band_hz", hertz) for hertz in band_hz)
         except (TypeError, ValueError):
             raise refused("band_hz", band_hz, "(from, to) in Hz") from None
         # Faster growth or decay than the highest frequency is no vibration.
@@ -205,7 +205,7 @@ def _borders(box: Box | None, band_hz: tuple[float, float] | None) -> Box | None
     else:
         return None
     try:
-        (re0, re1), (im0, im1) = ((float(a), float(b)) for a, b in box)
+        (re0, re1), (im0, im1) = ((number("box", a), number("box", b)) for a, b in box)
     except (TypeError, ValueError):
         raise refused("box", box, "((re from, re to), (im from, im to)) in rad/s") from None
     borders = (re0, re1, im0, im1)
@@ -299,6 +299,8 @@ def _with_held(vectors: Complexes, held: tuple[int, ...]) -> Complexes:
 def eigvals(M: Any, C: Any, K: Any, *, threads: int | None = None) -> Complexes:
     """Eigenvalues of stacks of systems, (..., 2 n), over all cores; no bounds.
 
+    Those of a system ascend by |Im lambda|, then Re lambda, then Im lambda: real ones first, conjugates next to each other. A column is
+    no mode: where frequencies cross, modes change places.
     M, C, K are arrays (..., n, n) whose leading dimensions are broadcast against each other; `C` may be None. A system that the solver
     refuses, as one whose M is singular, has NaN, and there is a `FailureWarning`; `eig` takes those.
     """
@@ -314,6 +316,8 @@ def eigvals(M: Any, C: Any, K: Any, *, threads: int | None = None) -> Complexes:
     n = shape[-1]
     if not m.shape[-1] == c.shape[-1] == k.shape[-1]:
         raise refused("M, C, K", f"matrices of orders {m.shape[-1]}, {c.shape[-1]}, {k.shape[-1]}", "one order")
+    if 0 in shape[:-2]:
+        return np.empty((*shape[:-2], 2 * n), np.complex128)
     stacks = [np.broadcast_to(array, shape).reshape(-1, n, n) for array in (m, c, k)]
     values, failed, first = _squeal.eigvals(stacks[0], stacks[1], stacks[2], workers(threads))
     if failed:
@@ -401,7 +405,7 @@ class Matrix:
 
 @dataclass(frozen=True, eq=False)
 class Matrices:
-    """The matrices of a file: a mapping by name."""
+    """The matrices of a file: a mapping by name, or by kind."""
 
     #: All of them, in the order of the file.
     all: tuple[Matrix, ...]
@@ -413,6 +417,9 @@ class Matrices:
 
     def __iter__(self) -> Iterator[str]:
         return (matrix.name for matrix in self.all)
+
+    def __contains__(self, name: object) -> bool:
+        return any(name in (matrix.name, matrix.kind) for matrix in self.all)
 
     def keys(self) -> Sequence[str]:
         """Names of the matrices."""

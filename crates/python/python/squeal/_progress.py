@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable
 from typing import Literal
 
+from ._errors import refused
+
 #: `None` is a bar where standard error is a terminal, `False` nobody, a function is told of each stage now and then.
 Progress = Callable[[str, int, int], object] | Literal[False] | None
 
@@ -29,4 +31,8 @@ def receiver(progress: Progress) -> Callable[[str, int, int], object] | None:
     """The function that is told."""
     if progress is None:
         return _Bar() if sys.stderr is not None and sys.stderr.isatty() else None
-    return None if progress is False else progress
+    if progress is False:
+        return None
+    if not callable(progress):
+        raise refused("progress", progress, "None, False or a function of (stage, done, total)")
+    return progress

@@ -9,7 +9,7 @@ import shutil
 import tempfile
 import warnings
 import weakref
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Floats
+from ._arrays import Floats, number
 from ._brake import AnyBrake, _whole, table_of, with_design
 from ._eig import workers
 from ._errors import FailureWarning, FolderError, refused
@@ -32,6 +32,12 @@ Folder = str | os.PathLike[str]
 _LOCK = "run.lock"
 
 
+def _optional(tables: Tables, name: str, needed: str) -> Table:
+    if name not in tables:
+        raise AttributeError(f"{name}: not there; allowed: {needed}")
+    return tables[name]
+
+
 class _Owned:
     """A folder that goes with the results that are in it."""
 
@@ -44,7 +50,7 @@ class _Owned:
 class Results:
     """What a study has found: the files of its folder."""
 
-    #: The folder; one that the results own and take with them where the study was run without `out`.
+    #: The folder; one that the results own and take with them where the study was run without `out`: give `out` where they leave the process.
     folder: pathlib.Path
     #: All tables, by the names of their files without `.csv`.
     tables: Tables
@@ -102,33 +108,33 @@ class Results:
     @property
     def samples(self) -> Table:
         """What was drawn and what grew; only with `keep_samples`."""
-        return self._optional("samples", "keep_samples=True")
+        return _optional(self.tables, "samples", "results of `run` with keep_samples=True")
 
     @property
     def influence(self) -> Table:
         """Which input makes squeal vary; only with `keep_samples`."""
-        return self._optional("influence", "keep_samples=True")
+        return _optional(self.tables, "influence", "results of `run` with keep_samples=True")
 
     @property
     def estimates(self) -> Table:
         """Occurrences by the cheapest estimator; only with `half_width`."""
-        return self._optional("estimates", "half_width")
-
-    def _optional(self, name: str, needed: str) -> Table:
-        if name not in self.tables:
-            raise AttributeError(f"{name}: not there; allowed: results of `run` with {needed}")
-        return self.tables[name]
+        return _optional(self.tables, "estimates", "results of `run` with half_width")
 
     def save(self, folder: Folder) -> None:
         """Write all files into a new or empty folder: those that the program writes, which it can continue."""
         to = pathlib.Path(folder)
         if to.exists() and (not to.is_dir() or any(to.iterdir())):
             raise FolderError(f"{to}: is not empty; allowed: a new or empty folder", path=str(to))
-        to.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=to.parent, prefix=f".{to.name}.") as made:
-            whole = pathlib.Path(made, "whole")
-            shutil.copytree(self.folder, whole, ignore=shutil.ignore_patterns(_LOCK))
-            whole.replace(to)
+        if not self.folder.is_dir():
+            raise FolderError(f"{self.folder}: is gone; allowed: `run` with `out` where results leave the process", path=str(self.folder))
+        try:
+            to.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=to.parent, prefix=f".{to.name}.") as made:
+                whole = pathlib.Path(made, "whole")
+                shutil.copytree(self.folder, whole, ignore=shutil.ignore_patterns(_LOCK))
+                whole.replace(to)
+        except OSError as error:
+            raise FolderError(f"{to}: {error}; allowed: a folder that can be written", path=str(to)) from None
 
     def plot_occurrence(self, ax: Axes | None = None, **chosen: str | int) -> Axes:
         """Occurrence of each mode with its limits; `chosen` are columns of `occurrence` and their values, as law="lugre"."""
@@ -171,11 +177,7 @@ def _in_folder(out: Folder | None) -> tuple[pathlib.Path, _Owned | None]:
 
 
 def _number(argument: str, given: float | None) -> float | None:
-    if given is None:
-        return None
-    if not (isinstance(given, int | float | np.number) and not isinstance(given, bool)):
-        raise refused(argument, given, "a number")
-    return float(given)
+    return None if given is None else number(argument, given)
 
 
 def _of_run(folder: pathlib.Path, ran: tuple[str, str | None], owned: _Owned | None) -> Results:
@@ -252,6 +254,9 @@ def shard(
 
     The same call goes on where it was stopped, and returns at once where the part is complete, so that any engine may call it again.
     """
+    for name, given in (("number", number), ("of", of), ("first", first)):
+        if given is None:
+            raise refused(name, None, "a whole number")
     part = tuple(_whole(name, given, 0) for name, given in (("number", number), ("of", of), ("first", first)))
     native = brake._native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
     found = _squeal.shard(native, part, os.fspath(out), keep_samples, workers(threads), receiver(progress))  # type: ignore[arg-type]
@@ -315,6 +320,8 @@ def _only(
     speed: float | None,
     drawn: tuple[str | None] | None = None,
 ) -> _squeal.Brake:
+    if contact is not None and (isinstance(contact, str) or not isinstance(contact, Iterable)):
+        raise refused("contact", repr(contact), "a list of numbers of contacts, from 1")
     numbers = None if contact is None else [_whole("contact", number, 1) or 0 for number in contact]
     return brake._native.only((law, numbers, constraints), _number("speed", speed), drawn and drawn[0], drawn is not None)
 
@@ -392,27 +399,27 @@ class Sweep:
     @property
     def onsets(self) -> Table:
         """Where stability changes, of one parameter."""
-        return self.tables["onsets"]
+        return _optional(self.tables, "onsets", "a sweep of one parameter")
 
     @property
     def coalescences(self) -> Table:
         """Where two eigenvalues meet, of one parameter."""
-        return self.tables["coalescences"]
+        return _optional(self.tables, "coalescences", "a sweep of one parameter")
 
     @property
     def branches(self) -> Table:
         """The eigenvalues of each branch, of one parameter."""
-        return self.tables["branches"]
+        return _optional(self.tables, "branches", "a sweep of one parameter")
 
     @property
     def boundary(self) -> Table:
         """The boundary of stability, of two parameters."""
-        return self.tables["boundary"]
+        return _optional(self.tables, "boundary", "a sweep of two parameters")
 
     @property
     def regions(self) -> Table:
         """The regions that it bounds, of two parameters."""
-        return self.tables["regions"]
+        return _optional(self.tables, "regions", "a sweep of two parameters")
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Growth rates of the branches, or the boundary of stability."""
@@ -437,11 +444,13 @@ def sweep(
     **ranges: tuple[float, float],
 ) -> Sweep:
     """Sweep one parameter or two, all others at their medians: `sweep(brake, mu=(0, 1.3))`, or by a dict from name to (from, to)."""
+    for name in (over or {}).keys() & ranges.keys():
+        raise refused(name, ranges[name], f"one range; `over` has {(over or {})[name]}")
     parameters = {**(over or {}), **ranges}
     listed = []
     for name, ends in parameters.items():
         try:
-            begin, end = (float(of) for of in ends)
+            begin, end = (number(name, of) for of in ends)
         except (TypeError, ValueError):
             raise refused(name, ends, "(from, to)") from None
         listed.append((name, begin, end))
@@ -544,6 +553,8 @@ def screen(
     confirmed on `samples` other draws. `mass`, kg, `spring`, N/m, and `dashpot`, Ns/m, are what is attached; parts of the place's own
     unless given.
     """
+    if isinstance(kinds, str):
+        raise refused("kinds", repr(kinds), "a list of kinds of changes")
     for name, given, least, most in (("up_to", up_to, 1, 20), ("draws", draws, 1, 10_000), ("confirm", confirm, 0, 65_535)):
         if not (isinstance(given, int | np.integer) and least <= given <= most):
             raise refused(name, given, f"{least} to {most}")

@@ -17,13 +17,22 @@ if TYPE_CHECKING:
 _TEXT = frozenset(
     "constraints law speed arrangement mode label shape_file dof from_constraints from_mode to_constraints to_mode continuation family"
     " body comparison other_constraints other_law other_speed scene error kind parameter unit output input index unstable_modes places"
-    " estimator curve change set more less other".split()
+    " estimator change set more less other".split()
 )
 
 
-def _column(name: str, cells: Sequence[str]) -> npt.NDArray[Any]:
+#: Such columns of the tables whose other columns have the names of parameters, which may be any.
+_BESIDE_PARAMETERS = {
+    "samples": frozenset("constraints law speed arrangement unstable".split()),
+    **dict.fromkeys(
+        ("branches", "onsets", "coalescences", "boundary", "regions"), frozenset("mode other_mode direction curve brake".split())
+    ),
+}
+
+
+def _column(is_text: bool, cells: Sequence[str]) -> npt.NDArray[Any]:
     """Whole numbers, numbers with NaN where a cell is empty, or text."""
-    if name not in _TEXT:
+    if not is_text:
         try:
             return np.array([int(cell) for cell in cells], dtype=np.int64)
         except (ValueError, OverflowError):
@@ -36,13 +45,19 @@ def _column(name: str, cells: Sequence[str]) -> npt.NDArray[Any]:
 
 
 class Table(Mapping[str, npt.NDArray[Any]]):
-    """A table: a mapping from the names of its columns to arrays, which cannot be written to."""
+    """A table: a mapping from the names of its columns to arrays, which cannot be written to.
+
+    Of columns of one name, as where a parameter is called `growth`, the second is `growth.1`.
+    """
 
     def __init__(self, name: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         #: Name: that of its file without `.csv`.
         self.name = name
         self._rows = len(rows)
-        self._columns = {column: _column(column, [row[at] for row in rows]) for at, column in enumerate(columns)}
+        text = _BESIDE_PARAMETERS.get(name, _TEXT)
+        before = [columns[:at].count(column) for at, column in enumerate(columns)]
+        names = [f"{column}.{count}" if count else column for column, count in zip(columns, before, strict=True)]
+        self._columns = {column: _column(column in text, [row[at] for row in rows]) for at, column in enumerate(names)}
         for array in self._columns.values():
             array.flags.writeable = False
 

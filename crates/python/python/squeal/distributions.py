@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
+from ._arrays import real
+
 
 @dataclass(frozen=True)
 class Distribution:
@@ -125,4 +127,4 @@ class Empirical(Distribution):
     unit: str = ""
 
     def table(self) -> dict[str, Any]:
-        return {**super().table(), "values": sorted(float(value) for value in self.values)}
+        return {**super().table(), "values": sorted(real("values", self.values).tolist())}

@@ -81,17 +81,20 @@ def sweep(of: Sweep, ax: Axes | None) -> Axes:
     """Growth rates over one parameter, or the boundary of stability over two."""
     ax = axes(ax)
     if len(of.parameters) == 2:
-        table, (x, y) = of.boundary, of.parameters
+        table = of.boundary
+        # By their places: parameters may have any name.
+        x, y = table.columns[2:4]
         for curve in dict.fromkeys(table["curve"]):
             own = table["curve"] == curve
             ax.plot(table[x][own], table[y][own], color=UNSTABLE)
-        ax.set_xlabel(x)
-        ax.set_ylabel(y)
+        ax.set_xlabel(of.parameters[0])
+        ax.set_ylabel(of.parameters[1])
         return ax
     table, name = of.branches, of.parameters[0]
+    x, growth = table.columns[2], table.columns[4]
     for branch in dict.fromkeys(table["branch"]):
         own = table["branch"] == branch
-        ax.plot(table[name][own], table["growth_rate"][own], color=REST)
+        ax.plot(table[x][own], table[growth][own], color=REST)
     for onset in of.onsets[name]:
         ax.axvline(onset, color=UNSTABLE, linestyle=":")
     ax.axhline(0.0, color="black", linewidth=0.8)
