@@ -5,6 +5,7 @@ use num_complex::Complex;
 use sparse::product::times;
 use sparse::{Eigenpair, SparseSecondOrder};
 
+use super::norms::NormsAt;
 use super::{dense, split};
 use crate::ReductionError;
 
@@ -119,6 +120,38 @@ pub(super) fn fewest(
         if error(&with(middle)) <= wanted { high = middle } else { low = middle + 1 }
     }
     with(high)
+}
+
+/// Modes of a full system at a point.
+pub(super) struct ModesAt<'a> {
+    /// The full system there.
+    pub system: &'a SparseSecondOrder,
+    /// Its norms.
+    pub norms: &'a NormsAt,
+    pub modes: &'a [Eigenpair],
+}
+
+/// The fewest principal directions of the vectors of known modes, n x k with k at most `most`, that leave no right vector a residual above `wanted`.
+pub(super) fn of_modes(
+    order: usize,
+    known: &[ModesAt<'_>],
+    vectors: Vectors,
+    (most, wanted): (usize, f64),
+) -> Result<DMatrix<f64>, ReductionError> {
+    let empty = DMatrix::zeros(order, 0);
+    let all: Vec<Eigenpair> = known.iter().flat_map(|at| at.modes).cloned().collect();
+    let found = directions(&empty, candidates(&all, vectors), ROUNDING)?;
+    if found.ncols() == 0 {
+        let option = "the number of modes in the rectangle";
+        return Err(ReductionError::Option { option, value: 0.0, allowed: "1 or more" });
+    }
+    let error = |basis: &DMatrix<f64>| {
+        let of_point = |ModesAt { system, norms, modes }: &ModesAt<'_>| {
+            projected_residual(system, |lambda| norms.size(lambda), basis, modes)
+        };
+        known.iter().map(of_point).fold(0.0, f64::max)
+    };
+    Ok(fewest(&empty, &found, most, wanted, error))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder};
 
-use super::basis::{ROUNDING, candidates, directions, fewest, projected_residual};
+use super::basis::{ModesAt, of_modes};
 use super::compared::compared;
 use super::full;
 use super::norms::{Norms, NormsAt};
@@ -160,23 +160,10 @@ impl Building<'_> {
 
     /// The fewest principal directions of all vectors that hold the modes at all points.
     fn basis(&self) -> Result<DMatrix<f64>, ReductionError> {
-        let empty = DMatrix::zeros(self.system.order(), 0);
-        let all: Vec<Eigenpair> = self.known.iter().flat_map(|known| &known.modes).cloned().collect();
-        let found = directions(&empty, candidates(&all, self.options.vectors), ROUNDING)?;
-        if found.ncols() == 0 {
-            return Err(ReductionError::Option {
-                option: "the number of modes in the rectangle",
-                value: 0.0,
-                allowed: "1 or more",
-            });
-        }
-        let error = |basis: &DMatrix<f64>| {
-            let of_point = |Known { system, norms, modes, .. }: &Known| {
-                projected_residual(system, |lambda| norms.size(lambda), basis, modes)
-            };
-            self.known.iter().map(of_point).fold(0.0, f64::max)
-        };
-        Ok(fewest(&empty, &found, self.options.most_columns, AT_KNOWN_POINTS * self.options.tolerance, error))
+        let known: Vec<_> =
+            self.known.iter().map(|Known { system, norms, modes, .. }| ModesAt { system, norms, modes }).collect();
+        let goal = (self.options.most_columns, AT_KNOWN_POINTS * self.options.tolerance);
+        of_modes(self.system.order(), &known, self.options.vectors, goal)
     }
 
     /// Adds a stage to the report; the training point of the largest residual with it.

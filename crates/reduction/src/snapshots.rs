@@ -6,10 +6,10 @@
 
 use linsys::OperatingPoint;
 use nalgebra::DMatrix;
-use sparse::{Eigenpair, Rectangle, SparseAffineSystem};
+use sparse::{Rectangle, SparseAffineSystem};
 
 use super::Vectors;
-use super::basis::{ROUNDING, candidates, directions, fewest, projected_residual};
+use super::basis::{ModesAt, of_modes};
 use super::full;
 use super::norms::Norms;
 use crate::ReductionError;
@@ -33,18 +33,6 @@ pub fn snapshot_basis(
         let (modes, _) = full::solve(&full, rectangle, &sparse::Options::default())?;
         known.push((full, norms.at(point), modes));
     }
-    let all: Vec<Eigenpair> = known.iter().flat_map(|(.., modes)| modes).cloned().collect();
-    let empty = DMatrix::zeros(system.order(), 0);
-    let found = directions(&empty, candidates(&all, Vectors::RightAndLeft), ROUNDING)?;
-    if found.ncols() == 0 {
-        let option = "the number of modes in the rectangle";
-        return Err(ReductionError::Option { option, value: 0.0, allowed: "1 or more" });
-    }
-    let error = |basis: &DMatrix<f64>| {
-        let of_point = |(full, norms, modes): &(_, super::norms::NormsAt, Vec<Eigenpair>)| {
-            projected_residual(full, |lambda| norms.size(lambda), basis, modes)
-        };
-        known.iter().map(of_point).fold(0.0, f64::max)
-    };
-    Ok(fewest(&empty, &found, most_columns, tolerance, error))
+    let known: Vec<_> = known.iter().map(|(system, norms, modes)| ModesAt { system, norms, modes }).collect();
+    of_modes(system.order(), &known, Vectors::RightAndLeft, (most_columns, tolerance))
 }

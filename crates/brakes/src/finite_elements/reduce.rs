@@ -19,7 +19,7 @@ use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenp
 use super::points::{
     State, all_patches, closed_channels, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of,
 };
-use super::set_basis::{self, is_of_responses};
+use super::set_basis::{self, is_of_responses, is_of_snapshots};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law, ReductionGoal};
 
@@ -189,7 +189,7 @@ pub(super) fn all_bases(
         set.compared = compared(&whole, parts[origin].within.first.clone());
         set.modes = whole;
     }
-    if case.contact.as_ref().is_some_and(|contact| !contact.is_of_faces && !is_of_responses(contact)) {
+    if case.contact.as_ref().is_some_and(is_of_snapshots) {
         let distance = |set: usize| held_out(case, set, &sets[set], (&of_configurations, &parts));
         let distances = (0..sets.len()).map(distance).collect::<Result<Vec<_>, Error>>()?;
         sets.iter_mut().zip(distances).for_each(|(set, distance)| set.held_out = distance);

@@ -39,11 +39,16 @@ pub(super) fn is_of_responses(contact: &PatchContact) -> bool {
     !contact.is_of_faces && pairs <= MOST_PAIRS
 }
 
+/// True if modes at points that are known beforehand make the basis of a set: of a contact of many pairs of nodes.
+pub(super) fn is_of_snapshots(contact: &PatchContact) -> bool {
+    !contact.is_of_faces && !is_of_responses(contact)
+}
+
 /// Complete solutions of the whole brake that the basis of a set takes, where it is made of modes at points that are known beforehand, with those at the
 /// medians and at draws that are held out; else 0, as they are few or not known.
 pub(super) fn solutions(case: &FiniteElementCase) -> usize {
     match &case.contact {
-        Some(contact) if !contact.is_of_faces && !is_of_responses(contact) => {
+        Some(contact) if is_of_snapshots(contact) => {
             snapshots(case, &[]).map_or(0, |points| points.len() + 2 + HELD_OUT)
         }
         _ => 0,
@@ -62,7 +67,7 @@ pub(super) fn basis(
     let at_median = of_brake(case, &all, &naming_point(case, &all)?);
     match &case.contact {
         Some(contact) if is_of_responses(contact) => of_responses(case, system, at_median, swept, trained),
-        Some(contact) if !contact.is_of_faces => {
+        Some(contact) if is_of_snapshots(contact) => {
             let mut points = snapshots(case, swept)?;
             points.extend_from_slice(trained);
             points.insert(0, at_median);
