@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use reduction::{Compared, compared};
 use study::{BandMode, FullChecks, ModeSource, UncertainBrake, wider};
 
-use super::reduce::{Trained, modes_beside, rectangle};
+use super::reduce::{Trained, modes_beside};
+use super::training::rectangle;
 use super::{Bases, FiniteElementBrake};
 use crate::Error;
 use crate::case::FiniteElementCase;

@@ -10,6 +10,7 @@ mod points;
 mod reduce;
 mod set_basis;
 mod swept;
+mod training;
 mod whole;
 
 pub use points::{at_medians, frictionless};

@@ -1,31 +1,25 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
-use std::f64::consts::TAU;
 use std::iter::repeat_n;
 use std::sync::Mutex;
 
 use cea::{ROUNDED_DATA, Threshold, Verdict, real_count};
 use linsys::{AffineSystem, DofMap, OperatingPoint};
-use montecarlo::{Progress, stream};
+use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use osc_model::ContactArrangement;
 use rayon::prelude::*;
 use reduction::{
     Compared, FrictionModes, Options, Reduced, RouteCounts, Rung, Wanted, Within, compared, rungs, within,
 };
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
-use super::points::{
-    State, all_patches, closed_channels, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of,
-};
+use super::points::{all_patches, closed_channels, naming_point, of_brake};
 use super::set_basis::{self, is_of_responses, is_of_snapshots};
+use super::training::{Closed, HELD_OUT, MOST_SOLUTIONS, arrangements, rectangle, training};
 use crate::Error;
-use crate::case::{FiniteElementCase, Law, ReductionGoal};
+use crate::case::FiniteElementCase;
 
-/// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
-/// does hardly any brake squeal, and where nothing is there a search costs little.
-const SEARCHED: f64 = 0.25;
 /// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
 const BEYOND: f64 = 1.5;
 /// Height of the strip on the real axis in which eigenvalues are looked for that do not oscillate, as a part of the lowest frequency of the
@@ -36,8 +30,6 @@ const REAL: f64 = 1e-6;
 const SLOWEST: f64 = 1e-3;
 /// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
 pub const BESIDE: f64 = 1.05;
-/// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
-pub(super) const MOST_SOLUTIONS: usize = 60;
 /// Residual that modes may have on a smaller basis within that of a set, as a part of `reduction.residual`. Both are taken to add as squares,
 /// 0.5^2 + 0.8^2 < 1; chosen: residuals of samples are measured in the whole brake.
 const WITHIN: f64 = 0.8;
@@ -50,8 +42,6 @@ const MOST_ANCHORS: usize = 12;
 const ANCHORS_BESIDE_FRICTION: usize = 4;
 /// Draws among which those are chosen at which modes are known there; chosen.
 const KNOWN_FROM: u64 = 240;
-/// Draws of each set of constraints at which a basis of modes is compared with the whole brake; chosen: each is a complete solution of it.
-pub(super) const HELD_OUT: usize = 3;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
 const NEXT_TO_AXIS: f64 = 0.02;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
@@ -111,9 +101,6 @@ pub(super) struct AllBases {
     /// The part of each configuration.
     pub of_configurations: Vec<usize>,
 }
-
-/// Closed patches, from 0.
-type Closed = Vec<usize>;
 
 /// Set of constraints and arrangements that a part is to hold.
 struct Asked {
@@ -196,23 +183,6 @@ pub(super) fn all_bases(
     }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })
-}
-
-/// The arrangements of a case, in the order of its configurations; one without patches where it has no contact.
-pub(super) fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
-    let Some(contact) = &case.contact else { return vec![Vec::new()] };
-    let of_panel = |(_, arrangements): &(usize, Vec<ContactArrangement>)| {
-        arrangements.iter().map(|arrangement| arrangement.in_contact().to_vec()).collect::<Vec<_>>()
-    };
-    contact.panels.iter().flat_map(of_panel).collect()
-}
-
-/// Rectangle, rad/s, in which and to the right of which the modes of a case are wanted: how fast a mode grows is no reason to leave it out. Its
-/// largest growth is that up to which the whole brake is searched at least.
-pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
-    let ReductionGoal { frequencies, growth: [lowest, highest], .. } = case.reduction;
-    let im = frequencies.map(|hz| TAU * hz);
-    Rectangle { re: [lowest, highest.max(SEARCHED * im[1])], im }
 }
 
 /// The modes of a whole brake where those of a case are wanted, up to what a reduced one has there at least.
@@ -362,56 +332,4 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
     let mut columns: Vec<usize> = (1..=RUNGS).map(|rung| (all * rung).div_ceil(RUNGS)).collect();
     columns.dedup();
     Ok(rungs(&set.system, &set.reduced, &wanted, &origin.within.basis, &columns)?)
-}
-
-/// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after
-/// another: `count`, or one for each of these where they are more. Speeds are spread over their range from end to end, as friction across the
-/// sliding grows without bound towards low ones.
-pub(super) fn training(
-    case: &FiniteElementCase,
-    arrangements: &[Closed],
-    count: u64,
-    swept: &[OperatingPoint],
-) -> Result<Vec<OperatingPoint>, Error> {
-    if !swept.is_empty() {
-        return Ok(swept.to_vec());
-    }
-    let states: Vec<State> = match &case.contact {
-        None => vec![None],
-        Some(contact) => {
-            let of_law = |&law: &Law| speeds_of(contact, law).into_iter().map(move |range| Some((law, range)));
-            contact.laws.iter().flat_map(of_law).collect()
-        }
-    };
-    let scenes: Vec<_> =
-        arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect();
-    let count = count.max(scenes.len() as u64);
-    let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
-        // Streams from the other end than those of the samples.
-        let mut sample = draw(case, &mut stream(case.header.seed, u64::MAX - index))?;
-        if let Some(contacts) = &mut sample.contacts {
-            contacts.speed_quantile = spread(index / scenes.len() as u64);
-        }
-        let friction = law_and_speed(case, state, &sample);
-        Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
-    };
-    (0..count).zip(scenes.iter().cycle()).map(point).collect()
-}
-
-/// Numbers from 0 to 1: both ends, then the middle, quarters and so on, by the radical inverse (van der Corput).
-fn spread(at: u64) -> f64 {
-    match at {
-        0 | 1 => at as f64,
-        _ => (at - 1).reverse_bits() as f64 / 2f64.powi(64),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::spread;
-
-    #[test]
-    fn numbers_are_spread_from_end_to_end() {
-        assert_eq!((0..8).map(spread).collect::<Vec<_>>(), [0.0, 1.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375]);
-    }
 }

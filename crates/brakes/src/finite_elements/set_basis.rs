@@ -6,7 +6,7 @@ use reduction::{Options, Reduction, ResponseGoal, Wanted, response_basis, snapsh
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};
-use super::reduce::{HELD_OUT, MOST_SOLUTIONS, arrangements, rectangle, training};
+use super::training::{HELD_OUT, MOST_SOLUTIONS, arrangements, rectangle, training};
 use crate::Error;
 use crate::case::{FiniteElementCase, PatchContact};
 

@@ -1,0 +1,92 @@
+//! Points that the bases of a finite element brake are trained on, and where its modes are wanted.
+
+use std::f64::consts::TAU;
+
+use linsys::OperatingPoint;
+use montecarlo::stream;
+use osc_model::ContactArrangement;
+use sparse::Rectangle;
+
+use super::points::{State, draw, law_and_speed, of_brake, scene_point, speeds_of};
+use crate::Error;
+use crate::case::{FiniteElementCase, Law, ReductionGoal};
+
+/// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
+/// does hardly any brake squeal, and where nothing is there a search costs little.
+const SEARCHED: f64 = 0.25;
+/// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
+pub(super) const MOST_SOLUTIONS: usize = 60;
+/// Draws of each set of constraints at which a basis of modes is compared with the whole brake; chosen: each is a complete solution of it.
+pub(super) const HELD_OUT: usize = 3;
+
+/// Closed patches, from 0.
+pub(super) type Closed = Vec<usize>;
+
+/// The arrangements of a case, in the order of its configurations; one without patches where it has no contact.
+pub(super) fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
+    let Some(contact) = &case.contact else { return vec![Vec::new()] };
+    let of_panel = |(_, arrangements): &(usize, Vec<ContactArrangement>)| {
+        arrangements.iter().map(|arrangement| arrangement.in_contact().to_vec()).collect::<Vec<_>>()
+    };
+    contact.panels.iter().flat_map(of_panel).collect()
+}
+
+/// Rectangle, rad/s, in which and to the right of which the modes of a case are wanted: how fast a mode grows is no reason to leave it out. Its
+/// largest growth is that up to which the whole brake is searched at least.
+pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
+    let ReductionGoal { frequencies, growth: [lowest, highest], .. } = case.reduction;
+    let im = frequencies.map(|hz| TAU * hz);
+    Rectangle { re: [lowest, highest.max(SEARCHED * im[1])], im }
+}
+
+/// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after
+/// another: `count`, or one for each of these where they are more. Speeds are spread over their range from end to end, as friction across the
+/// sliding grows without bound towards low ones.
+pub(super) fn training(
+    case: &FiniteElementCase,
+    arrangements: &[Closed],
+    count: u64,
+    swept: &[OperatingPoint],
+) -> Result<Vec<OperatingPoint>, Error> {
+    if !swept.is_empty() {
+        return Ok(swept.to_vec());
+    }
+    let states: Vec<State> = match &case.contact {
+        None => vec![None],
+        Some(contact) => {
+            let of_law = |&law: &Law| speeds_of(contact, law).into_iter().map(move |range| Some((law, range)));
+            contact.laws.iter().flat_map(of_law).collect()
+        }
+    };
+    let scenes: Vec<_> =
+        arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect();
+    let count = count.max(scenes.len() as u64);
+    let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
+        // Streams from the other end than those of the samples.
+        let mut sample = draw(case, &mut stream(case.header.seed, u64::MAX - index))?;
+        if let Some(contacts) = &mut sample.contacts {
+            contacts.speed_quantile = spread(index / scenes.len() as u64);
+        }
+        let friction = law_and_speed(case, state, &sample);
+        Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
+    };
+    (0..count).zip(scenes.iter().cycle()).map(point).collect()
+}
+
+/// Numbers from 0 to 1: both ends, then the middle, quarters and so on, by the radical inverse (van der Corput).
+fn spread(at: u64) -> f64 {
+    match at {
+        0 | 1 => at as f64,
+        _ => (at - 1).reverse_bits() as f64 / 2f64.powi(64),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn numbers_are_spread_from_end_to_end() {
+        assert_eq!((0..8).map(spread).collect::<Vec<_>>(), [0.0, 1.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375]);
+    }
+}
