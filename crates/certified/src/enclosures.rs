@@ -6,9 +6,7 @@
 //!
 //! | function | what is known | used by |
 //! | --- | --- | --- |
-//! | [`smith_share`], [`smith_radius`] | values of a polynomial at guesses of all its zeros | `cea::Secular`, `reduction::FrictionModes` |
-//! | [`gershgorin_radius`] | columns of a matrix that depends on lambda | `reduction::FrictionModes` |
-//! | [`symmetric_rouche`] | the ratio of two functions along a curve | `reduction::FrictionModes` |
+//! | [`smith_share`] | values of a polynomial at guesses of all its zeros | `cea::Secular` |
 //! | [`block_rouche`], [`pellet`] | a Taylor series of matrices and a bound of its rest | [`certify`](crate::certify) |
 //! | [`unions`] | discs that meet | all that count with discs, and groups of eigenvalues that rounding does not tell apart |
 //!
@@ -34,39 +32,6 @@ use num_complex::Complex;
 #[must_use]
 pub fn smith_share(correction: f64, radius: f64) -> f64 {
     correction / radius
-}
-
-/// Radius `N |w|` of the disc around a guess of one of N zeros with equal shares: [`smith_share`] of every guess is 1 / N, the
-/// closed discs hold all zeros.
-#[must_use]
-pub fn smith_radius(count: usize, correction: f64) -> f64 {
-    count as f64 * correction
-}
-
-/// Radius of the disc of one column of a matrix A(lambda), around `lambda_j` + the diagonal entry of `A(lambda_j) - lambda_j`.
-///
-/// Every eigenvalue of A(lambda) is within the sum of the sizes of the other entries of a column from its diagonal entry, and a union
-/// of discs that meets no other holds as many as it has discs (Gershgorin; of a matrix that depends on lambda Bindel and Hood,
-/// SIAM J. Matrix Anal. Appl. 34, 2013). The column is the one at `lambda_j`: with entries whose sizes change by no more in all than
-/// `drift` < 1 times the way from there, the eigenvalue itself is within
-///
-/// ```text
-/// r = (others + drift diagonal) / (1 - drift),    others = column - diagonal
-/// ```
-///
-/// where `column` is the sum of the sizes of all entries and `diagonal` the size of that on the diagonal.
-#[must_use]
-pub fn gershgorin_radius(column: f64, diagonal: f64, drift: f64) -> f64 {
-    ((column - diagonal).max(0.0) + drift * diagonal) / (1.0 - drift)
-}
-
-/// True if f and g with the ratio `f / g` at a point of a curve keep `|f - g| <= part (|f| + |g|)` there.
-///
-/// Where this holds with a part below 1 along a closed curve, f and g have as many zeros inside (Rouché's theorem in the form of
-/// Estermann 1962 and Glicksberg, Amer. Math. Monthly 83, 1976). A curve that is looked at in some points alone asks for less than 1.
-#[must_use]
-pub fn symmetric_rouche(ratio: Complex<f64>, part: f64) -> bool {
-    (ratio - 1.0).norm() <= part * (ratio.norm() + 1.0)
 }
 
 /// True if `det S(d)` has q zeros with `|d| < radius`, those of `det (d S_1)`, for every q x q S that differs there from

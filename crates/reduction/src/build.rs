@@ -80,11 +80,14 @@ impl Reduction {
                 continue;
             }
             let has_ended = is_limit || (!is_above && quiet >= options.probes);
-            let farthest = || Self::farthest(&reduced, wanted.training, &work.points());
-            let next = worst.filter(|_| is_above).map(|(at, _)| at).or_else(farthest);
+            let next = match worst.filter(|_| is_above) {
+                Some((at, _)) => Some(at),
+                None if has_ended => None,
+                None => Self::farthest(&reduced, wanted.training, &work.points())?,
+            };
             let Some(next) = next.filter(|_| !has_ended) else {
                 work.report.is_reached = !is_above && quiet >= options.probes;
-                return work.finish(reduced);
+                return Ok(Self { reduced, report: work.report });
             };
             let found = work.solve(&wanted.training[next], searched(wanted, &reduced, &wanted.training[next])?)?;
             let missed = missed(&reduced, &found.point, &found.modes)?;
@@ -96,11 +99,25 @@ impl Reduction {
         }
     }
 
-    /// The training point farthest from the known ones.
-    fn farthest(reduced: &Reduced, training: &[OperatingPoint], known: &[OperatingPoint]) -> Option<usize> {
-        let unknown = training.iter().enumerate().filter(|(_, point)| !known.contains(point));
-        let distances = unknown.map(|(at, point)| (reduced.distance(point), at));
-        distances.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
+    /// The training point farthest from the known ones: whose Q on the basis, in the middle of the band, differs most from those.
+    fn farthest(
+        reduced: &Reduced,
+        training: &[OperatingPoint],
+        known: &[OperatingPoint],
+    ) -> Result<Option<usize>, ReductionError> {
+        let [from, to] = reduced.rectangle().im;
+        let middle = Complex::new(0.0, 0.5 * (from + to));
+        let q = |point: &OperatingPoint| Ok(reduced.system().assemble(point)?.dynamic_stiffness(middle));
+        let of_known = known.iter().map(q).collect::<Result<Vec<_>, ReductionError>>()?;
+        let mut farthest: Option<(f64, usize)> = None;
+        for (at, point) in training.iter().enumerate().filter(|(_, point)| !known.contains(point)) {
+            let own = q(point)?;
+            let distance = of_known.iter().map(|other| (other - &own).norm()).fold(f64::INFINITY, f64::min);
+            if farthest.is_none_or(|(largest, _)| distance > largest) {
+                farthest = Some((distance, at));
+            }
+        }
+        Ok(farthest.map(|(_, at)| at))
     }
 }
 
@@ -178,18 +195,6 @@ impl Building<'_> {
             ..stage
         });
         Ok(worst)
-    }
-
-    /// More anchors among the training points, each the farthest from all others.
-    fn finish(self, mut reduced: Reduced) -> Result<Reduction, ReductionError> {
-        let mut known = self.points();
-        while reduced.anchors() < self.options.anchors {
-            let Some(next) = Reduction::farthest(&reduced, self.wanted.training, &known) else { break };
-            let point = &self.wanted.training[next];
-            reduced.add_anchor(point)?;
-            known.push(point.clone());
-        }
-        Ok(Reduction { reduced, report: self.report })
     }
 }
 

@@ -18,11 +18,8 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::dense;
-use super::eigenvalue;
-use super::elimination::Elimination;
 use super::nearest::{nearest, nearest_of};
 use super::outer_products::outer_products;
-use super::rows::Rows;
 use super::state_modes::StateModes;
 use crate::ReductionError;
 
@@ -252,15 +249,12 @@ impl Part {
 
 /// Makes x the right singular vector of the smallest singular value of a matrix, by iteration with `(N^H N)^-1`.
 fn inverse_iteration(matrix: &Matrix, x: &mut Vector, steps: usize) -> Option<()> {
-    let (mut factors, mut elimination) = (Rows::of(matrix), Elimination::default());
-    eigenvalue::factor(&mut factors, Complex::default(), &mut elimination, x.len());
+    let factors = dense::Factored::new(matrix);
     for _ in 0..steps {
-        elimination.solve_adjoint(&factors, x.as_mut_slice());
-        x.normalize_mut();
-        elimination.solve(&factors, x.as_mut_slice());
-        x.normalize_mut();
+        *x = factors.solve_adjoint(x).ok()?.normalize();
+        *x = factors.solve(x).ok()?.normalize();
     }
-    x.iter().all(|entry| entry.is_finite()).then_some(())
+    Some(())
 }
 
 #[cfg(test)]

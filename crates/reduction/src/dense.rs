@@ -61,15 +61,6 @@ pub(super) fn add_product<T: faer::traits::ComplexField + nalgebra::Scalar>(
     multiply(to, Accum::Add, factor, view(a), view(b));
 }
 
-/// `A B`, where the columns of A are the first entries of each `stride` entries.
-pub(super) fn product_of_columns(a: &[f64], [rows, stride]: [usize; 2], b: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut out = DMatrix::zeros(rows, b.ncols());
-    let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, b.ncols());
-    let a = MatRef::from_column_major_slice(a, stride, b.nrows()).subrows(0, rows);
-    multiply(to, Accum::Replace, 1.0, a, view(b));
-    out
-}
-
 /// `factor A B` in the place of a matrix, or added to it, on one thread.
 fn multiply<T: faer::traits::ComplexField>(
     to: MatMut<'_, T>,
@@ -92,16 +83,6 @@ pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>)
     }
     let svd = view(a).thin_svd().map_err(|_| ReductionError::Decomposition { what })?;
     Ok((owned(svd.U()), svd.S().column_vector().iter().copied().collect()))
-}
-
-/// The right singular vector of the smallest singular value of a matrix with at least as many rows as columns.
-pub(super) fn smallest_right_singular(a: &DMatrix<Complex<f64>>) -> Result<Vec<Complex<f64>>, ReductionError> {
-    let what = "singular values of a table of a reduced structure";
-    check(a, what)?;
-    let svd = view(a).thin_svd();
-    end_wide();
-    let svd = svd.map_err(|_| ReductionError::Decomposition { what })?;
-    Ok(svd.V().col(a.ncols() - 1).iter().copied().collect())
 }
 
 /// R of a column-pivoted QR decomposition `A P = Q R` with its columns in the order of A again: `R P^T`, min(rows, columns) rows.
@@ -163,6 +144,17 @@ impl Factored {
         check(&solution, "vectors of a reduced system")?;
         Ok(solution.column(0).into_owned())
     }
+
+    /// `A^-H b`.
+    pub fn solve_adjoint(&self, b: &DVector<Complex<f64>>) -> Result<DVector<Complex<f64>>, ReductionError> {
+        use faer::prelude::Solve;
+        let b = MatRef::from_column_major_slice(b.as_slice(), b.len(), 1);
+        let solution = self.0.solve_adjoint(b);
+        end_wide();
+        let solution = owned(solution.as_ref());
+        check(&solution, "vectors of a reduced system")?;
+        Ok(solution.column(0).into_owned())
+    }
 }
 
 /// `A^-1 B` of real matrices.
@@ -198,9 +190,6 @@ mod tests {
         let (u, s) = left_singular(&a).unwrap();
         assert!((u.tr_mul(&u) - DMatrix::identity(4, 4)).amax() < 1e-14);
         assert!((a.norm_squared() - s.iter().map(|s| s * s).sum::<f64>()).abs() < 1e-11);
-        let v = smallest_right_singular(&a.map(Complex::from)).unwrap();
-        let image = a.map(Complex::from) * DVector::from_vec(v);
-        assert!((image.norm() - s[3]).abs() < 1e-13);
         let r = unpivoted_r(&a).unwrap();
         assert!((r.tr_mul(&r) - a.tr_mul(&a)).amax() < 1e-12);
 

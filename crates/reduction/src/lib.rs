@@ -8,8 +8,7 @@
 //! | find a smaller basis within these for one arrangement | [`within()`] |
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
-//! | find some of them | [`Reduced::modes_among`] |
-//! | find the growing ones of samples that differ in friction alone | [`FrictionModes`] |
+//! | find some of them at many points, from coarse modes | [`Reduced::with_coarse`], [`Reduced::modes_of_all`] |
 //! | compare eigenvalues of two systems | [`compared`] |
 //! | hold the shapes of some modes | [`shape_directions`] |
 //! | follow modes while contacts open | [`ContactPath`] |
@@ -22,21 +21,14 @@
 //! channels stay channels. It holds the right vectors of the wanted modes at a few operating points, as proper orthogonal
 //! decomposition does (Graebner, Mehrmann, Quraishi, Schroeder and von Wagner, ZAMM 96, 2016).
 
-mod anchor;
 mod basis;
 mod build;
+mod coarse;
 mod compared;
 mod contact_path;
 mod dense;
-mod directions;
-mod eigenvalue;
-mod elimination;
 mod error;
-mod far;
-mod follow;
-mod friction;
 mod full;
-mod mixing;
 mod modal;
 mod nearest;
 mod norms;
@@ -46,27 +38,23 @@ mod outer_products;
 mod reduced;
 mod report;
 mod residual;
-mod response;
 mod responses;
 mod route;
-mod rows;
 mod shapes;
 mod shared;
 mod snapshots;
 mod split;
 mod state_modes;
-mod watch;
 mod within;
 
 pub use basis::Vectors;
 pub use build::{Reduction, Wanted};
+pub use coarse::Doubt;
 pub use compared::{Compared, compared};
 pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
-pub use follow::Doubt;
-pub use friction::{Amplitudes, FrictionModes, FrictionPath, FrictionSearch, Likeness, OnFrictionPath};
 pub use modal::real_modes;
-pub use options::{Options, Ways};
+pub use options::Options;
 pub use reduced::{Reduced, ReducedModes};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};

@@ -1,8 +1,10 @@
 //! The norms of M, C and K at an operating point, without assembling them.
 
+use std::collections::BTreeMap;
+
 use linsys::{ChannelGain, OperatingPoint};
 use nalgebra::{DMatrix, DVector};
-use nalgebra_sparse::{CooMatrix, CscMatrix};
+use nalgebra_sparse::CscMatrix;
 use num_complex::Complex;
 use sparse::SparseAffineSystem;
 use sparse::product::columns;
@@ -30,38 +32,23 @@ pub(super) struct NormsAt {
 impl Norms {
     pub fn new(system: &SparseAffineSystem) -> Self {
         let n = system.order();
-        let outer = |left: &[(usize, f64)], right: &[(usize, f64)]| {
-            let mut product = CooMatrix::new(n, n);
-            for &(row, a) in left {
-                right.iter().for_each(|&(column, b)| product.push(row, column, a * b));
-            }
-            CscMatrix::from(&product)
+        let vector = |side: &[(usize, f64)]| {
+            let mut sum = BTreeMap::new();
+            side.iter().for_each(|&(row, value)| *sum.entry(row).or_insert(0.0) += value);
+            sum.into_iter().collect::<Vec<(usize, f64)>>()
         };
+        let force: Vec<_> = system.channels().iter().map(|channel| vector(&channel.force)).collect();
+        let reading: Vec<_> = system.channels().iter().map(|channel| vector(&channel.reading)).collect();
+        let [forces, readings] = [products(&force, n), products(&reading, n)];
+        let terms = || system.terms().iter().map(|term| &term.matrices);
         // Channels stand behind the terms: b b^T in C, b r^T in K.
-        let slopes: Vec<_> = system.channels().iter().map(|channel| outer(&channel.force, &channel.force)).collect();
-        let frictions: Vec<_> =
-            system.channels().iter().map(|channel| outer(&channel.force, &channel.reading)).collect();
-        let terms = system.terms();
+        let [c, k]: [Vec<_>; 2] = [terms().map(|term| &term.c).collect(), terms().map(|term| &term.k).collect()];
         let gram = [
-            gram(&terms.iter().map(|term| &term.matrices.m).collect::<Vec<_>>()),
-            gram(&terms.iter().map(|term| &term.matrices.c).chain(&slopes).collect::<Vec<_>>()),
-            gram(&terms.iter().map(|term| &term.matrices.k).chain(&frictions).collect::<Vec<_>>()),
+            gram(&terms().map(|term| &term.m).collect::<Vec<_>>()),
+            with_channels(&c, [&force, &force], forces.component_mul(&forces)),
+            with_channels(&k, [&force, &reading], forces.component_mul(&readings)),
         ];
-        Self { gram, force: slopes.iter().map(|slope| inner(slope, slope).sqrt()).collect() }
-    }
-
-    /// The norms of a system whose terms are summed into one with these coefficients.
-    pub fn summed(&self, coefficients: &[f64]) -> Self {
-        let gram = self.gram.each_ref().map(|gram| {
-            let channels = gram.nrows() - coefficients.len().min(gram.nrows());
-            let onto = DMatrix::from_fn(gram.nrows(), 1 + channels, |row, column| match coefficients.get(row) {
-                Some(&theta) if column == 0 => theta,
-                None if row - coefficients.len() + 1 == column => 1.0,
-                _ => 0.0,
-            });
-            onto.transpose() * gram * onto
-        });
-        Self { gram, force: self.force.clone() }
+        Self { gram, force: forces.diagonal().iter().copied().collect() }
     }
 
     /// The norms at a point that belongs to the system.
@@ -88,6 +75,45 @@ impl NormsAt {
         let gain = |decay: f64| (lambda / (lambda + decay)).norm().min(1.0 / f64::EPSILON);
         l * l * m + l * c + k + self.lags.iter().map(|&(decay, norm)| gain(decay) * norm).sum::<f64>()
     }
+}
+
+/// Inner products of some vectors, given by their entries.
+fn products(vectors: &[Vec<(usize, f64)>], length: usize) -> DMatrix<f64> {
+    let mut products = DMatrix::zeros(vectors.len(), vectors.len());
+    let mut whole = vec![0.0; length];
+    for (i, own) in vectors.iter().enumerate() {
+        own.iter().for_each(|&(row, value)| whole[row] = value);
+        for (j, other) in vectors.iter().enumerate() {
+            products[(i, j)] = other.iter().map(|&(row, value)| value * whole[row]).sum();
+        }
+        own.iter().for_each(|&(row, _)| whole[row] = 0.0);
+    }
+    products
+}
+
+/// The Gram matrix of some matrices and, behind them, the outer products `left_i right_i^T` of channels, whose own Gram matrix is given.
+fn with_channels(
+    matrices: &[&CscMatrix<f64>],
+    [left, right]: [&[Vec<(usize, f64)>]; 2],
+    own: DMatrix<f64>,
+) -> DMatrix<f64> {
+    let (count, channels) = (matrices.len(), left.len());
+    let mut out = DMatrix::zeros(count + channels, count + channels);
+    out.view_mut((0, 0), (count, count)).copy_from(&gram(matrices));
+    out.view_mut((count, count), (channels, channels)).copy_from(&own);
+    for (term, matrix) in matrices.iter().enumerate() {
+        for (channel, (left, right)) in left.iter().zip(right).enumerate() {
+            let value = right.iter().map(|&(column, b)| {
+                let entries = matrix.col(column);
+                let at =
+                    |row: usize| entries.row_indices().binary_search(&row).map_or(0.0, |place| entries.values()[place]);
+                b * left.iter().map(|&(row, a)| a * at(row)).sum::<f64>()
+            });
+            let value: f64 = value.sum();
+            (out[(term, count + channel)], out[(count + channel, term)]) = (value, value);
+        }
+    }
+    out
 }
 
 fn gram(matrices: &[&CscMatrix<f64>]) -> DMatrix<f64> {

@@ -31,26 +31,10 @@ impl OuterRows {
         }
     }
 
-    /// The same with the terms summed into one, for points with these coefficients.
-    pub fn summed(&self, coefficients: &[f64]) -> Self {
-        let mut sums = [(); 3].map(|()| DMatrix::zeros(0, 0));
-        for (parts, &theta) in self.terms.iter().zip(coefficients) {
-            for (sum, part) in sums.iter_mut().zip(parts).filter(|(_, part)| part.nrows() > 0) {
-                if sum.nrows() == 0 {
-                    *sum = part * theta;
-                } else {
-                    *sum += part * theta;
-                }
-            }
-        }
-        Self { count: self.count, terms: vec![sums], force: self.force.clone() }
-    }
-
-    /// `W^T Q(lambda_j) V y_j` of the terms with some coefficients, and with the friction of all channels over the basis, which has the gains
-    /// of each vector j.
-    pub fn of<'a>(
+    /// `W^T Q(lambda_j) V y_j` of the terms with some coefficients, and with the friction of all channels over the basis.
+    pub fn of(
         &self,
-        (friction, gains): (&Friction, impl Fn(usize) -> &'a [ChannelGain]),
+        (friction, gains): (&Friction, &[ChannelGain]),
         coefficients: &[f64],
         lambdas: &[Complex<f64>],
         y: &DMatrix<f64>,

@@ -1,18 +1,17 @@
 //! A reduced brake: a dense affine system over the columns of a basis, with what tells how good its modes are.
 
-use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, WholeSpectra, Workspace};
+use cea::{CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::{Rectangle, SparseAffineSystem};
 
-use super::anchor::{Anchor, middle};
-use super::directions::Directions;
-use super::follow::{Doubt, Goal, comes_near, follow};
+use super::coarse::{Coarse, Doubt, Polished, spectra};
 use super::full::largest;
-use super::residual::{Pairs, ResidualAt, ResidualForm, Truncation, reduced_residual};
+use super::norms::NormsAt;
+use super::residual::{Pairs, ResidualForm, Truncation, reduced_residual};
 use super::{Options, split};
-use crate::{ReductionError, Route, Ways};
+use crate::{ReductionError, Route};
 
 /// A reduction of a [`SparseAffineSystem`] for the modes in a rectangle.
 ///
@@ -23,9 +22,7 @@ pub struct Reduced {
     basis: DMatrix<f64>,
     rectangle: Rectangle,
     form: ResidualForm,
-    anchors: Vec<Anchor>,
-    /// Those in which the first anchors differ.
-    directions: Directions,
+    coarse: Option<Coarse>,
     options: Options,
 }
 
@@ -42,13 +39,11 @@ pub struct ReducedModes {
     pub residuals: Vec<f64>,
     /// How they were found.
     pub route: Route,
-    /// Multiplications with addition that finding the modes and their residuals took; an estimate by leading terms.
-    pub multiply_adds: u64,
 }
 
 impl Reduced {
-    /// The projection of a system on the orthonormal columns of a basis. The modes at a point are followed from those of the
-    /// nearest of the `anchors`, each of which costs a full spectrum with vectors of the reduced system.
+    /// The projection of a system on the orthonormal columns of a basis. The coefficients of some points, if any, weigh its terms where directions are
+    /// left out of residuals.
     ///
     /// # Errors
     /// An option out of its range, a point or a basis of another system, a reduced mass matrix that is singular.
@@ -56,42 +51,38 @@ impl Reduced {
         system: &SparseAffineSystem,
         basis: DMatrix<f64>,
         rectangle: Rectangle,
-        anchors: &[OperatingPoint],
+        points: &[OperatingPoint],
         options: &Options,
     ) -> Result<Self, ReductionError> {
         options.check()?;
         let reduced = system.project(&basis)?;
-        anchors.iter().try_for_each(|point| reduced.check(point))?;
-        let truncation = Truncation { points: anchors, largest: largest(&rectangle), floor: options.residual_floor };
+        points.iter().try_for_each(|point| reduced.check(point))?;
+        let truncation = Truncation { points, largest: largest(&rectangle), floor: options.residual_floor };
         let form = ResidualForm::new(system, &basis, &truncation)?;
-        let directions = Directions::new(anchors, middle(&rectangle));
-        let (options, none) = (options.clone(), Vec::new());
-        let mut out = Self { system: reduced, basis, rectangle, form, anchors: none, directions, options };
-        anchors.iter().try_for_each(|point| out.add_anchor(point))?;
-        Ok(out)
+        Ok(Self { system: reduced, basis, rectangle, form, coarse: None, options: options.clone() })
     }
 
-    /// Adds a point from where modes can be followed.
+    /// The same reduction, whose modes are found from coarse ones where that spares time: on a smaller basis within its own, made of its modes at
+    /// some points, draws of a study for example. What is found is the same, up to [`Options::tolerance`].
     ///
     /// # Errors
-    /// A point of another system, a reduced mass matrix that is singular.
-    pub fn add_anchor(&mut self, point: &OperatingPoint) -> Result<(), ReductionError> {
-        let anchor = Anchor::new(&self.system, point, &self.rectangle, self.margin(), &self.directions)?;
-        self.anchors.push(anchor);
-        Ok(())
+    /// A point of another system, a reduced system that the dense solver does not support.
+    pub fn with_coarse(mut self, points: &[OperatingPoint]) -> Result<Self, ReductionError> {
+        self.coarse = Coarse::new(&self, points)?;
+        Ok(self)
     }
 
-    /// The same reduction, with these ways to the modes at a point.
+    /// The same reduction, whose modes are found from whole spectra alone.
     #[must_use]
-    pub fn with_ways(mut self, ways: Ways) -> Self {
-        self.options.ways = ways;
+    pub fn without_coarse(mut self) -> Self {
+        self.coarse = None;
         self
     }
 
-    /// The ways to the modes at a point that may be taken.
+    /// Columns of the coarse basis; `None` where modes are found from whole spectra.
     #[must_use]
-    pub fn ways(&self) -> Ways {
-        self.options.ways
+    pub fn coarse_columns(&self) -> Option<usize> {
+        self.coarse.as_ref().map(Coarse::columns)
     }
 
     /// The reduced system: a brake like any other.
@@ -112,12 +103,6 @@ impl Reduced {
         &self.rectangle
     }
 
-    /// The number of points from where modes are followed.
-    #[must_use]
-    pub fn anchors(&self) -> usize {
-        self.anchors.len()
-    }
-
     /// Directions outside of the basis in which residuals are computed.
     #[must_use]
     pub fn residual_rank(&self) -> usize {
@@ -135,109 +120,72 @@ impl Reduced {
     /// # Errors
     /// A point of another system, or a reduced system that the dense solver does not support.
     pub fn modes(&self, point: &OperatingPoint) -> Result<ReducedModes, ReductionError> {
-        self.modes_among(point, &|_| true)
+        self.modes_of_all(std::slice::from_ref(point), &|_, _| true).remove(0)
     }
 
-    /// Those of the modes in the rectangle at a point whose eigenvalues are asked for: residuals of others cost nothing.
-    ///
-    /// # Errors
-    /// As [`Reduced::modes`].
-    pub fn modes_among(
-        &self,
-        point: &OperatingPoint,
-        is_wanted: &dyn Fn(Complex<f64>) -> bool,
-    ) -> Result<ReducedModes, ReductionError> {
-        let system = self.system.assemble(point)?;
-        match self.followed(point, &system, is_wanted)? {
-            Ok(found) => Ok(found),
-            Err(doubt) => {
-                let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default());
-                self.by_spectrum(&system, spectrum, &self.form.at(point), doubt, is_wanted)
-            }
-        }
-    }
-
-    /// [`Reduced::modes_among`] of each of several points; those of whole spectra together, where [`Ways::batches`] has it so.
+    /// The modes in the rectangle at each of several points whose eigenvalues, rad/s, are wanted. `is_wanted` is asked of each with the relative error
+    /// up to which it is known then: a mode that may be wanted is found exactly, and asked for again with an error of 0. Others cost little.
     ///
     /// # Errors
     /// As [`Reduced::modes`], of each point.
     pub fn modes_of_all(
         &self,
         points: &[OperatingPoint],
-        is_wanted: &dyn Fn(Complex<f64>) -> bool,
+        is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> Vec<Result<ReducedModes, ReductionError>> {
-        if !self.options.ways.batches {
-            return points.iter().map(|point| self.modes_among(point, is_wanted)).collect();
-        }
-        let mut open = Vec::new();
-        let mut followed = |point: &OperatingPoint| -> Result<Option<ReducedModes>, ReductionError> {
-            let system = self.system.assemble(point)?;
-            Ok(self.followed(point, &system, is_wanted)?.map_err(|doubt| open.push((system, doubt))).ok())
+        let made: Vec<_> = points.iter().map(|point| self.system.assemble(point)).collect();
+        let is_made: Vec<bool> = made.iter().map(Result::is_ok).collect();
+        let points: Vec<OperatingPoint> =
+            points.iter().zip(&is_made).filter(|(_, is_made)| **is_made).map(|(point, _)| point.clone()).collect();
+        let systems: Vec<SecondOrder> = made.iter().flatten().cloned().collect();
+        let polished = match &self.coarse {
+            Some(coarse) => coarse.polished(self, (&points, &systems), is_wanted),
+            None => points.iter().map(|_| Err(None)).collect(),
         };
-        let found: Vec<_> = points.iter().map(|point| followed(point).transpose()).collect();
-        let (systems, doubts): (Vec<SecondOrder>, Vec<_>) = open.into_iter().unzip();
-        let mut spectra = Vec::with_capacity(systems.len());
-        WholeSpectra(&BatchSolver).eigenvalues_of_all(&systems, &mut Workspace::default(), &mut spectra);
-        let mut left = systems.iter().zip(spectra).zip(doubts);
-        let each = |(found, point): (Option<Result<ReducedModes, ReductionError>>, &OperatingPoint)| {
-            found.or_else(|| {
-                let ((system, spectrum), doubt) = left.next()?;
-                Some(self.by_spectrum(system, spectrum, &self.form.at(point), doubt, is_wanted))
-            })
+        let open: Vec<usize> = (0..points.len()).filter(|&at| polished[at].is_err()).collect();
+        let of_open: Vec<SecondOrder> = open.iter().map(|&at| systems[at].clone()).collect();
+        let mut spectra = spectra(&of_open).into_iter();
+        let mut each = points.iter().zip(&systems).zip(polished);
+        let one = |made: Result<SecondOrder, linsys::LinsysError>| {
+            made?;
+            let Some(((point, system), polished)) = each.next() else {
+                return Err(ReductionError::Decomposition { what: NO_SPECTRUM });
+            };
+            match polished {
+                Ok(found) => Ok(self.judged(point, system, found, Route::Coarse, is_wanted)),
+                Err(doubt) => {
+                    let spectrum = spectra.next().ok_or(ReductionError::Decomposition { what: NO_SPECTRUM })?;
+                    self.by_spectrum(point, system, spectrum, doubt, is_wanted)
+                }
+            }
         };
-        found.into_iter().zip(points).filter_map(each).collect()
+        made.into_iter().map(one).collect()
     }
 
-    /// Modes followed from an anchor, or why a whole spectrum is needed.
-    fn followed(
-        &self,
-        point: &OperatingPoint,
-        system: &SecondOrder,
-        is_wanted: &dyn Fn(Complex<f64>) -> bool,
-    ) -> Result<Result<ReducedModes, Option<Doubt>>, ReductionError> {
-        if !self.options.ways.following {
-            return Ok(Err(None));
-        }
-        let residual = self.form.at(point);
-        let mut anchors: Vec<(f64, &Anchor)> =
-            self.anchors.iter().map(|anchor| (anchor.distance(point), anchor)).collect();
-        anchors.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if anchors.is_empty() {
-            return Ok(Err(Some(Doubt::NoStart)));
-        }
-        let goal = Goal {
-            rectangle: &self.rectangle,
-            margin: self.margin(),
-            backward_error: REDUCED_PART * self.options.tolerance,
-        };
-        // One from where no other mode is predicted to come near.
-        let is_apart = |anchor: &&Anchor| !comes_near(anchor, point, &goal);
-        let Some(anchor) = anchors.iter().take(MOST_ANCHORS).map(|&(_, anchor)| anchor).find(is_apart) else {
-            return Ok(Err(Some(Doubt::Moved)));
-        };
-        let found = follow(anchor, point, system, |lambda| residual.norms.size(lambda), &goal)?;
-        Ok(found.map_err(Some).map(|found| {
-            let route = Route::Followed { corrections: found.corrections };
-            let kept: Vec<usize> = (0..found.lambdas.len()).filter(|&at| is_wanted(found.lambdas[at])).collect();
-            let lambdas = kept.iter().map(|&at| found.lambdas[at]).collect();
-            let (shapes, inner) = (split::selected(&found.shapes, &kept), kept.iter().map(|&at| found.residuals[at]));
-            self.judged(&residual, lambdas, shapes, &inner.collect::<Vec<_>>(), route, found.multiply_adds)
-        }))
-    }
-
-    /// [`Reduced::modes`] from the whole spectrum of the reduced system: slower, and without an anchor.
+    /// [`Reduced::modes`] from the whole spectrum of the reduced system.
     ///
     /// # Errors
     /// As [`Reduced::modes`].
     pub fn modes_by_spectrum(&self, point: &OperatingPoint) -> Result<ReducedModes, ReductionError> {
         let system = self.system.assemble(point)?;
         let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default());
-        self.by_spectrum(&system, spectrum, &self.form.at(point), None, &|_| true)
+        self.by_spectrum(point, &system, spectrum, None, &|_, _| true)
     }
 
-    /// What residuals are computed by.
-    pub(super) fn form(&self) -> &ResidualForm {
-        &self.form
+    /// Eigenvalues of a spectrum in the rectangle or to its right, or outside by no more than a part of their size.
+    pub(super) fn next_to_rectangle(&self, spectrum: &Spectrum, part: f64) -> Vec<Complex<f64>> {
+        let is_next = |lambda: &Complex<f64>| self.rectangle.contains_to_the_right(*lambda, part * lambda.norm());
+        spectrum.eigenvalues.iter().copied().filter(is_next).collect()
+    }
+
+    /// Sizes that residuals at a point are relative to.
+    pub(super) fn norms(&self, point: &OperatingPoint) -> NormsAt {
+        self.form.norms.at(point)
+    }
+
+    /// Residual, in the reduced system, at which its modes have converged.
+    pub(super) fn converged(&self) -> f64 {
+        REDUCED_PART * self.options.tolerance
     }
 
     /// The residual of any pair (lambda, V y) at a point.
@@ -258,7 +206,7 @@ impl Reduced {
         let y = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(y)));
         let inner = split::norms(&reduced_residual(&system, &[lambda], &y));
         let at = self.form.at(point);
-        let pairs = Pairs { at: vec![&at], lambdas: &[lambda], y: &y, inner: &inner };
+        let pairs = Pairs { at: &at, lambdas: &[lambda], y: &y, inner: &inner };
         Ok(pairs.residuals(0.0).first().copied().unwrap_or(f64::NAN))
     }
 
@@ -267,80 +215,48 @@ impl Reduced {
         Ok(QrSolver.eigenvalues(&self.system.assemble(point)?, &mut Workspace::default())?.eigenvalues)
     }
 
-    /// Distance in which eigenvalues outside of the rectangle are looked after, rad/s.
-    fn margin(&self) -> f64 {
-        self.options.margin * largest(&self.rectangle)
-    }
-
-    pub(super) fn distance(&self, point: &OperatingPoint) -> f64 {
-        self.anchors.iter().map(|anchor| anchor.distance(point)).fold(f64::INFINITY, f64::min)
-    }
-
     fn by_spectrum(
         &self,
+        point: &OperatingPoint,
         system: &SecondOrder,
         spectrum: Result<Spectrum, CeaError>,
-        residual: &ResidualAt<'_>,
         doubt: Option<Doubt>,
-        is_wanted: &dyn Fn(Complex<f64>) -> bool,
+        is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> Result<ReducedModes, ReductionError> {
-        let (mut work, spectrum) = (Workspace::default(), spectrum?);
-        let is_meant = |lambda: &Complex<f64>| self.rectangle.contains_to_the_right(*lambda, 0.0) && is_wanted(*lambda);
-        let wanted: Vec<_> = spectrum.eigenvalues.into_iter().filter(is_meant).collect();
-        let shapes = cea::right_vectors(system, &wanted, &mut work)?;
+        let wanted: Vec<Complex<f64>> =
+            self.next_to_rectangle(&spectrum?, 0.0).into_iter().filter(|&lambda| is_wanted(lambda, 0.0)).collect();
+        let shapes = cea::right_vectors(system, &wanted, &mut Workspace::default())?;
         let mut columns = split::zeros(system.order(), wanted.len());
         shapes.iter().enumerate().for_each(|(at, shape)| split::set(&mut columns, at, shape.iter().copied()));
-        // Hessenberg form and QR iteration of a matrix of order d: 10 d^3 operations (Golub and Van Loan, section 7.5).
-        let (d, k) = (system.dimension() as u64, system.order() as u64);
-        let multiply_adds = 5 * d.pow(3) + 2 * wanted.len() as u64 * k.pow(3);
-        let inner = split::norms(&reduced_residual(system, &wanted, &columns));
-        Ok(self.judged(residual, wanted, columns, &inner, Route::Spectrum(doubt), multiply_adds))
+        Ok(self.judged(point, system, (wanted, columns), Route::Spectrum(doubt), is_wanted))
     }
 
-    /// Modes in order, their shapes scaled, with their residuals.
+    /// The wanted ones of some modes, in order, their shapes scaled, with their residuals.
     fn judged(
         &self,
-        residual: &ResidualAt<'_>,
-        lambdas: Vec<Complex<f64>>,
-        shapes: DMatrix<f64>,
-        inner: &[f64],
+        point: &OperatingPoint,
+        system: &SecondOrder,
+        (lambdas, shapes): Polished,
         route: Route,
-        multiply_adds: u64,
+        is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> ReducedModes {
-        let pairs = Pairs { at: vec![residual; lambdas.len()], lambdas: &lambdas, y: &shapes, inner };
-        let residuals = self.residuals(&pairs);
-        let mut order: Vec<usize> = (0..lambdas.len()).collect();
+        let is_in = |&at: &usize| self.rectangle.contains_to_the_right(lambdas[at], 0.0) && is_wanted(lambdas[at], 0.0);
+        let mut order: Vec<usize> = (0..lambdas.len()).filter(is_in).collect();
         order.sort_by(|&a, &b| cea::by_frequency(&lambdas[a], &lambdas[b]));
-        let in_order = |of: &[f64]| order.iter().map(|&at| of[at]).collect();
-        let residuals = in_order(&residuals);
-        let lambdas = order.iter().map(|&at| lambdas[at]).collect();
-        self.with_residuals(lambdas, &split::selected(&shapes, &order), residuals, route, multiply_adds)
-    }
-
-    /// The residuals of some modes, as far as they are asked for.
-    pub(super) fn residuals(&self, pairs: &Pairs<'_>) -> Vec<f64> {
-        pairs.residuals(self.options.tolerance)
-    }
-
-    /// Modes in order with their residuals, their shapes scaled.
-    pub(super) fn with_residuals(
-        &self,
-        lambdas: Vec<Complex<f64>>,
-        shapes: &DMatrix<f64>,
-        residuals: Vec<f64>,
-        route: Route,
-        multiply_adds: u64,
-    ) -> ReducedModes {
-        let columns: Vec<_> = (0..lambdas.len()).map(|at| split::vector(shapes, at).normalize()).collect();
-        let k = shapes.nrows();
-        let residual_cost = 6 * (k * self.form.sketch_rows() * lambdas.len()) as u64;
-        let shapes = if columns.is_empty() { DMatrix::zeros(k, 0) } else { DMatrix::from_columns(&columns) };
-        ReducedModes { lambdas, shapes, residuals, route, multiply_adds: multiply_adds + residual_cost }
+        let lambdas: Vec<Complex<f64>> = order.iter().map(|&at| lambdas[at]).collect();
+        let shapes = split::selected(&shapes, &order);
+        let inner = split::norms(&reduced_residual(system, &lambdas, &shapes));
+        let pairs = Pairs { at: &self.form.at(point), lambdas: &lambdas, y: &shapes, inner: &inner };
+        let residuals = pairs.residuals(self.options.tolerance);
+        let columns: Vec<_> = (0..lambdas.len()).map(|at| split::vector(&shapes, at).normalize()).collect();
+        let shapes =
+            if columns.is_empty() { DMatrix::zeros(shapes.nrows(), 0) } else { DMatrix::from_columns(&columns) };
+        ReducedModes { lambdas, shapes, residuals, route }
     }
 }
 
-/// Of how many anchors, from the nearest, one is sought; chosen.
-const MOST_ANCHORS: usize = 4;
+/// What is said of a spectrum that is not there.
+const NO_SPECTRUM: &str = "spectrum of a reduced system";
 /// Part of the wanted residual at which the modes of the reduced system itself have converged.
 const REDUCED_PART: f64 = 0.1;
 

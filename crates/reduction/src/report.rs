@@ -76,8 +76,6 @@ pub struct Stage {
     pub largest_residual: f64,
     /// Training points whose modes took the whole spectrum.
     pub spectra: usize,
-    /// Multiplications with addition of an evaluation with residuals, mean.
-    pub multiply_adds: f64,
     /// Time of an evaluation with residuals, mean, s. The only number here that differs from run to run.
     pub seconds: f64,
 }
@@ -94,14 +92,14 @@ impl Stage {
     ) -> Result<(Self, Option<(usize, f64)>), ReductionError> {
         let start = Instant::now();
         let mut tally = ResidualTally::new(tolerance);
-        for (at, point) in (0..).zip(points) {
-            tally.record(at, &reduced.modes(point)?);
+        for (at, modes) in (0..).zip(reduced.modes_of_all(points, &|_, _| true)) {
+            tally.record(at, &modes?);
         }
         let mean = |sum: f64| if points.is_empty() { 0.0 } else { sum / points.len() as f64 };
         let stage = Self {
             why: Why::Given,
             columns: reduced.basis().ncols(),
-            points: reduced.anchors(),
+            points: 0,
             full_problems: 0,
             factorisations: 0,
             missed: 0,
@@ -109,7 +107,6 @@ impl Stage {
             above: usize::try_from(tally.above).unwrap_or(usize::MAX),
             largest_residual: tally.largest.map_or(0.0, |(_, residual)| residual),
             spectra: usize::try_from(tally.spectra).unwrap_or(usize::MAX),
-            multiply_adds: mean(tally.multiply_adds as f64),
             seconds: mean(start.elapsed().as_secs_f64()),
         };
         Ok((stage, tally.largest.map(|(at, residual)| (usize::try_from(at).unwrap_or(usize::MAX), residual))))
@@ -132,8 +129,6 @@ pub struct ResidualTally {
     pub largest: Option<(u64, f64)>,
     /// Samples that took the whole spectrum of the reduced system.
     pub spectra: u64,
-    /// Multiplications with addition of all evaluations.
-    pub multiply_adds: u64,
 }
 
 /// Most samples that are listed; all are counted.
@@ -143,8 +138,7 @@ impl ResidualTally {
     /// An empty tally.
     #[must_use]
     pub fn new(tolerance: f64) -> Self {
-        let (samples, modes, above, listed, largest, spectra) = (0, 0, 0, Vec::new(), None, 0);
-        Self { tolerance, samples, modes, above, listed, largest, spectra, multiply_adds: 0 }
+        Self { tolerance, samples: 0, modes: 0, above: 0, listed: Vec::new(), largest: None, spectra: 0 }
     }
 
     /// Adds the sample of this number. A residual that is not a number counts as above.
@@ -152,7 +146,6 @@ impl ResidualTally {
         let residual = modes.largest_residual();
         self.samples += 1;
         self.modes += modes.lambdas.len() as u64;
-        self.multiply_adds += modes.multiply_adds;
         self.spectra += u64::from(matches!(modes.route, Route::Spectrum(_)));
         if self.largest.is_none_or(|(_, largest)| residual.total_cmp(&largest).is_gt()) {
             self.largest = Some((sample, residual));

@@ -41,7 +41,7 @@ pub(super) struct ResidualForm {
     sizes: Vec<[f64; 2]>,
     /// 2-norms at most of what was left out of each term's matrices and of each b_i.
     dropped: (Vec<[f64; 3]>, Vec<f64>),
-    norms: Norms,
+    pub norms: Norms,
 }
 
 /// The residual form at one operating point.
@@ -194,30 +194,9 @@ impl ResidualForm {
         Ok(Self { rows, sketch, friction: Friction::of(force_of, &reading_of), sizes, dropped, norms })
     }
 
-    /// The form of points with these coefficients, as of a system with one term whose coefficient is 1.
-    pub fn summed(&self, coefficients: &[f64]) -> Self {
-        let mut dropped = [0.0; 3];
-        for (left_out, theta) in self.dropped.0.iter().zip(coefficients) {
-            dropped.iter_mut().zip(left_out).for_each(|(sum, left_out)| *sum += theta.abs() * left_out);
-        }
-        Self {
-            rows: self.rows.summed(coefficients),
-            sketch: self.sketch.as_ref().map(|sketch| sketch.summed(coefficients)),
-            friction: self.friction.clone(),
-            sizes: self.sizes.clone(),
-            dropped: (vec![dropped], self.dropped.1.clone()),
-            norms: self.norms.summed(coefficients),
-        }
-    }
-
     /// Directions outside of the basis that residuals are computed in.
     pub fn rank(&self) -> usize {
         self.rows.count
-    }
-
-    /// Rows that residuals are estimated with, none where all are exact.
-    pub fn sketch_rows(&self) -> usize {
-        self.sketch.as_ref().map_or(0, |sketch| sketch.count)
     }
 
     /// The form at a point that belongs to the system.
@@ -235,9 +214,9 @@ impl ResidualForm {
     }
 }
 
-/// Pairs (lambda_j, V y_j), each at a point of its own: the points have the same coefficients.
+/// Pairs (lambda_j, V y_j) at a point.
 pub(super) struct Pairs<'a> {
-    pub at: Vec<&'a ResidualAt<'a>>,
+    pub at: &'a ResidualAt<'a>,
     pub lambdas: &'a [Complex<f64>],
     /// The split columns y_j.
     pub y: &'a DMatrix<f64>,
@@ -249,7 +228,7 @@ impl Pairs<'_> {
     /// The residual of each pair: an upper bound, above the residual by no more than what the truncation left out. Where the sketch
     /// shows that a residual is below `enough`, the bound of the sketch takes its place.
     pub fn residuals(&self, enough: f64) -> Vec<f64> {
-        let Some(ResidualAt { form, .. }) = self.at.first() else { return Vec::new() };
+        let form = self.at.form;
         let all: Vec<usize> = (0..self.lambdas.len()).collect();
         let Some(sketch) = &form.sketch else { return self.by(&form.rows, 1.0, &all) };
         let mut out = self.by(sketch, SKETCH_FACTOR, &all);
@@ -265,11 +244,9 @@ impl Pairs<'_> {
     fn by(&self, rows: &OuterRows, factor: f64, wanted: &[usize]) -> Vec<f64> {
         let (lambdas, y): (Vec<_>, _) =
             (wanted.iter().map(|&at| self.lambdas[at]).collect(), split::selected(self.y, wanted));
-        let at = |place: usize| self.at[wanted[place]];
-        let friction = (&at(0).form.friction, |place| at(place).point.channels.as_slice());
-        let outer = rows.of(friction, &at(0).point.coefficients, &lambdas, &y);
+        let ResidualAt { form, point, norms, dropped: [m, c, k] } = self.at;
+        let outer = rows.of((&form.friction, &point.channels), &point.coefficients, &lambdas, &y);
         let residual = |(place, &lambda): (usize, &Complex<f64>)| {
-            let ResidualAt { norms, dropped: [m, c, k], .. } = at(place);
             let (size, l) = (split::norm_squared(&y, place).sqrt(), lambda.norm());
             let left_out = (l * l * m + l * c + k) * size;
             let outside = factor * split::norm_squared(&outer, place).sqrt() + left_out;

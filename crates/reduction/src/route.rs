@@ -1,7 +1,7 @@
 //! How the modes at a point were found, and how many were found how.
 
 use std::iter::Sum;
-use std::ops::{Add, Sub};
+use std::ops::Add;
 
 use crate::Doubt;
 
@@ -9,34 +9,17 @@ use crate::Doubt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Route {
-    /// By discs around the modes of a known friction.
-    Discs {
-        /// Corrections, summed over modes.
-        corrections: u64,
-    },
-    /// By guesses from the modes of a known friction, corrected and counted.
-    Guesses {
-        /// Corrections, summed over modes.
-        corrections: u64,
-    },
-    /// From an anchor.
-    Followed {
-        /// Corrections, summed over modes.
-        corrections: u64,
-    },
-    /// From the whole spectrum of the reduced system, because of a doubt or because it was asked for.
+    /// From coarse modes.
+    Coarse,
+    /// From the whole spectrum of the reduced system, because of a doubt or because there is no coarse basis.
     Spectrum(Option<Doubt>),
 }
 
 /// Points whose modes were found by each [`Route`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct RouteCounts {
-    /// By discs.
-    pub discs: u64,
-    /// By guesses.
-    pub guesses: u64,
-    /// By following.
-    pub followed: u64,
+    /// From coarse modes.
+    pub coarse: u64,
     /// By whole spectra.
     pub spectra: u64,
 }
@@ -44,21 +27,9 @@ pub struct RouteCounts {
 impl RouteCounts {
     /// One more point.
     pub fn record(&mut self, route: Route) {
-        let of_route = match route {
-            Route::Discs { .. } => &mut self.discs,
-            Route::Guesses { .. } => &mut self.guesses,
-            Route::Followed { .. } => &mut self.followed,
-            Route::Spectrum(_) => &mut self.spectra,
-        };
-        *of_route += 1;
-    }
-
-    fn with(self, other: Self, of: fn(u64, u64) -> u64) -> Self {
-        Self {
-            discs: of(self.discs, other.discs),
-            guesses: of(self.guesses, other.guesses),
-            followed: of(self.followed, other.followed),
-            spectra: of(self.spectra, other.spectra),
+        match route {
+            Route::Coarse => self.coarse += 1,
+            Route::Spectrum(_) => self.spectra += 1,
         }
     }
 }
@@ -67,16 +38,7 @@ impl Add for RouteCounts {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        self.with(other, u64::add)
-    }
-}
-
-impl Sub for RouteCounts {
-    type Output = Self;
-
-    /// What was counted since `other` was.
-    fn sub(self, other: Self) -> Self {
-        self.with(other, u64::sub)
+        Self { coarse: self.coarse + other.coarse, spectra: self.spectra + other.spectra }
     }
 }
 

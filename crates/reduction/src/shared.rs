@@ -65,22 +65,20 @@ impl Friction {
     }
 
     /// Factors of the b_i in what friction adds to `Q(lambda_j) x_j`, `mu_i r_i^T x_j + lambda_j s_i(lambda_j) b_i^T x_j` for each channel i and
-    /// each vector j, m x vectors. `gains(j)` are those of vector j, by channel; the vectors x_j in `shapes` and the result are [`split`]. `None`
-    /// where all gains of all vectors are zero.
-    pub fn pulls<'a>(
+    /// each vector j, m x vectors; the vectors x_j in `shapes` and the result are [`split`]. `None` where all gains are zero.
+    pub fn pulls(
         &self,
-        gains: impl Fn(usize) -> &'a [ChannelGain],
+        gains: &[ChannelGain],
         lambdas: &[Complex<f64>],
         shapes: &DMatrix<f64>,
     ) -> Option<DMatrix<f64>> {
-        let is_none = |at: usize| gains(at).iter().all(|gain| *gain == ChannelGain::default());
-        if (0..lambdas.len()).all(is_none) {
+        if gains.iter().all(|gain| *gain == ChannelGain::default()) {
             return None;
         }
         let sides = product(&self.sides, shapes);
         let mut pulls = split::zeros(self.force.ncols(), lambdas.len());
         for (at, &lambda) in lambdas.iter().enumerate() {
-            let (gains, motion) = (gains(at), split::vector(&sides, at));
+            let motion = split::vector(&sides, at);
             // Most channels have the gain of the one before.
             let mut last = (ChannelGain::default(), Complex::default());
             let pull = |(channel, gain): (usize, &ChannelGain)| {
@@ -96,13 +94,7 @@ impl Friction {
 
     /// Adds to column j of `out` what friction adds to `Q(lambda_j) x_j`, `sum_i b_i` times its factor by [`Friction::pulls`]; all are [`split`],
     /// n x vectors.
-    pub fn add<'a>(
-        &self,
-        gains: impl Fn(usize) -> &'a [ChannelGain],
-        lambdas: &[Complex<f64>],
-        shapes: &DMatrix<f64>,
-        out: &mut DMatrix<f64>,
-    ) {
+    pub fn add(&self, gains: &[ChannelGain], lambdas: &[Complex<f64>], shapes: &DMatrix<f64>, out: &mut DMatrix<f64>) {
         if let Some(pulls) = self.pulls(gains, lambdas, shapes) {
             add_product(out, 1.0, &self.force, &pulls);
         }

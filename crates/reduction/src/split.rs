@@ -21,12 +21,6 @@ pub(super) fn from_columns(columns: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
     out
 }
 
-/// The rows of a complex matrix, real parts above imaginary ones.
-pub(super) fn stacked(rows: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-    let (count, columns) = rows.shape();
-    DMatrix::from_fn(2 * count, columns, |i, j| if i < count { rows[(i, j)].re } else { rows[(i - count, j)].im })
-}
-
 /// The number of vectors.
 pub(super) fn count(split: &DMatrix<f64>) -> usize {
     split.ncols() / 2
@@ -50,14 +44,6 @@ pub(super) fn set(split: &mut DMatrix<f64>, at: usize, values: impl Iterator<Ite
     let (re, im) = (&mut re[at * rows..(at + 1) * rows], &mut im[at * rows..(at + 1) * rows]);
     for ((re, im), value) in re.iter_mut().zip(im).zip(values) {
         (*re, *im) = (value.re, value.im);
-    }
-}
-
-/// Adds to vector `at`; what is added may have more entries.
-pub(super) fn add(split: &mut DMatrix<f64>, at: usize, [re, im]: [&[f32]; 2], factor: f64) {
-    let half = count(split);
-    for (column, part) in [(at, re), (half + at, im)] {
-        split.column_mut(column).iter_mut().zip(part).for_each(|(to, &value)| *to += factor * f64::from(value));
     }
 }
 

@@ -22,9 +22,8 @@ const TOGETHER: f64 = 1e-10;
 pub(super) struct StateModes {
     /// All 2 k eigenvalues, rad/s; complex ones in conjugate pairs, next to each other.
     pub lambdas: Vec<Complex<f64>>,
-    /// The parts of right vectors, k x 2 k.
+    /// The upper parts of right vectors, k x 2 k.
     pub y: DMatrix<Complex<f64>>,
-    pub velocity: DMatrix<Complex<f64>>,
     /// The lower parts of left vectors as rows, 2 k x k.
     pub lower: DMatrix<Complex<f64>>,
 }
@@ -45,7 +44,7 @@ impl StateModes {
         // W^H = Z^-1 B^-1: the lower part times M^-1 from the right.
         let mass = m.map(Complex::from).transpose();
         let lower = dense::solve(&mass, &inverse.columns(order, order).transpose())?.transpose();
-        Ok(Self { lambdas, y: z.rows(0, order).into_owned(), velocity: z.rows(order, order).into_owned(), lower })
+        Ok(Self { lambdas, y: z.rows(0, order).into_owned(), lower })
     }
 }
 

@@ -81,15 +81,13 @@ fn draws(seed: u64, count: usize, spread: f64) -> Vec<OperatingPoint> {
 }
 
 fn header() {
-    println!("columns points factorisations missed above largest_residual spectra Mmadds ms");
+    println!("columns points factorisations missed above largest_residual spectra ms");
 }
 
 fn print(stage: &Stage) {
     let Stage { columns, points, factorisations, missed, above, largest_residual, spectra, .. } = stage;
-    let (madds, ms) = (stage.multiply_adds / 1e6, stage.seconds * 1e3);
-    println!(
-        "{columns} {points} {factorisations} {missed} {above} {largest_residual:.1e} {spectra} {madds:.1} {ms:.2}"
-    );
+    let ms = stage.seconds * 1e3;
+    println!("{columns} {points} {factorisations} {missed} {above} {largest_residual:.1e} {spectra} {ms:.2}");
 }
 
 /// Builds, prints the stages, and runs `samples` draws; the reduction with its tally.
@@ -103,18 +101,19 @@ fn study(
     let points: Vec<_> = [2.0, 4.0, 6.0, 8.0].map(|w| point(w * PI, 1.0, 1.0)).into();
     let training = draws(1, 100, spread);
     let start = ThreadTime::now();
-    let reduction =
+    let mut reduction =
         Reduction::build(system, &Wanted { rectangle: RECTANGLE, points: &points, training: &training }, options)?;
+    reduction.reduced = reduction.reduced.with_coarse(&training)?;
     let (report, reduced) = (&reduction.report, &reduction.reduced);
     println!("{name}: built in {:.1} s, {} full problems", start.elapsed().as_secs_f64(), report.full_problems);
     header();
     report.stages.iter().for_each(print);
     report.missed.iter().for_each(|missed| println!("missed {} at training point {}", missed.lambda, missed.training));
     println!(
-        "reached: {}, rank of residuals {}, {} anchors",
+        "reached: {}, rank of residuals {}, {:?} coarse columns",
         report.is_reached,
         reduced.residual_rank(),
-        reduced.anchors()
+        reduced.coarse_columns()
     );
     let mut tally = ResidualTally::new(options.tolerance);
     let start = ThreadTime::now();
@@ -134,13 +133,13 @@ fn study(
     Ok(reduction)
 }
 
-/// The largest distance of followed eigenvalues from those of whole spectra, and how many samples differ in number.
+/// The largest distance of eigenvalues from coarse ones from those of whole spectra, and how many samples differ in number.
 fn compare(reduced: &Reduced, samples: &[OperatingPoint]) -> Result<(f64, usize), Box<dyn Error>> {
     let (mut largest, mut differing) = (0.0_f64, 0);
     for sample in samples {
-        let (followed, all) = (reduced.modes(sample)?, reduced.modes_by_spectrum(sample)?);
-        differing += usize::from(followed.lambdas.len() != all.lambdas.len());
-        for lambda in &followed.lambdas {
+        let (found, all) = (reduced.modes(sample)?, reduced.modes_by_spectrum(sample)?);
+        differing += usize::from(found.lambdas.len() != all.lambdas.len());
+        for lambda in &found.lambdas {
             let nearest = all.lambdas.iter().map(|other| (other - lambda).norm()).fold(f64::INFINITY, f64::min);
             largest = largest.max(nearest / lambda.norm());
         }

@@ -12,7 +12,6 @@ use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
 use super::check::check;
-use super::known_names::KnownNames;
 use super::reference::{Bridges, Reference, References, SectoredReference, references};
 use super::scratch::{Scratch, timed};
 use super::sector_modes::{SectorEquation, SectorSolver};
@@ -92,8 +91,6 @@ pub struct Study<'a, B: UncertainBrake> {
     equations: Vec<SecularEquations>,
     /// Anchors of the secular equations, by scene and sector.
     anchors: Vec<Vec<Option<Anchors>>>,
-    /// Names at known points, by scene, of a brake that finds its modes itself.
-    known_names: Vec<KnownNames>,
     /// Operating point of each scene at median parameters, at which its reference modes were computed.
     reference_points: Vec<OperatingPoint>,
     /// Gain of each scene at its reference point; `None` where the channels have none in common.
@@ -160,9 +157,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let bridge =
             source.map(|source| move |configuration: usize, modes: [&[Mode]; 2]| source.bridge(configuration, modes));
         let bridge = bridge.as_ref().map(|bridge| bridge as &Bridges<'_>);
-        let paths = |scene: &Scene, [from, to]: [&OperatingPoint; 2]| source?.path(scene, from, to);
         let References { origins, scenes } =
-            references(plan, &points, bridge, &paths, by_likeness, &solver, progress).map_err(failed)?;
+            references(plan, &points, bridge, by_likeness, &solver, progress).map_err(failed)?;
         let (references, sector_references): (Vec<_>, Vec<_>) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates && source.is_none() {
@@ -183,7 +179,6 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             certificates,
             equations,
             anchors,
-            known_names: plan.scenes.iter().map(|_| KnownNames::default()).collect(),
             reference_points: points,
             reference_gains,
             options,

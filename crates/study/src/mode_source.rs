@@ -17,17 +17,6 @@ pub struct ModeResidual {
     pub is_above: bool,
 }
 
-/// A mode at a known point: one of the operating points at which a brake knows its modes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KnownMode {
-    /// Index of the known point of the scene, from 0: [`ModeSource::known_point`].
-    pub point: usize,
-    /// Index of the mode at this point, from 0.
-    pub mode: usize,
-    /// Eigenvalue of the mode, rad/s.
-    pub lambda: Complex<f64>,
-}
-
 /// A mode that a brake finds itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandMode {
@@ -39,8 +28,6 @@ pub struct BandMode {
     pub bound: f64,
     /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,
-    /// Mode at a known point near by that this one clearly resembles by MAC; `None` where there is none.
-    pub like: Option<KnownMode>,
 }
 
 /// An eigenvalue of the full model, of which the brake is a reduction.
@@ -77,12 +64,6 @@ pub trait ModeSource: Sync {
     /// # Errors
     /// Of a sample: an operating point of another scene, a system that is not supported.
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>>;
-
-    /// The path between two operating points of a scene, where the brake evaluates it in a cheaper way than by matrices.
-    fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>>;
-
-    /// A point at which the brake knows the modes of a scene, from which samples near by may have their names; `None` beyond the last.
-    fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint>;
 
     /// The common subspace of a configuration, by its index in the plan, and its origin; `None` where the degrees of freedom of both are
     /// the same. `modes` are those of the origin and of the configuration.

@@ -174,7 +174,7 @@ impl Reference {
         &self,
         solver: &dyn EigenSolver,
         system: SecondOrder,
-        way: Way<'_>,
+        way: Way,
         plan: &Plan,
         work: &mut Workspace,
     ) -> Result<Self, Error> {
@@ -185,10 +185,10 @@ impl Reference {
             return Ok(next);
         }
         let end = PathEnd { system: &next.system, modes: &next.modes };
-        let path = |start| Path { start, start_modes: &self.modes, end };
+        let path = Path { start: PathStart::System(&self.system), start_modes: &self.modes, end };
         let links = match way {
-            Way::Far => follow(solver, path(PathStart::System(&self.system)), work)?,
-            Way::Near(own) => identify(solver, path(path_start(&self.system, own)), work)?,
+            Way::Far => follow(solver, path, work)?,
+            Way::Near => identify(solver, path, work)?,
         };
         next.name(&self.names, links);
         Ok(next)
@@ -207,11 +207,11 @@ impl Reference {
 
 /// Way of modes from one system to another.
 #[derive(Debug, Clone, Copy)]
-enum Way<'a> {
+enum Way {
     /// Continuation of every mode.
     Far,
-    /// MAC of the modes first; those in doubt are followed on a path that the brake evaluates, where it has one.
-    Near(Option<&'a dyn OwnedPath>),
+    /// MAC of the modes first; all are followed where one is in doubt.
+    Near,
 }
 
 /// The beginning of a path from a system, which the brake evaluates where it can.
@@ -226,7 +226,7 @@ impl SectoredReference {
         solver: &dyn EigenSolver,
         sectors: &Sectors,
         system: SecondOrder,
-        way: Way<'_>,
+        way: Way,
         plan: &Plan,
     ) -> Result<Self, Error> {
         let mut work = bounded_workspace(system.order());

@@ -86,7 +86,7 @@ pub use escalation::{follow, identify, identify_all};
 pub use family::{branches, onsets};
 pub use kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 pub use locus::{Ambiguity, Branch, RootLocus, root_locus};
-pub use mac::{clear_likeness, clear_matches, mac};
+pub use mac::{clear_matches, mac};
 pub use onset::{Onset, Onsets, find_onsets, onset_between};
 pub use path::{Eigenpair, Links, OwnedPath, Path, PathEnd, PathStart};
 

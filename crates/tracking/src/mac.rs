@@ -82,14 +82,6 @@ pub(crate) fn match_weighted(old: &[Mode], weighted: &[DVector<Complex<f64>>], n
         .collect()
 }
 
-/// Index of the one of some modes that a mode clearly is, by its MAC with each of them and the distance of its eigenvalue from theirs, by
-/// the rule of [`clear_matches`]; `None` where that is in doubt.
-#[must_use]
-pub fn clear_likeness(mac: &[f64], distance: impl Fn(usize) -> f64) -> Option<usize> {
-    let best = (0..mac.len()).max_by(|&a, &b| mac[a].total_cmp(&mac[b])).filter(|&best| mac[best].is_finite())?;
-    rivals(mac, best, distance).is_empty().then_some(best)
-}
-
 /// The modes that a mode may be beside the best one, by its MAC with each and the distance of its eigenvalue from theirs.
 fn rivals(mac: &[f64], best: usize, distance: impl Fn(usize) -> f64) -> Vec<usize> {
     let rivals = (0..mac.len()).filter(|&j| {

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use brakes::case::CaseFile;
 use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use cpu_time::ProcessTime;
-use reduction::Ways;
 use report::{Geometry, draw_occurrence, write_page};
 use squeal::study::{StudyOptions, UncertainBrake};
 use squeal::{RunOptions, run_study_with};
@@ -83,25 +82,15 @@ struct Command {
 impl Command {
     /// A reduced brake with and without ways to the modes of its samples.
     fn by_ways(&mut self, mut brake: FiniteElementBrake) -> Result<(), TaskError> {
-        let all = Ways::default();
-        let ways = [
-            ("as shipped", all),
-            ("without discs", Ways { discs: false, ..all }),
-            ("following alone", Ways { following: true, ..Ways::SPECTRA }),
-            ("spectra alone", Ways::SPECTRA),
-            ("spectra alone, in batches", Ways { batches: true, ..Ways::SPECTRA }),
-        ];
-        for (way, ways) in ways {
-            brake.set_ways(ways);
-            let before = brake.routes();
-            let routes = || {
-                let found = brake.routes() - before;
-                let parts = [(found.discs, "discs"), (found.guesses, "guesses"), (found.followed, "following")];
-                let parts = parts.into_iter().chain([(found.spectra, "spectra")]).filter(|(count, _)| *count > 0);
-                parts.map(|(count, by)| format!("{count} by {by}")).collect::<Vec<_>>().join(", ")
-            };
-            self.study(&brake, StudyOptions::default(), way, Some(&routes))?;
-        }
+        let routes = |brake: &FiniteElementBrake| {
+            let found = brake.routes();
+            move || format!("{} by coarse modes, {} by spectra", found.coarse, found.spectra)
+        };
+        self.study(&brake, StudyOptions::default(), "as shipped", Some(&|| routes(&brake)()))?;
+        let before = brake.routes();
+        brake.use_spectra_alone();
+        let spectra = || format!("{} by spectra", brake.routes().spectra - before.spectra);
+        self.study(&brake, StudyOptions::default(), "spectra alone", Some(&spectra))?;
         Ok(())
     }
 

@@ -8,19 +8,14 @@ use reduction::{Compared, compared};
 use study::{BandMode, FullChecks, ModeSource, UncertainBrake, wider};
 
 use super::reduce::{Trained, modes_beside};
-use super::training::rectangle;
+use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
 use super::{Bases, FiniteElementBrake};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
-/// Distance, relative to |lambda|, of a mode from the border of where modes are wanted up to which it may be inside in one system and
-/// outside in the other.
-const AT_BORDER: f64 = 1e-3;
 /// The first stream from which draws are taken, far from those of samples and from those of training points: how many samples a study has
 /// changes nothing.
 const FIRST_STREAM: u64 = u64::MAX / 2;
-/// Largest number of further trainings of a reduction; chosen.
-const MOST_ROUNDS: u64 = 2;
 
 /// Result of one draw: where the reduced brake and the whole one differ, and the point at which it may be trained on.
 struct OneCheck {

@@ -1,7 +1,6 @@
 //! A finite element brake of a case, reduced, with its friction laws and distributions.
 
 mod bridge;
-mod friction_path;
 mod full_checks;
 mod layout;
 mod parameters;
@@ -24,16 +23,13 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, RouteCounts, Rung, Ways};
+use reduction::{ReducedModes, RouteCounts, Rung};
 use squeal::sweep::Over;
 use study::{
-    BandMode, Bridge, Cost, DrawnInputs, FullChecks, Input, KnownMode, ModeResidual, ModeSource, Modifiable,
-    NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
-    WholeEigenvalue,
+    BandMode, Bridge, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable, NamedParameter,
+    Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact, WholeEigenvalue,
 };
-use tracking::{OwnedPath, clear_likeness};
 
-use self::friction_path::FrictionalPath;
 use self::parameters::SceneOf;
 use self::reduce::Trained;
 use super::LatticeSample;
@@ -100,10 +96,10 @@ impl FiniteElementBrake {
         Self::on(case, Bases::OfEach, progress)
     }
 
-    /// Takes these ways to the modes of samples alone.
-    pub fn set_ways(&mut self, ways: Ways) {
+    /// Finds the modes of samples by whole spectra alone, without coarse modes.
+    pub fn use_spectra_alone(&mut self) {
         for part in &mut self.parts {
-            part.reduced = part.reduced.clone().with_ways(ways);
+            part.reduced = part.reduced.clone().without_coarse();
         }
     }
 
@@ -386,57 +382,25 @@ impl Modifiable for FiniteElementBrake {
 impl ModeSource for FiniteElementBrake {
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
         let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
-        let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
-        let known: Vec<_> =
-            part.friction.iter().flat_map(FrictionModes::known_points).map(|(_, modes)| modes).collect();
-        let like = |lambda: Complex<f64>, Likeness { point, mac }: Likeness| {
-            let modes = known[point];
-            let mode = clear_likeness(&mac, |mode| (modes[mode] - lambda).norm())?;
-            Some(KnownMode { point, mode, lambda: modes[mode] })
-        };
-        // Samples with nearly the same friction one after another: they are searched from the same known points, which then are in the cache.
-        let mu = |&place: &usize| at[place].channels.first().map_or(0.0, |gain| gain.mu);
-        let mut order: Vec<usize> = (0..at.len()).collect();
-        order.sort_by(|a, b| mu(a).total_cmp(&mu(b)));
-        let points: Vec<OperatingPoint> = order.iter().map(|&place| self.full_point(scene, &at[place])).collect();
-        let among = |at: &OperatingPoint| Ok((part.reduced.modes_among(at, &may_grow)?, Vec::new()));
-        let found = match &part.friction {
-            Some(friction) => friction.search().modes(&part.reduced, &points, error, &may_grow),
-            None => points.iter().map(among).collect(),
-        };
+        let may_grow = |lambda: Complex<f64>, also: f64| threshold.margin(lambda) >= -(error + also) * lambda.norm();
+        let points: Vec<OperatingPoint> = at.iter().map(|at| self.full_point(scene, at)).collect();
+        let found = part.reduced.modes_of_all(&points, &may_grow);
         let mut counts = RouteCounts::default();
-        found.iter().flatten().for_each(|(found, _)| counts.record(found.route));
+        found.iter().flatten().for_each(|found| counts.record(found.route));
         let mut routes = part.routes.lock().unwrap_or_else(PoisonError::into_inner);
         *routes = *routes + counts;
         drop(routes);
-        let modes = |(found, amplitudes): (ReducedModes, Vec<Amplitudes>)| {
-            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).enumerate();
-            let mode = |(place, ((&lambda, shape), &value)): (usize, ((&Complex<f64>, DVectorView<'_, _>), &f64))| {
-                let likenesses =
-                    part.friction.as_ref().zip(amplitudes.get(place)).map(|(of, mode)| of.likenesses(mode));
-                let like = likenesses.into_iter().flatten().find_map(|likeness| like(lambda, likeness));
+        let modes = |found: ReducedModes| {
+            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals);
+            let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, _>), &f64)| {
                 // One that is no number is above too.
                 let is_within = value <= self.case.reduction.residual;
                 let residual = Some(ModeResidual { value, is_above: !is_within });
-                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
+                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
             };
             each.map(mode).collect()
         };
-        let mut all: Vec<_> = order.into_iter().zip(found).collect();
-        all.sort_by_key(|(place, _)| *place);
-        all.into_iter().map(|(_, found)| Ok(found.map(modes).map_err(Error::from)?)).collect()
-    }
-
-    fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
-        let friction = self.part(scene).friction.as_ref()?;
-        let path = friction.path(&self.full_point(scene, from), &self.full_point(scene, to))?;
-        Some(Box::new(FrictionalPath { path, brake: &self.plan.brake(scene).system, from: from.clone() }))
-    }
-
-    fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint> {
-        let (gains, _) = self.part(scene).friction.as_ref()?.known_points().nth(point)?;
-        let reference = self.operating_point(scene, &self.median()).ok()?;
-        Some(OperatingPoint { channels: gains.to_vec(), ..reference })
+        found.into_iter().map(|found| Ok(found.map(modes).map_err(Error::from)?)).collect()
     }
 
     fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {
@@ -459,8 +423,8 @@ impl ModeSource for FiniteElementBrake {
     }
 
     fn routes(&self) -> Vec<(&'static str, u64)> {
-        let RouteCounts { discs, guesses, followed, spectra } = FiniteElementBrake::routes(self);
-        vec![("discs", discs), ("guesses", guesses), ("followed", followed), ("spectra", spectra)]
+        let RouteCounts { coarse, spectra } = FiniteElementBrake::routes(self);
+        vec![("coarse", coarse), ("spectra", spectra)]
     }
 
     fn full_checks(&self) -> Option<FullChecks> {

@@ -9,14 +9,12 @@ use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{
-    Compared, FrictionModes, Options, Reduced, RouteCounts, Rung, Wanted, Within, compared, rungs, within,
-};
+use reduction::{Compared, Options, Reduced, RouteCounts, Rung, Wanted, Within, compared, rungs, within};
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
-use super::points::{all_patches, closed_channels, naming_point, of_brake};
-use super::set_basis::{self, is_of_responses, is_of_snapshots};
-use super::training::{Closed, HELD_OUT, MOST_SOLUTIONS, arrangements, rectangle, training};
+use super::points::{all_patches, naming_point, of_brake};
+use super::set_basis::{self, is_of_snapshots};
+use super::training::{AT_BORDER, Closed, HELD_OUT, MOST_ROUNDS, MOST_SOLUTIONS, arrangements, rectangle, training};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
@@ -36,12 +34,8 @@ const WITHIN: f64 = 0.8;
 /// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
 /// when a study has ended ([`study::FullChecks`]).
 const PROBES: usize = 1;
-/// Number of anchors of a part, points with known modes from which those of a sample are followed: at most so many, but all that were solved
-/// completely; chosen. The second is for samples that differ in friction alone, of which few are followed.
-const MOST_ANCHORS: usize = 12;
-const ANCHORS_BESIDE_FRICTION: usize = 4;
-/// Draws among which those are chosen at which modes are known there; chosen.
-const KNOWN_FROM: u64 = 240;
+/// Most points of a part at which its coarse modes are made; chosen.
+const COARSE_POINTS: usize = 24;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
 const NEXT_TO_AXIS: f64 = 0.02;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
@@ -64,7 +58,7 @@ pub struct ReducedSet {
     /// Comparison of these modes with those of the reduced brake.
     pub compared: Compared,
     /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at draws of which a
-    /// basis of modes was not made; 0 of a basis of responses, which no draw was taken for.
+    /// basis of modes was not made; 1 where one of them does not have the same modes, and 0 of a basis of responses, which no draw was taken for.
     pub held_out: f64,
 }
 
@@ -77,9 +71,7 @@ pub struct Part {
     pub within: Within,
     /// The brake, with residuals in the whole one.
     pub reduced: Reduced,
-    /// Growing modes on this basis where samples differ in friction alone; else `None`.
-    pub friction: Option<FrictionModes>,
-    /// Number of samples that each way found.
+    /// Number of samples that each route found.
     pub routes: Mutex<RouteCounts>,
 }
 
@@ -119,8 +111,35 @@ pub(super) struct Trained {
 }
 
 /// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept`, where there are some,
-/// those of all at their further points.
+/// those of all at their further points. Where bases of modes do not have the modes of the whole brake at draws that are held out, they are made anew
+/// with these, some times at most.
 pub(super) fn all_bases(
+    case: &FiniteElementCase,
+    bases: Bases,
+    (swept, trained): (&[OperatingPoint], &[Trained]),
+    progress: &dyn Progress,
+) -> Result<AllBases, Error> {
+    let mut trained = trained.to_vec();
+    let mut round = 0;
+    loop {
+        let mut all = bases_of(case, bases, (swept, &trained), progress)?;
+        if !case.contact.as_ref().is_some_and(is_of_snapshots) {
+            return Ok(all);
+        }
+        let of_set = |number| held_out(case, (number, round), &all);
+        let found = (0..all.sets.len()).map(of_set).collect::<Result<Vec<_>, Error>>()?;
+        if round == MOST_ROUNDS || found.iter().all(|(_, open)| open.is_empty()) {
+            let distance = |(distance, open): (f64, Vec<Trained>)| if open.is_empty() { distance } else { 1.0 };
+            all.sets.iter_mut().zip(found).for_each(|(set, found)| set.held_out = distance(found));
+            return Ok(all);
+        }
+        trained.extend(found.into_iter().flat_map(|(_, open)| open));
+        round += 1;
+    }
+}
+
+/// The bases of each set of constraints and of its parts.
+fn bases_of(
     case: &FiniteElementCase,
     bases: Bases,
     (swept, trained): (&[OperatingPoint], &[Trained]),
@@ -175,11 +194,6 @@ pub(super) fn all_bases(
     for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
         set.compared = compared(&whole, parts[origin].within.first.clone());
         set.modes = whole;
-    }
-    if case.contact.as_ref().is_some_and(is_of_snapshots) {
-        let distance = |set: usize| held_out(case, set, &sets[set], (&of_configurations, &parts));
-        let distances = (0..sets.len()).map(distance).collect::<Result<Vec<_>, Error>>()?;
-        sets.iter_mut().zip(distances).for_each(|(set, distance)| set.held_out = distance);
     }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })
@@ -260,28 +274,36 @@ fn modes_at_medians(
     whole_modes(case, &set.system.assemble(&at)?, &part.within.first)
 }
 
-/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake with a set of constraints: at some draws,
-/// spread over all arrangements, laws and ranges of speed.
+/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake with a set of constraints, at some draws,
+/// spread over all arrangements, laws and ranges of speed; and those draws at which one of both has such a mode and the other has none.
 fn held_out(
     case: &FiniteElementCase,
-    number: usize,
-    set: &ReducedSet,
-    (of_configurations, parts): (&[usize], &[Part]),
-) -> Result<f64, Error> {
+    (number, round): (usize, u64),
+    all: &AllBases,
+) -> Result<(f64, Vec<Trained>), Error> {
     let arrangements = arrangements(case);
     let drawn = training(case, &arrangements, 0, &[])?;
     let states = drawn.len() / arrangements.len();
-    let mut largest = 0.0_f64;
+    let (mut largest, mut open) = (0.0_f64, Vec::new());
     for turn in 0..HELD_OUT {
-        let at = (2 * turn + 1) * drawn.len() / (2 * HELD_OUT);
-        let part = &parts[of_configurations[number * arrangements.len() + at / states]];
+        // In each round others.
+        let at = ((2 * turn + 1) * drawn.len() / (2 * HELD_OUT) + round as usize) % drawn.len();
+        let closed = &arrangements[at / states];
+        let part = &all.parts[all.of_configurations[number * arrangements.len() + at / states]];
         let reduced = part.reduced.modes(&drawn[at])?.lambdas;
-        let whole = whole_modes(case, &set.system.assemble(&drawn[at])?, &reduced)?;
-        let is_next_to = |lambda: &Complex<f64>| lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm();
-        let next: Vec<Complex<f64>> = whole.into_iter().filter(is_next_to).collect();
-        largest = largest.max(compared(&next, reduced).distance);
+        let whole = whole_modes(case, &all.sets[number].system.assemble(&drawn[at])?, &reduced)?;
+        let is_next_to = |lambda: &&Complex<f64>| {
+            let size = lambda.norm();
+            lambda.re.abs() <= NEXT_TO_AXIS * size && rectangle(case).contains_to_the_right(**lambda, -AT_BORDER * size)
+        };
+        let [of_whole, of_reduced] = [(&whole, &reduced), (&reduced, &whole)]
+            .map(|(of, others)| compared(&of.iter().filter(is_next_to).copied().collect::<Vec<_>>(), others.clone()));
+        largest = largest.max(of_whole.distance);
+        if !(of_whole.missed.is_empty() && of_reduced.missed.is_empty()) {
+            open.push(Trained { set: number, closed: closed.clone(), at: drawn[at].clone() });
+        }
     }
-    Ok(largest)
+    Ok((largest, open))
 }
 
 /// A part on the fewest directions that hold it.
@@ -305,21 +327,10 @@ fn part(
     };
     let within = within(&set.system, &set.reduced, &wanted, &options)?;
     let known: Vec<OperatingPoint> = within.solved.iter().chain(&training).cloned().collect();
-    let anchors = |most: usize| &known[..known.len().min(most.max(within.solved.len()))];
+    let known = &known[..known.len().min(COARSE_POINTS.max(within.solved.len()))];
     let basis = &set.basis * &within.basis;
-    let mut reduced = Reduced::new(&set.system, basis, wanted.rectangle, anchors(ANCHORS_BESIDE_FRICTION), &options)?;
-    let friction = match asked.arrangements.as_slice() {
-        // As many ports as there are points of faces, or many pairs, cost more than they spare.
-        [closed] if swept.is_empty() && case.contact.as_ref().is_none_or(is_of_responses) => {
-            let channels: Vec<usize> = closed_channels(case, closed).collect();
-            FrictionModes::new(&reduced, &self::training(case, &asked.arrangements, KNOWN_FROM, &[])?, &channels)?
-        }
-        _ => None,
-    };
-    if friction.is_none() {
-        anchors(MOST_ANCHORS)[reduced.anchors()..].iter().try_for_each(|point| reduced.add_anchor(point))?;
-    }
-    Ok(Part { set: asked.set, within, reduced, friction, routes: Mutex::default() })
+    let reduced = Reduced::new(&set.system, basis, wanted.rectangle, known, &options)?.with_coarse(known)?;
+    Ok(Part { set: asked.set, within, reduced, routes: Mutex::default() })
 }
 
 /// Cost against error of a set of constraints with all patches closed: what fewer columns of its basis hold.

@@ -19,6 +19,13 @@ pub(super) const MOST_SOLUTIONS: usize = 60;
 /// Draws of each set of constraints at which a basis of modes is compared with the whole brake; chosen: each is a complete solution of it.
 pub(super) const HELD_OUT: usize = 3;
 
+/// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen.
+pub(super) const MOST_ROUNDS: u64 = 2;
+
+/// Distance, relative to |lambda|, of a mode from the border of where modes are wanted up to which it may be inside in one system and
+/// outside in the other.
+pub(super) const AT_BORDER: f64 = 1e-3;
+
 /// Closed patches, from 0.
 pub(super) type Closed = Vec<usize>;
 

@@ -51,16 +51,6 @@ fn corrections(guesses: &[Complex<f64>], a: &Matrix) -> Vec<f64> {
 
 proptest! {
     #[test]
-    fn discs_with_equal_shares_hold_all_zeros(a in matrix(5, 1.0), moved in vec(complex(0.02), 5)) {
-        let eigenvalues = spectrum(&a);
-        let guesses: Vec<_> = eigenvalues.iter().zip(moved).map(|(lambda, by)| lambda + by).collect();
-        let sizes = corrections(&guesses, &a);
-        let discs: Vec<_> = guesses.into_iter().zip(&sizes).map(|(z, w)| (z, smith_radius(5, *w))).collect();
-        prop_assume!(discs.iter().all(|disc| disc.1.is_finite() && disc.1 > 1e-7));
-        unions_hold_their_number(&discs, &eigenvalues);
-    }
-
-    #[test]
     fn discs_with_shares_below_one_hold_all_zeros(
         a in matrix(5, 1.0), moved in vec(complex(0.02), 5), radii in vec(0.01..0.3, 5),
     ) {
@@ -72,33 +62,6 @@ proptest! {
         // Any radii, made so large that the shares sum up to a little less than 1.
         let discs: Vec<_> = guesses.into_iter().zip(radii).map(|(z, r)| (z, r * total * 1.001)).collect();
         unions_hold_their_number(&discs, &eigenvalues);
-    }
-
-    #[test]
-    fn discs_of_columns_hold_the_eigenvalues_of_a_matrix_that_depends_on_them(
-        constant in matrix(4, 0.3), slope in matrix(4, 0.02), places in vec(complex(3.0), 4),
-    ) {
-        // A(lambda) = D + E + lambda F has the eigenvalues of (I - F)^-1 (D + E).
-        let at_zero = constant + Matrix::from_diagonal(&nalgebra::DVector::from_vec(places.clone()));
-        let eigenvalues = spectrum(&((Matrix::identity(4, 4) - &slope).try_inverse().unwrap() * &at_zero));
-        let disc = |j: usize| {
-            let column = at_zero.column(j) + slope.column(j) * places[j];
-            let entry = |i: usize| column[i] - if i == j { places[j] } else { Complex::default() };
-            let sum = (0..4).map(|i| entry(i).norm()).sum();
-            let drift = slope.column(j).iter().map(|f| f.norm()).sum();
-            (places[j] + entry(j), gershgorin_radius(sum, entry(j).norm(), drift))
-        };
-        unions_hold_their_number(&(0..4).map(disc).collect::<Vec<_>>(), &eigenvalues);
-    }
-
-    #[test]
-    fn functions_whose_ratio_stays_near_one_have_as_many_zeros(a in matrix(4, 1.0), by in matrix(4, 0.3), radius in 0.3..2.0) {
-        let changed = &a + by;
-        let at = |a: &Matrix, z: Complex<f64>| (Matrix::identity(4, 4) * z - a).determinant();
-        let mut circle = (0..400).map(|p| Complex::from_polar(radius, TAU * f64::from(p) / 400.0));
-        let is_alike = circle.all(|z| symmetric_rouche(at(&changed, z) / at(&a, z), 0.9));
-        let inside = |a: &Matrix| spectrum(a).iter().filter(|lambda| lambda.norm() < radius).count();
-        prop_assert!(!is_alike || inside(&a) == inside(&changed));
     }
 
     #[test]
@@ -128,7 +91,6 @@ fn what_holds_for_some_holds_for_enough_that_the_properties_say_something() {
     assert!(block_rouche(&series, 0.1, 1e-3) && pellet(&series, 2, 0.1, 1e-3));
     assert!(!block_rouche(&series, 0.1, 0.2) && !pellet(&series, 2, 0.1, 0.2));
     assert!(!pellet(&series, 1, 0.1, 1e-3) && pellet(&series, 0, 1e-5, 1e-6));
-    assert!(symmetric_rouche(Complex::new(3.0, 0.0), 0.5) && !symmetric_rouche(Complex::new(-1.0, 0.0), 0.99));
     // A chain of neighbours is one union, and those without an asked member are left out.
     let places = [0.0, 5.0, 0.9, 1.8, 7.0, 5.5_f64];
     let meet = |a: usize, b: usize| (places[a] - places[b]).abs() <= 1.0;

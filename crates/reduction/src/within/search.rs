@@ -212,7 +212,7 @@ impl<'a> Search<'a> {
     fn residual(&self, point: usize, lambdas: &[Complex<f64>], shapes: &DMatrix<f64>) -> DMatrix<f64> {
         let (_, SecondOrder { m, c, k, .. }) = self.structures.of(point);
         let mut out = split::quadratic([m, c, k], lambdas, shapes);
-        self.friction.add(|_| &self.points[point].at.channels, lambdas, shapes, &mut out);
+        self.friction.add(&self.points[point].at.channels, lambdas, shapes, &mut out);
         out
     }
 

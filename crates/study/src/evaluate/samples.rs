@@ -8,12 +8,12 @@ use nalgebra::DMatrix;
 
 use super::{Outcome, Study, UnstableMode};
 use crate::Error;
-use crate::band::{BandNames, BandStart};
+use crate::band::BandNames;
 use crate::net_work::work_with;
 use crate::scratch::{Scratch, timed};
 use crate::sector_modes::{SectorModes, SecularAnswer, UnstableSectorMode};
 use crate::secular_equations::growing_modes;
-use crate::{BandMode, KnownMode, ModeLabel, ModeSource, UncertainBrake};
+use crate::{BandMode, ModeLabel, ModeSource, UncertainBrake};
 
 /// Memory of the matrices of the samples of a block that are solved together, bytes; chosen: all of a block where they are small.
 const BYTES_TOGETHER: usize = 16_000_000;
@@ -38,10 +38,8 @@ impl<B: UncertainBrake> Study<'_, B> {
             solver: &self.solver,
             plan: self.plan(),
             reference: &self.references[scene],
-            known: &self.known_names[scene],
             likeness_too: self.options.likeness_too,
         };
-        let reference = &self.reference_points[scene];
         let of_scene = &self.plan().scenes[scene];
         let model = &self.plan().brake(of_scene).system;
         let found = timed(&mut memory.spent.search, || source.band_modes(of_scene, points));
@@ -51,13 +49,7 @@ impl<B: UncertainBrake> Study<'_, B> {
                 return Ok(Outcome::default());
             }
             let mass = self.mass(scene, at)?;
-            let start = || match source.path(of_scene, at, reference) {
-                Some(path) => Ok(BandStart::Owned(path)),
-                None => Ok(BandStart::System(Box::new(model.assemble(at)?))),
-            };
-            let from_known =
-                |known: &KnownMode| source.path(of_scene, &source.known_point(of_scene, known.point)?, reference);
-            let modes = names.sector_modes(found, &mass, start, from_known, memory)?;
+            let modes = names.sector_modes(found, &mass, || Ok(model.assemble(at)?), memory)?;
             timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))
         };
         points.iter().zip(found).map(outcome).collect()

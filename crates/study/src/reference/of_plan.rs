@@ -6,7 +6,7 @@ use montecarlo::Progress;
 use nalgebra::DMatrix;
 use osc_model::{Brake, Sector};
 use rayon::prelude::*;
-use tracking::{OwnedPath, Path, PathEnd, follow};
+use tracking::{Path, PathEnd, follow};
 
 use super::{Reference, SectoredReference, Way, bounded_workspace, path_start};
 use crate::Error;
@@ -22,12 +22,8 @@ pub(crate) struct References {
 /// The bridge to a configuration, from the modes of its origin and its own.
 pub(crate) type Bridges<'a> = dyn Fn(usize, [&[Mode]; 2]) -> Result<Option<Bridge>, Error> + Sync + 'a;
 
-/// A path that the brake evaluates, from an operating point of a scene to another.
-pub(crate) type Paths<'a> = dyn Fn(&Scene, [&OperatingPoint; 2]) -> Option<Box<dyn OwnedPath + 'a>> + Sync + 'a;
-
 /// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` the common subspace of each
-/// configuration and its origin where their degrees of freedom may differ, `paths` those that the brake evaluates. Shapes of the origins
-/// are kept if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
+/// configuration and its origin where their degrees of freedom may differ. Shapes of the origins are kept if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
 ///
 /// # Errors
 /// Those of the model and of the solver; [`Error::Scene`] names the scene.
@@ -35,7 +31,6 @@ pub(crate) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
     bridge: Option<&Bridges<'_>>,
-    paths: &Paths<'_>,
     by_likeness: bool,
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
@@ -71,9 +66,7 @@ pub(crate) fn references(
         .collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
         progress.go_on()?;
-        let path = paths(scene, [&plan.configuration(scene).naming_point, at]);
-        let way = Way::Near(path.as_deref());
-        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], way, plan, solver);
+        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], plan, solver);
         progress.advance(1);
         found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
@@ -165,7 +158,6 @@ fn of_scene(
     brake: &Brake,
     at: &OperatingPoint,
     configuration: &SectoredReference,
-    way: Way<'_>,
     plan: &Plan,
     solver: &dyn EigenSolver,
 ) -> Result<SectoredReference, Error> {
@@ -173,5 +165,5 @@ fn of_scene(
     if system == configuration.whole.system {
         return Ok(configuration.clone());
     }
-    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, way, plan)
+    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, Way::Near, plan)
 }

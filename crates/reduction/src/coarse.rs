@@ -1,0 +1,339 @@
+//! Coarse modes: those of a reduced brake on fewer columns still, from which its own are a few steps away.
+//!
+//! Right and left vectors of the modes at some operating points span the coarse basis W. With both sides the error of an eigenvalue is the product of
+//! what is missing on each, so that half as many columns hold eigenvalues to five digits as hold shapes to the residual that is asked for, and a whole
+//! spectrum on them takes a tenth of the time or less. Internal states of the friction law, one for each contact, lie in a few directions as well.
+//!
+//! A sample is solved in three steps: all eigenvalues on W; the residual of each mode in and next to the rectangle, on the basis of the reduced brake,
+//! which must not be far larger than it is at the points that W was made of; and two-sided inverse iteration on that basis for the modes that are wanted. A
+//! sample in which any of this fails has a [`Doubt`], and gets the whole spectrum of the reduced brake.
+
+use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, WholeSpectra, Workspace, right_vectors_of_all};
+use linsys::{AffineSystem, Internal, OperatingPoint, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::basis::{ROUNDING, directions, fewest};
+use super::compared::compared;
+use super::residual::reduced_residual;
+use super::{Reduced, dense, split};
+use crate::ReductionError;
+
+/// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen.
+const WANTED_ERROR: f64 = 1e-5;
+/// How many times the largest distance and the largest residual at these points those of a sample may be; chosen.
+const MORE_DISTANCE: f64 = 10.0;
+const MORE_RESIDUAL: f64 = 4.0;
+/// Singular values, of vectors of unit length, up to which directions of internal states are left out; chosen: less than is missing of shapes.
+const STATES: f64 = 1e-4;
+/// Columns of the coarse basis, as a part of those of the reduced brake, from which on it spares nothing; chosen.
+const WORTH: f64 = 0.8;
+/// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
+const MOST_ITERATIONS: usize = 4;
+/// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one.
+const ONE_EIGENVALUE: f64 = 1e-7;
+const ONE_SHAPE: f64 = 0.9;
+
+/// Why a sample got the whole spectrum of the reduced brake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// A residual of a coarse mode was far larger than those that are known, or no number.
+    Residual,
+    /// The iteration for a mode did not converge, or ended far from its coarse one.
+    Moved,
+    /// Two coarse modes became one.
+    Merged,
+}
+
+/// A coarse basis within that of a reduced brake.
+#[derive(Debug, Clone)]
+pub(super) struct Coarse {
+    /// W, k x w, orthonormal.
+    basis: DMatrix<f64>,
+    /// The brake on it.
+    system: AffineSystem,
+    states: Option<States>,
+    /// The largest distance, relative to |lambda|, and the largest residual at the points that it was made of.
+    error: f64,
+    residual: f64,
+}
+
+/// Directions in which the internal states of modes lie.
+#[derive(Debug, Clone)]
+struct States {
+    /// Channels that have one, in order.
+    channels: Vec<usize>,
+    /// Z, orthonormal, a row for each of these.
+    directions: DMatrix<f64>,
+}
+
+/// Shapes of modes at a point.
+type Shapes = Vec<DVector<Complex<f64>>>;
+/// Modes of the reduced brake at a point: eigenvalues, rad/s, and shapes, split, k x 2 m.
+pub(super) type Polished = (Vec<Complex<f64>>, DMatrix<f64>);
+
+impl Coarse {
+    /// The coarse basis of the modes of a reduced brake at some points; `None` where there is none that spares anything.
+    pub fn new(reduced: &Reduced, points: &[OperatingPoint]) -> Result<Option<Self>, ReductionError> {
+        let systems =
+            points.iter().map(|point| reduced.system().assemble(point)).collect::<Result<Vec<SecondOrder>, _>>()?;
+        let known = spectra(&systems).into_iter().map(|found| Ok(reduced.next_to_rectangle(&found?, 0.0)));
+        let known = known.collect::<Result<Vec<_>, CeaError>>()?;
+        let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
+        let [right, left] = [&systems, &transposed].map(|systems| vectors(systems, &known));
+        let (right, left) = (right?, left?);
+        let of_point = |at: usize| {
+            let sides = [(&systems[at], &right[at]), (&transposed[at], &left[at])];
+            let of = |(system, shapes): (&SecondOrder, &Shapes)| {
+                let modes = shapes.iter().zip(&known[at]);
+                modes.filter_map(|(shape, &lambda)| of_mode(&system.internal, lambda, shape)).collect::<Shapes>()
+            };
+            sides.into_iter().flat_map(of).collect()
+        };
+        let states = States::new(points, &(0..points.len()).map(of_point).collect::<Vec<_>>())?;
+        let shapes: Vec<_> = right.iter().chain(&left).flatten().collect();
+        if shapes.is_empty() {
+            return Ok(None);
+        }
+        let columns = split::from_columns(&DMatrix::from_columns(&shapes.into_iter().cloned().collect::<Vec<_>>()));
+        let empty = DMatrix::zeros(columns.nrows(), 0);
+        let found = directions(&empty, columns, ROUNDING)?;
+        let on = |basis: DMatrix<f64>| -> Result<Self, ReductionError> {
+            let system = reduced.system().projected(&basis)?;
+            Ok(Self { basis, system, states: states.clone(), error: f64::INFINITY, residual: f64::INFINITY })
+        };
+        let error = |basis: &DMatrix<f64>| {
+            let measured = on(basis.clone()).and_then(|coarse| coarse.distance(reduced, points, &known));
+            measured.unwrap_or(f64::INFINITY)
+        };
+        let most = (WORTH * columns_of(reduced)) as usize;
+        let mut coarse = on(fewest(&empty, &found, most, WANTED_ERROR, error))?;
+        coarse.error = coarse.distance(reduced, points, &known)?;
+        if coarse.error > WANTED_ERROR {
+            return Ok(None);
+        }
+        coarse.residual = 0.0;
+        for (at, (modes, system)) in points.iter().zip(coarse.modes(reduced, points).into_iter().zip(&systems)) {
+            let (lambdas, shapes) = modes?;
+            coarse.residual =
+                residuals(reduced, at, system, &lambdas, &shapes).into_iter().fold(coarse.residual, f64::max);
+        }
+        Ok(Some(coarse))
+    }
+
+    pub fn columns(&self) -> usize {
+        self.basis.ncols()
+    }
+
+    /// Error, relative to |lambda|, that an eigenvalue on the coarse basis may have.
+    pub fn allowed_error(&self) -> f64 {
+        MORE_DISTANCE * self.error
+    }
+
+    /// The modes of the reduced brake that are wanted at some points, at which its systems are given: those whose eigenvalues, rad/s, known up to a
+    /// relative error, may be.
+    pub fn polished(
+        &self,
+        reduced: &Reduced,
+        (points, systems): (&[OperatingPoint], &[SecondOrder]),
+        may_be_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
+    ) -> Vec<Result<Polished, Option<Doubt>>> {
+        let found = self.modes(reduced, points).into_iter().zip(points.iter().zip(systems));
+        let of_point = |(found, (at, system)): (Result<Polished, ReductionError>, (&OperatingPoint, &SecondOrder))| {
+            let (lambdas, shapes) = found.map_err(|_| Doubt::Residual)?;
+            let residuals = residuals(reduced, at, system, &lambdas, &shapes);
+            if !residuals.iter().all(|&residual| residual <= MORE_RESIDUAL * self.residual) {
+                return Err(Some(Doubt::Residual));
+            }
+            let wanted = (0..lambdas.len()).filter(|&mode| may_be_wanted(lambdas[mode], self.allowed_error()));
+            let one = |mode: usize| self.next_to(reduced, at, system, (lambdas[mode], split::vector(&shapes, mode)));
+            let modes = wanted.map(one).collect::<Option<Vec<_>>>().ok_or(Doubt::Moved)?;
+            if have_merged(&modes) {
+                return Err(Some(Doubt::Merged));
+            }
+            let mut polished = split::zeros(system.order(), modes.len());
+            modes.iter().enumerate().for_each(|(to, (_, shape))| split::set(&mut polished, to, shape.iter().copied()));
+            Ok((modes.into_iter().map(|(lambda, _)| lambda).collect(), polished))
+        };
+        found.map(of_point).collect()
+    }
+
+    /// The modes in and next to the rectangle on the coarse basis, with shapes of the reduced brake.
+    fn modes(&self, reduced: &Reduced, points: &[OperatingPoint]) -> Vec<Result<Polished, ReductionError>> {
+        let made = points.iter().map(|point| self.at(point)).collect::<Vec<_>>();
+        let systems: Vec<SecondOrder> = made.iter().flatten().cloned().collect();
+        let found = spectra(&systems);
+        let slack = self.allowed_error();
+        let near = |found: &Result<Spectrum, CeaError>| match found {
+            Ok(found) => reduced.next_to_rectangle(found, slack),
+            Err(_) => Vec::new(),
+        };
+        let near: Vec<Vec<Complex<f64>>> = found.iter().map(near).collect();
+        let of: Vec<(&SecondOrder, &[Complex<f64>])> = systems.iter().zip(near.iter().map(Vec::as_slice)).collect();
+        let mut shapes = right_vectors_of_all(&of, &mut Workspace::default()).into_iter();
+        let mut found = found.into_iter().zip(near);
+        let one = |made: Result<SecondOrder, ReductionError>| {
+            made?;
+            let (Some((spectrum, near)), Some(shapes)) = (found.next(), shapes.next()) else {
+                return Ok((Vec::new(), split::zeros(self.basis.nrows(), 0)));
+            };
+            spectrum?;
+            let mut of_coarse = split::zeros(self.basis.ncols(), near.len());
+            shapes?.iter().enumerate().for_each(|(at, shape)| split::set(&mut of_coarse, at, shape.iter().copied()));
+            Ok((near, dense::product(&self.basis, &of_coarse)))
+        };
+        made.into_iter().map(one).collect()
+    }
+
+    /// The largest distance, relative to |lambda|, of known modes in the rectangle at some points from those on the coarse basis; infinite where one is
+    /// missing, or one is there that is not known.
+    fn distance(
+        &self,
+        reduced: &Reduced,
+        points: &[OperatingPoint],
+        known: &[Vec<Complex<f64>>],
+    ) -> Result<f64, ReductionError> {
+        let systems = points.iter().map(|point| self.at(point)).collect::<Result<Vec<_>, _>>()?;
+        let mut largest = 0.0_f64;
+        for (found, known) in spectra(&systems).into_iter().zip(known) {
+            let found = reduced.next_to_rectangle(&found?, WANTED_ERROR);
+            let found = compared(known, found);
+            let is_inside = |lambda: &Complex<f64>| {
+                reduced.rectangle().contains_to_the_right(*lambda, -WANTED_ERROR * lambda.norm())
+            };
+            if !found.missed.is_empty() || found.left.iter().any(is_inside) {
+                return Ok(f64::INFINITY);
+            }
+            largest = largest.max(found.distance);
+        }
+        Ok(largest)
+    }
+
+    /// The coarse brake at a point, its internal states in their directions.
+    fn at(&self, point: &OperatingPoint) -> Result<SecondOrder, ReductionError> {
+        let mut system = self.system.assemble(point)?;
+        if let Some(states) = self.states.as_ref().filter(|states| states.channels == with_states(point)) {
+            system.internal = states.of(&system.internal);
+        }
+        Ok(system)
+    }
+
+    /// The mode of the reduced brake next to a coarse one, by inverse iteration on both sides; `None` where it does not converge, or not there.
+    fn next_to(
+        &self,
+        reduced: &Reduced,
+        at: &OperatingPoint,
+        system: &SecondOrder,
+        (coarse, shape): (Complex<f64>, DVector<Complex<f64>>),
+    ) -> Option<(Complex<f64>, DVector<Complex<f64>>)> {
+        let (mut lambda, mut right, mut left) = (coarse, shape.clone(), shape);
+        for _ in 0..MOST_ITERATIONS {
+            let q = dense::Factored::new(&system.dynamic_stiffness(lambda));
+            right = q.solve(&system.derivative_times(lambda, &right)).ok()?.normalize();
+            left = q.solve_adjoint(&left).ok()?.normalize();
+            let step = |lambda: Complex<f64>| {
+                left.dotc(&image(system, lambda, &right)) / left.dotc(&system.derivative_times(lambda, &right))
+            };
+            lambda -= step(lambda);
+            let moved = (lambda - coarse).norm();
+            if moved.is_nan() || moved > self.allowed_error() * coarse.norm() {
+                return None;
+            }
+            let shape = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(&right)));
+            if residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged() {
+                return Some((lambda, right));
+            }
+        }
+        None
+    }
+}
+
+impl States {
+    /// The directions of some internal states at each of some points; `None` where no point has any, or they spare nothing.
+    fn new(points: &[OperatingPoint], states: &[Shapes]) -> Result<Option<Self>, ReductionError> {
+        let Some(channels) = points.iter().map(with_states).find(|channels| !channels.is_empty()) else {
+            return Ok(None);
+        };
+        let of_these = points.iter().zip(states).filter(|(point, _)| with_states(point) == channels);
+        let columns: Shapes = of_these.flat_map(|(_, states)| states).cloned().collect();
+        if columns.is_empty() {
+            return Ok(None);
+        }
+        let columns = split::from_columns(&DMatrix::from_columns(&columns));
+        let directions = directions(&DMatrix::zeros(channels.len(), 0), columns, STATES)?;
+        Ok((directions.ncols() < channels.len()).then_some(Self { channels, directions }))
+    }
+
+    /// Internal states in these directions: `Z^T diag(a) Z` is symmetric, and its eigenvalues are the decay rates.
+    fn of(&self, Internal { decay, drive, force }: &Internal) -> Internal {
+        let weighted = DMatrix::from_fn(self.directions.nrows(), self.directions.ncols(), |row, column| {
+            decay[row] * self.directions[(row, column)]
+        });
+        let rates = self.directions.tr_mul(&weighted).symmetric_eigen();
+        let directions = &self.directions * rates.eigenvectors;
+        Internal { decay: rates.eigenvalues, drive: directions.tr_mul(drive), force: force * directions }
+    }
+}
+
+/// Channels that have an internal state at a point.
+fn with_states(point: &OperatingPoint) -> Vec<usize> {
+    (0..point.channels.len()).filter(|&channel| point.channels[channel].lag.is_some()).collect()
+}
+
+/// The internal states of a mode, of unit length, `s = lambda E x / (lambda + a)`; `None` where they are all zero.
+fn of_mode(internal: &Internal, lambda: Complex<f64>, shape: &DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
+    let mut states = linsys::real_times_complex(&internal.drive, shape);
+    states.iter_mut().zip(&internal.decay).for_each(|(state, decay)| *state /= lambda + decay);
+    let size = states.norm();
+    (size > 0.0 && size.is_finite()).then(|| states.unscale(size))
+}
+
+/// `Q(lambda) x`.
+fn image(system: &SecondOrder, lambda: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let x = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(x)));
+    split::vector(&reduced_residual(system, &[lambda], &x), 0)
+}
+
+/// Residuals of modes of a reduced brake in it, relative to the size of the terms of Q and the length of the shapes.
+fn residuals(
+    reduced: &Reduced,
+    at: &OperatingPoint,
+    system: &SecondOrder,
+    lambdas: &[Complex<f64>],
+    shapes: &DMatrix<f64>,
+) -> Vec<f64> {
+    let norms = reduced.norms(at);
+    let residuals = split::norms(&reduced_residual(system, lambdas, shapes)).into_iter().zip(split::norms(shapes));
+    residuals.zip(lambdas).map(|((residual, size), &lambda)| residual / (size * norms.size(lambda))).collect()
+}
+
+/// Columns of a reduced brake.
+fn columns_of(reduced: &Reduced) -> f64 {
+    reduced.basis().ncols() as f64
+}
+
+/// The right vectors of some eigenvalues of each of some systems.
+fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> Result<Vec<Shapes>, ReductionError> {
+    let of: Vec<(&SecondOrder, &[Complex<f64>])> = systems.iter().zip(known.iter().map(Vec::as_slice)).collect();
+    Ok(right_vectors_of_all(&of, &mut Workspace::default()).into_iter().collect::<Result<_, CeaError>>()?)
+}
+
+/// Whole spectra, those of neighbouring systems of one shape together in the lanes of vector registers.
+pub(super) fn spectra(systems: &[SecondOrder]) -> Vec<Result<Spectrum, CeaError>> {
+    let (mut all, mut work) = (Vec::with_capacity(systems.len()), Workspace::default());
+    for alike in systems.chunk_by(|a, b| (a.order(), a.states()) == (b.order(), b.states())) {
+        let mut found = Vec::with_capacity(alike.len());
+        WholeSpectra(&BatchSolver).eigenvalues_of_all(alike, &mut work, &mut found);
+        all.append(&mut found);
+    }
+    all
+}
+
+fn have_merged(modes: &[(Complex<f64>, DVector<Complex<f64>>)]) -> bool {
+    let is_one = |i: usize, j: usize| {
+        let ((lambda, shape), (other, other_shape)) = (&modes[i], &modes[j]);
+        (lambda - other).norm() <= ONE_EIGENVALUE * lambda.norm() && shape.dotc(other_shape).norm() > ONE_SHAPE
+    };
+    (0..modes.len()).any(|i| (0..i).any(|j| is_one(i, j)))
+}
