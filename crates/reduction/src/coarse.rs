@@ -5,8 +5,8 @@
 //! spectrum on them takes a tenth of the time or less. Internal states of the friction law, one for each contact, lie in a few directions as well.
 //!
 //! A sample is solved in three steps: all eigenvalues on W; the residual of each mode in and next to the rectangle, on the basis of the reduced brake,
-//! which must not be far larger than it is at the points that W was made of; and two-sided inverse iteration on that basis for the modes that are wanted. A
-//! sample in which any of this fails has a [`Doubt`], and gets the whole spectrum of the reduced brake.
+//! whose square tells its error beside the largest at the points that W was made of; and two-sided inverse iteration on that basis for the modes that may
+//! be wanted. A sample in which any of this fails has a [`Doubt`], and gets the whole spectrum of the reduced brake.
 
 use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, WholeSpectra, Workspace, right_vectors_of_all};
 use linsys::{AffineSystem, Internal, OperatingPoint, SecondOrder};
@@ -21,9 +21,10 @@ use crate::ReductionError;
 
 /// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen.
 const WANTED_ERROR: f64 = 1e-5;
-/// How many times the largest distance and the largest residual at these points those of a sample may be; chosen.
+/// How many times the largest distance at these points that of a sample may be; chosen.
 const MORE_DISTANCE: f64 = 10.0;
-const MORE_RESIDUAL: f64 = 4.0;
+/// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
+const MOST_ERROR: f64 = 1e-3;
 /// Singular values, of vectors of unit length, up to which directions of internal states are left out; chosen: less than is missing of shapes.
 const STATES: f64 = 1e-4;
 /// Columns of the coarse basis, as a part of those of the reduced brake, from which on it spares nothing; chosen.
@@ -38,7 +39,7 @@ const ONE_SHAPE: f64 = 0.9;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Doubt {
-    /// A residual of a coarse mode was far larger than those that are known, or no number.
+    /// A residual of a coarse mode was so large that it may be no mode, or no number.
     Residual,
     /// The iteration for a mode did not converge, or ended far from its coarse one.
     Moved,
@@ -122,13 +123,14 @@ impl Coarse {
         Ok(Some(coarse))
     }
 
-    pub fn columns(&self) -> usize {
-        self.basis.ncols()
+    /// Error, relative to |lambda|, that an eigenvalue on the coarse basis with a residual may have: it is quadratic in what is missing of both vectors.
+    fn error_of(&self, residual: f64) -> f64 {
+        MORE_DISTANCE * self.error * (residual / self.residual).max(1.0).powi(2)
     }
 
-    /// Error, relative to |lambda|, that an eigenvalue on the coarse basis may have.
-    pub fn allowed_error(&self) -> f64 {
-        MORE_DISTANCE * self.error
+    /// W, k x w.
+    pub fn basis(&self) -> &DMatrix<f64> {
+        &self.basis
     }
 
     /// The modes of the reduced brake that are wanted at some points, at which its systems are given: those whose eigenvalues, rad/s, known up to a
@@ -143,11 +145,15 @@ impl Coarse {
         let of_point = |(found, (at, system)): (Result<Polished, ReductionError>, (&OperatingPoint, &SecondOrder))| {
             let (lambdas, shapes) = found.map_err(|_| Doubt::Residual)?;
             let residuals = residuals(reduced, at, system, &lambdas, &shapes);
-            if !residuals.iter().all(|&residual| residual <= MORE_RESIDUAL * self.residual) {
+            let errors: Vec<f64> = residuals.iter().map(|residual| self.error_of(*residual)).collect();
+            if !errors.iter().all(|&error| error <= MOST_ERROR) {
                 return Err(Some(Doubt::Residual));
             }
-            let wanted = (0..lambdas.len()).filter(|&mode| may_be_wanted(lambdas[mode], self.allowed_error()));
-            let one = |mode: usize| self.next_to(reduced, at, system, (lambdas[mode], split::vector(&shapes, mode)));
+            let wanted = (0..lambdas.len()).filter(|&mode| may_be_wanted(lambdas[mode], errors[mode]));
+            let one = |mode: usize| {
+                let coarse = (lambdas[mode], split::vector(&shapes, mode));
+                next_to(reduced, at, system, coarse, errors[mode])
+            };
             let modes = wanted.map(one).collect::<Option<Vec<_>>>().ok_or(Doubt::Moved)?;
             if have_merged(&modes) {
                 return Err(Some(Doubt::Merged));
@@ -164,7 +170,7 @@ impl Coarse {
         let made = points.iter().map(|point| self.at(point)).collect::<Vec<_>>();
         let systems: Vec<SecondOrder> = made.iter().flatten().cloned().collect();
         let found = spectra(&systems);
-        let slack = self.allowed_error();
+        let slack = MORE_DISTANCE * self.error;
         let near = |found: &Result<Spectrum, CeaError>| match found {
             Ok(found) => reduced.next_to_rectangle(found, slack),
             Err(_) => Vec::new(),
@@ -211,42 +217,40 @@ impl Coarse {
     }
 
     /// The coarse brake at a point, its internal states in their directions.
-    fn at(&self, point: &OperatingPoint) -> Result<SecondOrder, ReductionError> {
+    pub fn at(&self, point: &OperatingPoint) -> Result<SecondOrder, ReductionError> {
         let mut system = self.system.assemble(point)?;
         if let Some(states) = self.states.as_ref().filter(|states| states.channels == with_states(point)) {
             system.internal = states.of(&system.internal);
         }
         Ok(system)
     }
+}
 
-    /// The mode of the reduced brake next to a coarse one, by inverse iteration on both sides; `None` where it does not converge, or not there.
-    fn next_to(
-        &self,
-        reduced: &Reduced,
-        at: &OperatingPoint,
-        system: &SecondOrder,
-        (coarse, shape): (Complex<f64>, DVector<Complex<f64>>),
-    ) -> Option<(Complex<f64>, DVector<Complex<f64>>)> {
-        let (mut lambda, mut right, mut left) = (coarse, shape.clone(), shape);
-        for _ in 0..MOST_ITERATIONS {
-            let q = dense::Factored::new(&system.dynamic_stiffness(lambda));
-            right = q.solve(&system.derivative_times(lambda, &right)).ok()?.normalize();
-            left = q.solve_adjoint(&left).ok()?.normalize();
-            let step = |lambda: Complex<f64>| {
-                left.dotc(&image(system, lambda, &right)) / left.dotc(&system.derivative_times(lambda, &right))
-            };
-            lambda -= step(lambda);
-            let moved = (lambda - coarse).norm();
-            if moved.is_nan() || moved > self.allowed_error() * coarse.norm() {
-                return None;
-            }
-            let shape = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(&right)));
-            if residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged() {
-                return Some((lambda, right));
-            }
+/// The mode of a reduced brake next to a coarse one with an error, relative to |lambda|, by inverse iteration on both sides; `None` where it does not
+/// converge, or not there.
+fn next_to(
+    reduced: &Reduced,
+    at: &OperatingPoint,
+    system: &SecondOrder,
+    (coarse, shape): (Complex<f64>, DVector<Complex<f64>>),
+    error: f64,
+) -> Option<(Complex<f64>, DVector<Complex<f64>>)> {
+    let (mut lambda, mut right, mut left) = (coarse, shape.clone(), shape);
+    for _ in 0..MOST_ITERATIONS {
+        let q = dense::Factored::new(&system.dynamic_stiffness(lambda));
+        right = q.solve(&system.derivative_times(lambda, &right)).ok()?.normalize();
+        left = q.solve_adjoint(&left).ok()?.normalize();
+        lambda -= left.dotc(&image(system, lambda, &right)) / left.dotc(&system.derivative_times(lambda, &right));
+        let moved = (lambda - coarse).norm();
+        if moved.is_nan() || moved > error * coarse.norm() {
+            return None;
         }
-        None
+        let shape = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(&right)));
+        if residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged() {
+            return Some((lambda, right));
+        }
     }
+    None
 }
 
 impl States {

@@ -82,7 +82,16 @@ impl Reduced {
     /// Columns of the coarse basis; `None` where modes are found from whole spectra.
     #[must_use]
     pub fn coarse_columns(&self) -> Option<usize> {
-        self.coarse.as_ref().map(Coarse::columns)
+        self.coarse.as_ref().map(|coarse| coarse.basis().ncols())
+    }
+
+    /// The brake at a point on the coarse basis, and the columns of that basis, k x w; `None` where there is none.
+    ///
+    /// # Errors
+    /// A point of another system.
+    pub fn coarse_at(&self, point: &OperatingPoint) -> Result<Option<(SecondOrder, &DMatrix<f64>)>, ReductionError> {
+        let Some(coarse) = &self.coarse else { return Ok(None) };
+        Ok(Some((coarse.at(point)?, coarse.basis())))
     }
 
     /// The reduced system: a brake like any other.

@@ -1,15 +1,15 @@
-//! Names of the modes that a brake finds itself: by MAC with the modes of the reference and, where one is in doubt, by continuation of all. Most
-//! samples need no matrices.
+//! Names of the modes that a brake finds itself: by MAC with the modes of the reference and, where one is in doubt, by continuation of all, in fewer
+//! coordinates where the brake has some. Most samples need no matrices.
 
 use cea::{EigenSolver, Mode, Modes, Workspace, real_count};
-use linsys::SecondOrder;
+use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use tracking::{Path, PathEnd, PathStart, clear_matches};
 
 use super::scratch::{Memory, timed};
 use super::sector_modes::{SectorModes, UnstableSectorMode};
-use super::{BandMode, ModeIdentity, ModeLabel, Plan, Reference};
+use super::{BandMode, CoarsePath, ModeIdentity, ModeLabel, Plan, Reference};
 use crate::Error;
 
 /// Data by which the modes of a scene are named.
@@ -21,8 +21,16 @@ pub(super) struct BandNames<'a> {
     pub likeness_too: bool,
 }
 
-impl BandNames<'_> {
-    /// The modes found in one sample, the unstable ones with names. `mass` is its mass matrix; `system` makes its system, where it is needed.
+/// What modes in doubt are followed on, from a sample to its reference.
+pub(super) enum BandWay<'a> {
+    /// The system of the sample.
+    System(Box<SecondOrder>),
+    Coarse(Box<CoarsePath<'a>>),
+}
+
+impl<'a> BandNames<'a> {
+    /// The modes found in one sample, the unstable ones with names. `mass` is its mass matrix; `systems` makes the paths to the reference, where they are
+    /// needed.
     ///
     /// # Errors
     /// A system that cannot be made; those of the solver.
@@ -30,7 +38,7 @@ impl BandNames<'_> {
         &self,
         found: Vec<BandMode>,
         mass: &DMatrix<f64>,
-        system: impl FnOnce() -> Result<SecondOrder, Error>,
+        way: impl FnOnce() -> Result<BandWay<'a>, Error>,
         memory: &mut Memory,
     ) -> Result<SectorModes, Error> {
         let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
@@ -44,7 +52,7 @@ impl BandNames<'_> {
         let mode = |&at: &usize| Mode::weighted(mass, studied[at].lambda, studied[at].shape.clone());
         let (modes, weighted): (Vec<Mode>, Vec<_>) = unstable.iter().map(mode).unzip();
         let Memory { work, spent, .. } = memory;
-        let names = timed(&mut spent.names, || self.names((&modes, &weighted), system, work))?;
+        let names = timed(&mut spent.names, || self.names((&modes, &weighted), way, work))?;
         let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
         let mut by_likeness = by_likeness.into_iter().flatten();
         let named = unstable.iter().zip(modes).zip(names);
@@ -62,7 +70,7 @@ impl BandNames<'_> {
     fn names(
         &self,
         (modes, weighted): (&[Mode], &[DVector<Complex<f64>>]),
-        system: impl FnOnce() -> Result<SecondOrder, Error>,
+        way: impl FnOnce() -> Result<BandWay<'a>, Error>,
         work: &mut Workspace,
     ) -> Result<Vec<Vec<ModeLabel>>, Error> {
         if self.plan.mode_identity == ModeIdentity::Mac {
@@ -73,8 +81,22 @@ impl BandNames<'_> {
         if let Some(clear) = clear {
             return Ok(clear.into_iter().map(|to| known.names_of([to])).collect());
         }
-        let end = PathEnd { system: &known.system, modes: &known.modes };
-        let path = Path { start: PathStart::System(&system()?), start_modes: modes, end };
-        Ok(known.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
+        let named = |systems: [&SecondOrder; 2], [modes, known_modes]: [&[Mode]; 2], work: &mut Workspace| {
+            let end = PathEnd { system: systems[1], modes: known_modes };
+            let path = Path { start: PathStart::System(systems[0]), start_modes: modes, end };
+            Ok(known.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
+        };
+        match way()? {
+            BandWay::System(system) => named([&system, &known.system], [modes, &known.modes], work),
+            BandWay::Coarse(path) => {
+                let CoarsePath { systems: [from, to], basis } = *path;
+                let onto = basis.transpose();
+                let [modes, known] = [(modes, &from), (&known.modes, &to)].map(|(modes, system)| -> Vec<Mode> {
+                    let shape = |mode: &Mode| real_times_complex(&onto, &mode.shape);
+                    modes.iter().map(|mode| Mode::normalised(&system.m, mode.lambda, shape(mode))).collect()
+                });
+                named([&from, &to], [&modes, &known], work)
+            }
+        }
     }
 }

@@ -58,7 +58,7 @@ pub use full_checks::{FullChecks, wider};
 pub use independent::{Drawn, IndependentBrake};
 pub use kept_samples::{KeptSample, KeptSamples};
 pub use mode_label::ModeLabel;
-pub use mode_source::{BandMode, Bridge, ModeResidual, ModeSource, WholeEigenvalue};
+pub use mode_source::{BandMode, Bridge, CoarsePath, ModeResidual, ModeSource, WholeEigenvalue};
 pub use modifiable::{Direction, Modifiable, ModifiablePlan, OwnSize, Place, Symmetry, WholeContact};
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;

@@ -39,6 +39,15 @@ pub struct WholeEigenvalue {
     pub bound: f64,
 }
 
+/// A brake at two operating points of a scene in fewer coordinates.
+#[derive(Debug)]
+pub struct CoarsePath<'a> {
+    /// The brake at both points.
+    pub systems: [SecondOrder; 2],
+    /// These coordinates in terms of those of the scene, orthonormal columns.
+    pub basis: &'a DMatrix<f64>,
+}
+
 /// Common subspace of an origin and a configuration: a larger brake, of which both are reductions, in coordinates that they have in common.
 /// There the modes of the origin are followed to those of the configuration.
 #[derive(Debug)]
@@ -64,6 +73,13 @@ pub trait ModeSource: Sync {
     /// # Errors
     /// Of a sample: an operating point of another scene, a system that is not supported.
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>>;
+
+    /// The brake of a scene at two operating points in fewer coordinates, in which modes are followed from the one to the other; `None` where there are
+    /// none.
+    ///
+    /// # Errors
+    /// An operating point of another scene.
+    fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, Error>;
 
     /// The common subspace of a configuration, by its index in the plan, and its origin; `None` where the degrees of freedom of both are
     /// the same. `modes` are those of the origin and of the configuration.

@@ -26,8 +26,9 @@ use num_complex::Complex;
 use reduction::{ReducedModes, RouteCounts, Rung};
 use squeal::sweep::Over;
 use study::{
-    BandMode, Bridge, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable, NamedParameter,
-    Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact, WholeEigenvalue,
+    BandMode, Bridge, CoarsePath, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable,
+    NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
+    WholeEigenvalue,
 };
 
 use self::parameters::SceneOf;
@@ -401,6 +402,13 @@ impl ModeSource for FiniteElementBrake {
             each.map(mode).collect()
         };
         found.into_iter().map(|found| Ok(found.map(modes).map_err(Error::from)?)).collect()
+    }
+
+    fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {
+        let of = |at| self.part(scene).reduced.coarse_at(&self.full_point(scene, at)).map_err(Error::from);
+        let [from, to] = at.map(of);
+        let Some(((from, basis), (to, _))) = from?.zip(to?) else { return Ok(None) };
+        Ok(Some(CoarsePath { systems: [from, to], basis }))
     }
 
     fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {

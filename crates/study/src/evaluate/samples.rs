@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::{Outcome, Study, UnstableMode};
 use crate::Error;
-use crate::band::BandNames;
+use crate::band::{BandNames, BandWay};
 use crate::net_work::work_with;
 use crate::scratch::{Scratch, timed};
 use crate::sector_modes::{SectorModes, SecularAnswer, UnstableSectorMode};
@@ -40,6 +40,7 @@ impl<B: UncertainBrake> Study<'_, B> {
             reference: &self.references[scene],
             likeness_too: self.options.likeness_too,
         };
+        let reference = &self.reference_points[scene];
         let of_scene = &self.plan().scenes[scene];
         let model = &self.plan().brake(of_scene).system;
         let found = timed(&mut memory.spent.search, || source.band_modes(of_scene, points));
@@ -49,7 +50,11 @@ impl<B: UncertainBrake> Study<'_, B> {
                 return Ok(Outcome::default());
             }
             let mass = self.mass(scene, at)?;
-            let modes = names.sector_modes(found, &mass, || Ok(model.assemble(at)?), memory)?;
+            let way = || match source.coarse(of_scene, [at, reference])? {
+                Some(path) => Ok(BandWay::Coarse(Box::new(path))),
+                None => Ok(BandWay::System(Box::new(model.assemble(at)?))),
+            };
+            let modes = names.sector_modes(found, &mass, way, memory)?;
             timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))
         };
         points.iter().zip(found).map(outcome).collect()
