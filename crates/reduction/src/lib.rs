@@ -55,7 +55,7 @@ pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
 pub use modal::real_modes;
 pub use options::Options;
-pub use reduced::{Reduced, ReducedModes};
+pub use reduced::{Reduced, ReducedModes, grows_too_fast};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};
 pub use route::{Route, RouteCounts};

@@ -181,9 +181,12 @@ impl Reduced {
         self.by_spectrum(point, &system, spectrum, None, &|_, _| true)
     }
 
-    /// Eigenvalues of a spectrum in the rectangle or to its right, or outside by no more than a part of their size.
+    /// Eigenvalues of a spectrum in the rectangle or to its right, or outside by no more than a part of their size; without those that grow faster than they
+    /// oscillate ([`grows_too_fast`]).
     pub(super) fn next_to_rectangle(&self, spectrum: &Spectrum, part: f64) -> Vec<Complex<f64>> {
-        let is_next = |lambda: &Complex<f64>| self.rectangle.contains_to_the_right(*lambda, part * lambda.norm());
+        let is_next = |lambda: &Complex<f64>| {
+            self.rectangle.contains_to_the_right(*lambda, part * lambda.norm()) && !grows_too_fast(*lambda)
+        };
         spectrum.eigenvalues.iter().copied().filter(is_next).collect()
     }
 
@@ -262,6 +265,13 @@ impl Reduced {
             if columns.is_empty() { DMatrix::zeros(shapes.nrows(), 0) } else { DMatrix::from_columns(&columns) };
         ReducedModes { lambdas, shapes, residuals, route }
     }
+}
+
+/// True of an eigenvalue that grows faster than it oscillates: no mode of a band but divergence, of single pairs of nodes for example, which no basis of
+/// the modes of a band holds. Whoever solves the whole brake has to say whether there are any.
+#[must_use]
+pub fn grows_too_fast(lambda: Complex<f64>) -> bool {
+    lambda.re > lambda.im
 }
 
 /// What is said of a spectrum that is not there.

@@ -9,7 +9,9 @@ use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{Compared, Options, Reduced, RouteCounts, Rung, Wanted, Within, compared, rungs, within};
+use reduction::{
+    Compared, Options, Reduced, RouteCounts, Rung, Wanted, Within, compared, grows_too_fast, rungs, within,
+};
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{all_patches, naming_point, of_brake};
@@ -244,7 +246,7 @@ fn modes_in(
     let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
     rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
     let found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?;
-    Ok(found.pairs.into_iter().map(|pair| pair.lambda).collect())
+    Ok(found.pairs.into_iter().map(|pair| pair.lambda).filter(|&lambda| !grows_too_fast(lambda)).collect())
 }
 
 /// The brake over the rows that are left free, on a basis for all arrangements.
