@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 25] = [
+const LAYERS: [(&str, &str); 26] = [
     ("formats", "crates/formats"),
     ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
@@ -22,6 +22,7 @@ const LAYERS: [(&str, &str); 25] = [
     ("contact", "crates/contact"),
     ("reduction", "crates/reduction"),
     ("montecarlo", "crates/montecarlo"),
+    ("rare", "crates/rare"),
     ("output", "crates/output"),
     ("figures", "crates/figures"),
     ("study", "crates/study"),

@@ -1,0 +1,69 @@
+//! The seam: what fails where in standard normal space.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A mode of failure at a point.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Mode {
+    /// Margin by which the mode fails: above zero it fails, below it does not. Any unit, continuous in u where the mode lives.
+    pub margin: f64,
+    /// Growth rate of the mode, 1/s; of what is no vibration any number that tells one mode from another at the same point, as `omega`.
+    pub growth: f64,
+    /// Angular frequency of the mode, rad/s.
+    pub omega: f64,
+}
+
+/// A system of d independent standard normal inputs u that fails where one of its modes has a margin above zero.
+pub trait LimitState: Sync {
+    /// Error of an evaluation, and of a search ([`Error`](crate::Error) becomes it).
+    type Error: From<crate::Error> + Send;
+
+    /// Number d of inputs, >= 1.
+    fn dimensions(&self) -> usize;
+
+    /// The modes at `u`, of length d, in any order: those that fail, and those that are nearest to it at least.
+    ///
+    /// # Errors
+    /// A point that cannot be evaluated.
+    fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Self::Error>;
+
+    /// The gradient, length d, of the margin of a mode that [`LimitState::modes`] found at `u`.
+    ///
+    /// # Errors
+    /// As [`LimitState::modes`].
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Self::Error>;
+}
+
+/// A limit state whose evaluations are counted.
+pub(crate) struct Counted<'a, L> {
+    of: &'a L,
+    evaluations: AtomicU64,
+}
+
+impl<'a, L: LimitState> Counted<'a, L> {
+    pub fn new(of: &'a L) -> Self {
+        Self { of, evaluations: AtomicU64::new(0) }
+    }
+
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations.load(Ordering::Relaxed)
+    }
+
+    pub fn dimensions(&self) -> usize {
+        self.of.dimensions()
+    }
+
+    /// The mode of the largest margin; one that is infinitely far from failure where there is none.
+    pub fn worst(&self, u: &[f64]) -> Result<Mode, L::Error> {
+        self.evaluations.fetch_add(1, Ordering::Relaxed);
+        let none = Mode { margin: f64::NEG_INFINITY, growth: f64::NEG_INFINITY, omega: 0.0 };
+        let modes = self.of.modes(u)?;
+        Ok(modes.into_iter().max_by(|a, b| a.margin.total_cmp(&b.margin)).unwrap_or(none))
+    }
+
+    /// The direction in which the margin of a mode grows, of length 1; `None` where it has none.
+    pub fn steepest(&self, u: &[f64], mode: &Mode) -> Result<Option<Vec<f64>>, L::Error> {
+        let is_known = mode.margin.is_finite();
+        if !is_known { Ok(None) } else { Ok(crate::vector::unit(self.of.gradient(u, mode)?)) }
+    }
+}

@@ -1,0 +1,171 @@
+//! Design points: the points of failure that are nearest to the medians, each likelier than all next to it.
+//!
+//! From a point that fails the ray from the medians to it is searched for the onset, and the onset moved to where its ray meets the surface of
+//! failure at a right angle: to the foot of the tangent plane, whose own onset is the next point (Hasofer and Lind 1974, Rackwitz and Fiessler
+//! 1978, with exact onsets in place of linear ones). The gradient is taken on the surface alone: where two modes coalesce into flutter the margin
+//! is flat before.
+
+use crate::limit_state::{Counted, LimitState, Mode};
+use crate::line::{crossing, failing};
+use crate::vector::{along, dot, norm, scaled, unit};
+
+/// Distance from the medians up to which failure is looked for, in standard deviations; chosen: 1.3e-12 lies beyond, one input alone.
+pub(crate) const REACH: f64 = 7.0;
+/// Largest number of moves to a design point; chosen.
+const MOST_MOVES: usize = 20;
+/// Largest number of steps up the gradient from one direction to failure; chosen.
+const MOST_CLIMBS: usize = 4;
+/// Parts of the reach at which a direction is looked at too, for failure that ends again before the reach; chosen.
+const NEARER: [f64; 3] = [0.8, 0.6, 0.4];
+/// Cosine between ray and gradient at a design point; chosen: 0.5 degrees.
+const RIGHT_ANGLE: f64 = 1.0 - 4e-5;
+/// Cosine of the directions, and difference of the distances, of two design points that are one; chosen.
+const SAME: (f64, f64) = (0.97, 0.25);
+
+/// A design point: the likeliest failure next to it.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct DesignPoint {
+    /// The point, in standard deviations from the medians.
+    pub point: Vec<f64>,
+    /// Direction of the gradient there, of length 1: its squares are the parts that the inputs have.
+    pub direction: Vec<f64>,
+    /// Distance of the point from the medians, in standard deviations.
+    pub beta: f64,
+    /// Mode that fails from there on.
+    pub mode: Mode,
+    /// The point is one to the precision that is asked for: the ray meets the surface at a right angle.
+    pub is_settled: bool,
+}
+
+impl DesignPoint {
+    /// Distance of `u` beyond the tangent plane.
+    pub(crate) fn beyond(&self, u: &[f64]) -> f64 {
+        dot(&self.direction, u) - self.beta
+    }
+
+    /// True if the other point is this one.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        dot(&self.direction, &other.direction) > SAME.0 && (self.beta - other.beta).abs() < SAME.1
+    }
+}
+
+/// The design points that are found from some points, the nearest first, each once.
+///
+/// # Errors
+/// Those of the limit state.
+pub(crate) fn design_points<L: LimitState>(
+    of: &Counted<'_, L>,
+    directions: &[Vec<f64>],
+) -> Result<Vec<DesignPoint>, L::Error> {
+    let mut found: Vec<DesignPoint> = Vec::new();
+    for direction in directions {
+        let Some(failing) = climb(of, direction)? else { continue };
+        if is_explained(of, &found, &failing)? {
+            continue;
+        }
+        if let Some(point) = design_point(of, &failing)?
+            && !found.iter().any(|other| other.is_same(&point))
+        {
+            found.push(point);
+        }
+    }
+    found.sort_by(|a, b| a.beta.total_cmp(&b.beta));
+    Ok(found)
+}
+
+/// A failing point in this direction: at the reach, up the gradient of the worst mode from there, or nearer; `None` where there is none.
+fn climb<L: LimitState>(of: &Counted<'_, L>, direction: &[f64]) -> Result<Option<Vec<f64>>, L::Error> {
+    let mut u = scaled(REACH, direction);
+    let mut worst = of.worst(&u)?;
+    for _ in 0..MOST_CLIMBS {
+        if worst.margin > 0.0 {
+            return Ok(Some(u));
+        }
+        let Some(steepest) = of.steepest(&u, &worst)? else { break };
+        let next = scaled(REACH, &steepest);
+        let there = of.worst(&next)?;
+        if there.margin <= worst.margin {
+            break;
+        }
+        (u, worst) = (next, there);
+    }
+    for nearer in NEARER {
+        let u = scaled(nearer * REACH, direction);
+        if of.worst(&u)?.margin > 0.0 {
+            return Ok(Some(u));
+        }
+    }
+    Ok(None)
+}
+
+/// True if the onset on the ray to a failing point is on the tangent plane of a design point that is known, to a tenth.
+fn is_explained<L: LimitState>(of: &Counted<'_, L>, known: &[DesignPoint], failing: &[f64]) -> Result<bool, L::Error> {
+    let onset = |point: &DesignPoint| {
+        Some(point.beta / dot(&point.direction, failing)).filter(|part| (0.0..0.95).contains(part))
+    };
+    let Some(part) = known.iter().filter_map(onset).min_by(f64::total_cmp) else { return Ok(false) };
+    let fails = |part: f64| Ok::<bool, L::Error>(of.worst(&scaled(part, failing))?.margin > 0.0);
+    Ok(!fails(0.9 * part)? && fails((1.1 * part).min(1.0))?)
+}
+
+/// The design point that a failing point leads to; `None` where there is no onset before it, or no gradient.
+///
+/// # Errors
+/// Those of the limit state.
+pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> Result<Option<DesignPoint>, L::Error> {
+    let Some(mut ray) = unit(from.to_vec()) else { return Ok(None) };
+    let length = norm(from);
+    let margin = |t: f64| Ok::<f64, L::Error>(of.worst(&scaled(t, &ray))?.margin);
+    // The interval that the point itself lies in: others before it have other points.
+    let own = failing(margin, [0.0, length], 1.0)?.into_iter().rfind(|interval| interval.from <= length);
+    let Some(mut beta) = own.map(|interval| interval.from).filter(|beta| *beta > 0.0) else { return Ok(None) };
+    let mut part = 1.0;
+    let mut best: Option<DesignPoint> = None;
+    for _ in 0..MOST_MOVES {
+        // Just beyond the onset, where the mode that fails is the worst.
+        let point = scaled(beta, &ray);
+        let mode = of.worst(&point)?;
+        let Some(direction) = of.steepest(&point, &mode)? else { break };
+        let cosine = dot(&direction, &ray);
+        if cosine <= 0.0 {
+            break;
+        }
+        let is_settled = cosine >= RIGHT_ANGLE;
+        let nearer = best.as_ref().is_none_or(|best| beta < best.beta);
+        if nearer {
+            best = Some(DesignPoint { point, direction: direction.clone(), beta, mode, is_settled });
+        }
+        if is_settled {
+            break;
+        }
+        let foot = beta * cosine;
+        let Some(towards) = unit(along(&scaled(1.0 - part, &ray), part, &direction)) else { break };
+        match onset_near(of, &towards, foot.max(beta * dot(&towards, &direction)), beta)? {
+            Some(next) if next < beta - 1e-4 => (ray, beta) = (towards, next),
+            // Nothing nearer there: half the way.
+            _ if part > 0.1 => part *= 0.5,
+            _ => break,
+        }
+    }
+    Ok(best)
+}
+
+/// The onset on a ray, looked for from `near` inwards and outwards up to `most`; `None` where there is none.
+fn onset_near<L: LimitState>(of: &Counted<'_, L>, ray: &[f64], near: f64, most: f64) -> Result<Option<f64>, L::Error> {
+    let mut margin = |t: f64| Ok::<f64, L::Error>(of.worst(&scaled(t, ray))?.margin);
+    let start = near.min(most);
+    let mut here = (start, margin(start)?);
+    let is_failing = here.1 > 0.0;
+    let mut step = 0.1;
+    loop {
+        let at = if is_failing { (here.0 - step).max(0.0) } else { (here.0 + step).min(most) };
+        if at == here.0 {
+            return Ok(None);
+        }
+        let there = (at, margin(at)?);
+        if (there.1 > 0.0) != is_failing {
+            return crossing(&mut margin, here, there).map(Some);
+        }
+        (here, step) = (there, 2.0 * step);
+    }
+}

@@ -1,0 +1,207 @@
+//! Estimates against closed forms and quadrature, and systems that must be refused.
+
+#![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
+
+use rare::{Error, Estimate, LimitState, Mode, Options, estimate, tail};
+
+/// Function of the point: margins, one for each mode.
+type Margins = fn(&[f64]) -> Vec<f64>;
+
+/// Margins as functions, with gradients by differences.
+struct System {
+    dimensions: usize,
+    margins: Margins,
+}
+
+impl LimitState for System {
+    type Error = Error;
+
+    fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Error> {
+        let mode = |(place, margin): (usize, f64)| Mode { margin, growth: margin, omega: place as f64 };
+        Ok((self.margins)(u).into_iter().enumerate().map(mode).collect())
+    }
+
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {
+        let at = |input: usize, by: f64| {
+            let mut u = u.to_vec();
+            u[input] += by;
+            (self.margins)(&u)[mode.omega as usize]
+        };
+        Ok((0..u.len()).map(|input| (at(input, 1e-4) - at(input, -1e-4)) / 2e-4).collect())
+    }
+}
+
+/// Hoffmann's oscillator: mu above `(1 + 2 c^2) / k3` flutters, with log-normal c and normal mu.
+const MEDIAN_C: f64 = 0.3;
+const SIGMA: f64 = 0.4;
+const K3: f64 = 4.0 / 3.0;
+const MU: f64 = 0.5;
+
+fn critical(z: f64) -> f64 {
+    (1.0 + 2.0 * (MEDIAN_C * (SIGMA * z).exp()).powi(2)) / K3
+}
+
+/// `P = int phi(z) Phi(-(mu_c(c(z)) - m) / s) dz` by the rule of trapezia, which is exact to rounding for such integrands.
+fn by_quadrature(deviation: f64) -> f64 {
+    let step = 1e-3;
+    let term = |i: i32| {
+        let z = step * f64::from(i);
+        (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt() * tail((critical(z) - MU) / deviation)
+    };
+    (-9_000..=9_000).map(term).sum::<f64>() * step
+}
+
+/// Deviations of mu for which the probability is about 1e-2, 1e-5 and 1e-9.
+const DEVIATIONS: [f64; 3] = [0.16, 0.076, 0.0490];
+
+fn hoffmann(deviation: usize) -> Margins {
+    [
+        |u: &[f64]| vec![(MU + DEVIATIONS[0] * u[0]) - critical(u[1])],
+        |u: &[f64]| vec![(MU + DEVIATIONS[1] * u[0]) - critical(u[1])],
+        |u: &[f64]| vec![(MU + DEVIATIONS[2] * u[0]) - critical(u[1])],
+    ][deviation]
+}
+
+fn two_in_series(u: &[f64]) -> Vec<f64> {
+    let of = |mu: f64, c: f64| MU + DEVIATIONS[1] * mu - critical(c);
+    vec![of(u[0], u[1]), of(u[2], u[3])]
+}
+
+fn found(dimensions: usize, margins: Margins, options: Options) -> Result<Estimate, Error> {
+    estimate(&System { dimensions, margins }, &options)
+}
+
+/// Share of `seeds` whose interval holds `exact`, and the mean of the estimates relative to it.
+fn coverage(dimensions: usize, margins: Margins, exact: f64, seeds: u64) -> (f64, f64) {
+    let (mut covered, mut answers, mut sum) = (0, 0, 0.0);
+    for seed in 0..seeds {
+        // One in some hundred answers is an error by chance: three standard errors.
+        let Ok(found) = found(dimensions, margins, Options { seed, ..Options::default() }) else { continue };
+        let probability = found.probability;
+        covered += u64::from((probability.lower..=probability.upper).contains(&exact));
+        (answers, sum) = (answers + 1, sum + probability.value / exact);
+    }
+    assert!(answers as f64 > 0.98 * seeds as f64, "{answers} of {seeds}");
+    (covered as f64 / answers as f64, sum / answers as f64)
+}
+
+#[test]
+fn hoffmanns_oscillator_has_the_probability_of_the_quadrature() {
+    for (place, rough) in [(0, 1e-2), (1, 1e-5), (2, 1e-9)] {
+        let exact = by_quadrature(DEVIATIONS[place]);
+        assert!((exact / rough).ln().abs() < 1.0, "{exact:e}");
+        let options = Options { relative: 0.02, budget: 40_000, ..Options::default() };
+        let found = found(2, hoffmann(place), options).unwrap();
+        let Estimate { probability, design_points, is_reached, evaluations, lines, .. } = found;
+        println!("{exact:.4e} {probability:?} {evaluations} {lines} {design_points:?}");
+        assert!(is_reached && (probability.value / exact - 1.0).abs() < 0.06, "{exact:e} {probability:?}");
+        assert!(probability.lower <= exact && exact <= probability.upper, "{exact:e} {probability:?}");
+        // To first order, which is too large: the surface bends away.
+        assert!((tail(design_points[0].beta) / exact).ln().abs() < 0.7, "{design_points:?}");
+    }
+}
+
+#[test]
+fn two_in_series_fail_where_either_does() {
+    let each = by_quadrature(DEVIATIONS[1]);
+    let exact = 1.0 - (1.0 - each) * (1.0 - each);
+    let found = found(4, two_in_series, Options { relative: 0.03, budget: 40_000, ..Options::default() }).unwrap();
+    println!("{exact:e} {:?} {}", found.probability, found.evaluations);
+    assert_eq!(found.design_points.len(), 2, "{:?}", found.design_points);
+    assert!(found.probability.lower <= exact && exact <= found.probability.upper, "{:?} {exact:e}", found.probability);
+    // By witnesses either has half of it.
+    let of_first = |witness: &&rare::Witness| two_in_series(&witness.point)[0] > 0.0;
+    let first: f64 = found.witnesses.iter().filter(of_first).map(|it| it.weight / it.lines as f64).sum();
+    assert!((first / each - 1.0).abs() < 0.15, "{first:e} {each:e}");
+}
+
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_say() {
+    let exact = by_quadrature(DEVIATIONS[1]);
+    let (covered, mean) = coverage(2, hoffmann(1), exact, 300);
+    println!("{covered} {mean}");
+    assert!(covered > 0.92 && (mean - 1.0).abs() < 0.02, "{covered} {mean}");
+}
+
+#[test]
+#[ignore = "a minute"]
+fn intervals_of_a_thousand_repetitions_hold_the_truth_as_often_as_they_say() {
+    for place in 0..3 {
+        let (covered, mean) = coverage(2, hoffmann(place), by_quadrature(DEVIATIONS[place]), 1_000);
+        println!("{place}: {covered} {mean}");
+        assert!(covered > 0.93 && (mean - 1.0).abs() < 0.01, "{place} {covered} {mean}");
+    }
+    let each = by_quadrature(DEVIATIONS[1]);
+    let (covered, mean) = coverage(4, two_in_series, 1.0 - (1.0 - each) * (1.0 - each), 1_000);
+    println!("series: {covered} {mean}");
+    assert!(covered > 0.93 && (mean - 1.0).abs() < 0.01, "{covered} {mean}");
+}
+
+#[test]
+fn a_million_to_one_takes_less_than_two_thousand_evaluations() {
+    for seed in 1..=20 {
+        let curved: Margins = |u| vec![u[0] - 4.6 - 0.05 * (u[1] * u[1] + u[2] * u[2]) + 0.1 * u[3]];
+        let found = found(6, curved, Options { seed, budget: 2_000, ..Options::default() }).unwrap();
+        assert!(found.is_reached && found.evaluations <= 2_000, "{seed} {} {:?}", found.evaluations, found.probability);
+        assert!((3e-7..3e-6).contains(&found.probability.value), "{:?}", found.probability);
+    }
+}
+
+#[test]
+fn failure_in_many_inputs_and_on_two_sides_is_found() {
+    let sum: Margins = |u| vec![u.iter().sum::<f64>() / (u.len() as f64).sqrt() - 4.5];
+    let found_sum = found(72, sum, Options { budget: 20_000, ..Options::default() }).unwrap();
+    assert!((found_sum.probability.value / tail(4.5) - 1.0).abs() < 1e-3, "{:?}", found_sum.probability);
+    let sides: Margins = |u| vec![u[0].abs() - 4.5 + 0.2 * u[1]];
+    let found = found(2, sides, Options::default()).unwrap();
+    let exact = 2.0 * tail(4.5 / 1.04f64.sqrt());
+    assert_eq!(found.design_points.len(), 2);
+    assert!(found.probability.lower <= exact && exact <= found.probability.upper, "{exact:e} {:?}", found.probability);
+}
+
+/// A half space, and an island beside it that is as probable.
+fn with_island(u: &[f64]) -> Vec<f64> {
+    let island = 0.6 - ((u[0] + 1.5).powi(2) + (u[1] - 4.0).powi(2)).sqrt();
+    vec![u[0] - 4.5, if island > -0.5 { island } else { -0.5 }]
+}
+
+#[test]
+fn an_island_that_no_design_point_explains_is_an_error() {
+    // Without random directions the search meets the half space alone, and no line the island; the points elsewhere do.
+    let blind = Options { directions: 0, budget: 4_000, ..Options::default() };
+    for seed in 0..20 {
+        let error = found(2, with_island, Options { seed, ..blind }).unwrap_err();
+        assert!(matches!(error, Error::Missed { beta, .. } if (3.5..3.9).contains(&beta)), "{seed} {error}");
+    }
+    // With them it is a design point, and the answer has both.
+    let found = found(2, with_island, Options { directions: 100, relative: 0.05, budget: 20_000, seed: 1 }).unwrap();
+    assert!(found.design_points.len() == 2, "{:?}", found.design_points);
+    let grid = (-400..400).flat_map(|i| (-400..400).map(move |j| [0.002 * f64::from(i), 0.002 * f64::from(j)]));
+    let density = |u: [f64; 2]| (-0.5 * (u[0] * u[0] + u[1] * u[1])).exp() / (2.0 * std::f64::consts::PI);
+    let inside = grid.filter(|d| d[0].hypot(d[1]) < 0.6).map(|d| density([d[0] - 1.5, d[1] + 4.0]) * 0.002 * 0.002);
+    let exact = tail(4.5) + inside.sum::<f64>();
+    assert!(found.probability.lower <= exact && exact <= found.probability.upper, "{exact:e} {:?}", found.probability);
+}
+
+#[test]
+fn what_never_fails_has_a_bound_and_what_always_does_is_refused() {
+    let never: Margins = |u| vec![-20.0 + u[0] * 0.1];
+    let found_never = found(3, never, Options::default()).unwrap();
+    let rare::Probability { value, lower, upper, .. } = found_never.probability;
+    assert!(value == 0.0 && lower == 0.0 && (upper - 0.00299).abs() < 1e-4, "{upper}");
+    let always: Margins = |u| vec![1.0 + 0.1 * u[0]];
+    assert!(matches!(found(2, always, Options::default()), Err(Error::NotRare { .. })));
+    for (options, said) in [
+        (Options { relative: 0.0, ..Options::default() }, "relative = 0"),
+        (Options { relative: -1.0, ..Options::default() }, "relative = -1"),
+        (Options { relative: f64::NAN, ..Options::default() }, "relative = NaN"),
+        (Options { budget: 0, ..Options::default() }, "budget = 0"),
+    ] {
+        let error = found(3, never, options).unwrap_err().to_string();
+        assert!(error.starts_with(said) && !error.contains('\n'), "{error}");
+    }
+}
