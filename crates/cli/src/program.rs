@@ -7,8 +7,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
-    CeaArgs, CheckArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RunArgs, ScreenArgs, SweepArgs, finish,
-    refuse,
+    CeaArgs, CheckArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RareArgs, RunArgs, ScreenArgs, SweepArgs,
+    finish, refuse,
 };
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
@@ -36,6 +36,7 @@ enum Command {
     Sweep(SweepArgs),
     Cycle(CycleArgs),
     Influence(InfluenceArgs),
+    Rare(RareArgs),
     Screen(ScreenArgs),
     /// Print completions of these commands for a shell, to be put where it looks for them.
     Completions {
@@ -62,6 +63,7 @@ pub fn program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Sweep(args) => args.run(&mut out),
         Command::Cycle(args) => args.run(&mut out),
         Command::Influence(args) => args.run(&mut out),
+        Command::Rare(args) => args.run(&mut out),
         Command::Screen(args) => args.run(&mut out),
         Command::Completions { shell } => completions(*shell, &mut out),
         Command::Man => manual(&mut out).map_err(Error::StandardOutput),

@@ -115,7 +115,7 @@ pub(crate) fn elsewhere<L: LimitState>(
             None => match unit(u.clone()) {
                 Some(direction) => {
                     let mode = of.worst(u)?;
-                    DesignPoint { point: u.clone(), direction, beta: norm(u), mode, is_settled: false }
+                    DesignPoint { point: u.clone(), direction, beta: norm(u), slope: 0.0, mode, is_settled: false }
                 }
                 None => continue,
             },

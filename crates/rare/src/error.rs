@@ -57,12 +57,4 @@ pub enum Error {
         /// Standard error of that.
         lines_error: f64,
     },
-    /// A budget that is spent before there is an estimate.
-    #[error("{spent} evaluations are spent before there is an estimate; allowed: a budget of {needed} or more")]
-    Budget {
-        /// Evaluations that are spent.
-        spent: u64,
-        /// Budget that the first estimate needs.
-        needed: u64,
-    },
 }

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::vector::{norm, unit};
+
 /// A mode of failure at a point.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Mode {
@@ -61,9 +63,13 @@ impl<'a, L: LimitState> Counted<'a, L> {
         Ok(modes.into_iter().max_by(|a, b| a.margin.total_cmp(&b.margin)).unwrap_or(none))
     }
 
-    /// The direction in which the margin of a mode grows, of length 1; `None` where it has none.
-    pub fn steepest(&self, u: &[f64], mode: &Mode) -> Result<Option<Vec<f64>>, L::Error> {
-        let is_known = mode.margin.is_finite();
-        if !is_known { Ok(None) } else { Ok(crate::vector::unit(self.of.gradient(u, mode)?)) }
+    /// The direction in which the margin of a mode grows, of length 1, and how fast; `None` where it has none.
+    pub fn steepest(&self, u: &[f64], mode: &Mode) -> Result<Option<(Vec<f64>, f64)>, L::Error> {
+        if !mode.margin.is_finite() {
+            return Ok(None);
+        }
+        let gradient = self.of.gradient(u, mode)?;
+        let slope = norm(&gradient);
+        Ok(unit(gradient).map(|direction| (direction, slope)))
     }
 }

@@ -58,7 +58,8 @@ fn comes_to_zero(places: &[(f64, f64)]) -> bool {
     let [(a, left), (b, here), (c, right)] = [places[0], places[1], places[2]];
     let is_one_side = (left > 0.0) == (here > 0.0) && (here > 0.0) == (right > 0.0);
     let is_nearest = here.abs() <= left.abs() && here.abs() <= right.abs() && here.abs() < left.abs().max(right.abs());
-    if !is_one_side || !is_nearest || (c - a) < 2.5 * SHORTEST || !(left.is_finite() && right.is_finite()) {
+    let is_a_number = left.is_finite() && right.is_finite();
+    if !(is_one_side && is_nearest && is_a_number && c - a >= 2.5 * SHORTEST) {
         return false;
     }
     let (first, second) = ((left.abs() - here.abs()) / (b - a), (right.abs() - here.abs()) / (c - b));

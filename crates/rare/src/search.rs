@@ -31,6 +31,8 @@ pub struct DesignPoint {
     pub direction: Vec<f64>,
     /// Distance of the point from the medians, in standard deviations.
     pub beta: f64,
+    /// Length of the gradient of the margin there, per standard deviation.
+    pub slope: f64,
     /// Mode that fails from there on.
     pub mode: Mode,
     /// The point is one to the precision that is asked for: the ray meets the surface at a right angle.
@@ -81,7 +83,7 @@ fn climb<L: LimitState>(of: &Counted<'_, L>, direction: &[f64]) -> Result<Option
         if worst.margin > 0.0 {
             return Ok(Some(u));
         }
-        let Some(steepest) = of.steepest(&u, &worst)? else { break };
+        let Some((steepest, _)) = of.steepest(&u, &worst)? else { break };
         let next = scaled(REACH, &steepest);
         let there = of.worst(&next)?;
         if there.margin <= worst.margin {
@@ -125,7 +127,7 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
         // Just beyond the onset, where the mode that fails is the worst.
         let point = scaled(beta, &ray);
         let mode = of.worst(&point)?;
-        let Some(direction) = of.steepest(&point, &mode)? else { break };
+        let Some((direction, slope)) = of.steepest(&point, &mode)? else { break };
         let cosine = dot(&direction, &ray);
         if cosine <= 0.0 {
             break;
@@ -133,7 +135,7 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
         let is_settled = cosine >= RIGHT_ANGLE;
         let nearer = best.as_ref().is_none_or(|best| beta < best.beta);
         if nearer {
-            best = Some(DesignPoint { point, direction: direction.clone(), beta, mode, is_settled });
+            best = Some(DesignPoint { point, direction: direction.clone(), beta, slope, mode, is_settled });
         }
         if is_settled {
             break;

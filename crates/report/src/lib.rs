@@ -6,6 +6,7 @@
 //! | a sweep | [`sweep_figure`] | [`write_sweep_page`] |
 //! | a screening | [`screen_figure`] | [`write_screen_page`] |
 //! | the influence of inputs | [`influence_figure`] | |
+//! | likely squealing brakes | [`rare_figure`] | |
 //!
 //! Numbers are those of the tables that `squeal` writes. Where the degrees of freedom of a brake are its owner says by a [`Geometry`].
 
@@ -15,7 +16,9 @@ mod pictures;
 
 pub use error::Error;
 pub use html::{BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_page, write_screen_page, write_sweep_page};
-pub use pictures::{draw_occurrence, influence_figure, occurrence, screen_figure, set_heading, sweep_figure};
+pub use pictures::{
+    draw_occurrence, influence_figure, occurrence, rare_figure, screen_figure, set_heading, sweep_figure,
+};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

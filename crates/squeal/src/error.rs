@@ -58,6 +58,20 @@ pub enum Error {
     /// The motion after the onset.
     #[error(transparent)]
     Cycle(#[from] cycle::Error),
+    /// The probability of squeal that is rare.
+    #[error(transparent)]
+    Rare(#[from] ::rare::Error),
+    /// A probability that is larger than a bound which is certified.
+    #[error(
+        "the probability is {lower:.2e} or more by samples and {bound:.2e} or less by the certificate of stability: one of them is wrong; allowed: \
+         estimates that agree"
+    )]
+    BoundContradicted {
+        /// Lower end of the interval by samples.
+        lower: f64,
+        /// Certified bound.
+        bound: f64,
+    },
     /// A capability that a computation needs, and the type of the brake does not give.
     #[error("{needed_by} needs {capability} of the brake, which its type does not give")]
     NotGiven {
@@ -74,6 +88,16 @@ pub enum Error {
         /// Value given.
         value: String,
         /// Values allowed, in words.
+        allowed: String,
+    },
+    /// An input that a computation cannot take.
+    #[error("the input {input:?} is {value}; allowed: {allowed}")]
+    Input {
+        /// Name of the input.
+        input: String,
+        /// What it is, in words.
+        value: String,
+        /// Inputs allowed, in words.
         allowed: String,
     },
     /// A folder that belongs to another study.

@@ -12,6 +12,7 @@
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
 //! | know the occurrence of a mode to a half width of its 95 % interval | [`estimators::scene_occurrences`] |
 //! | know which input makes squeal vary | [`influence::influence`] |
+//! | know how probable squeal is that plain samples hardly ever show | [`rare::rare`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
 //! | know the motion that an unstable mode grows into | [`cycles::cycles`], [`cycles::branches`] |
 //! | know why a mode grows | [`why::Explainer`] |
@@ -41,6 +42,7 @@ mod error;
 pub mod folder;
 pub mod influence;
 pub mod parts;
+pub mod rare;
 pub mod results;
 mod run;
 pub mod screen;

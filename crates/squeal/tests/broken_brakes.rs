@@ -159,6 +159,7 @@ impl DrawnInputs<Sample> for Slider {
             unit: (*unit).into(),
             coordinate,
             is_correlated: false,
+            is_discrete: false,
         };
         (self.faults.inputs)(DRAWN.iter().zip(0..).map(input).collect())
     }

@@ -310,6 +310,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
             unit: parameter.unit.clone(),
             coordinate: self.first_parameter() + at as u32,
             is_correlated: false,
+            is_discrete: parameter.distribution.is_discrete(),
         }));
         inputs
     }

@@ -167,6 +167,12 @@ impl Distribution {
         }
     }
 
+    /// True if only a few values are drawn, so that the distribution function jumps.
+    #[must_use]
+    pub fn is_discrete(&self) -> bool {
+        matches!(self, Self::Discrete { .. })
+    }
+
     /// A value drawn from the distribution.
     ///
     /// # Errors

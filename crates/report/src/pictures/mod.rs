@@ -2,10 +2,12 @@
 
 mod influence;
 mod occurrence;
+mod rare;
 mod screen;
 mod sweep;
 
 pub use influence::influence_figure;
 pub use occurrence::{draw_occurrence, occurrence, set_heading};
+pub use rare::rare_figure;
 pub use screen::screen_figure;
 pub use sweep::sweep_figure;

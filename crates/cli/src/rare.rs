@@ -1,0 +1,169 @@
+//! `squeal rare`: how probable squeal is that plain samples hardly ever show.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use brakes::case::{ChosenSpeed, with_constants};
+use brakes::{CaseBrake, Purpose};
+use cea::QrSolver;
+use output::{printable, write};
+use report::rare_figure;
+use serde_json::json;
+use squeal::folder::RunFolder;
+use squeal::identity::of_study;
+use squeal::rare::{Options, Rare, design_points_table, rare, rare_table};
+use squeal::study::Study;
+use squeal::workers;
+
+use super::options::{MemoryArgs, check_threads, number, override_run, threads, whole_number};
+use super::scene::SceneArgs;
+use super::{results_folder, sized};
+use crate::Error;
+use crate::bar::{Bar, PREPARED};
+use crate::case_file;
+
+/// Say how probable squeal is where it is rare, mode by mode, down to 1e-9, and which brakes are the likeliest to squeal.
+///
+/// Of one scene of the case: design points, line sampling, and points elsewhere that must not contradict them. Two thousand spectra do what
+/// plain samples need millions for.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: squeal rare CASE --relative 0.1 --out results")]
+pub struct RareArgs {
+    /// The case file (TOML)
+    pub case: PathBuf,
+    /// The scene
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Range of sliding speed by name [default: the case's first]
+    #[arg(long, value_name = "NAME", conflicts_with = "speed")]
+    pub range: Option<String>,
+    /// Standard error to reach, relative to the probability, above 0 and below 1
+    #[arg(long, value_name = "R", default_value_t = Options::default().relative, allow_negative_numbers = true, value_parser = number)]
+    pub relative: f64,
+    /// Spectra that may be spent
+    #[arg(long, value_name = "N", default_value_t = Options::default().budget, allow_negative_numbers = true, value_parser = whole_number)]
+    pub budget: u64,
+    /// Random directions from which the likeliest squealing brakes are looked for, beside both of each input
+    #[arg(long, value_name = "N", default_value_t = Options::default().directions as u64, allow_negative_numbers = true, value_parser = whole_number)]
+    pub directions: u64,
+    /// Seed of the random streams, instead of the case's
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
+    pub seed: Option<u64>,
+    /// Folder for tables, a figure and the likeliest squealing brake as a case: new, empty, or that of the same question
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+/// Most directions; chosen: more are a study of their own.
+const MOST_DIRECTIONS: u64 = 100_000;
+
+impl RareArgs {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Faults of the case or of an option, a scene whose squeal is not rare, and estimates that contradict each other.
+    pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        check_threads(self.threads)?;
+        self.options(0)?;
+        let mut case = case_file::read(&self.case)?;
+        override_run(case.header_mut(), None, self.seed, self.threads)?;
+        let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
+        let text = self.rare(&sized::brake(case, Purpose::Analysis, self.memory, self.threads)?)?;
+        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+    }
+
+    fn options(&self, seed: u64) -> Result<Options, Error> {
+        let refused = |option, value: String, allowed: String| Err(Error::Option { option, value, allowed });
+        if !(self.relative > 0.0 && self.relative < 1.0) {
+            return refused("--relative", self.relative.to_string(), "a number above 0 and below 1".into());
+        }
+        if self.budget < Options::LEAST_BUDGET {
+            return refused("--budget", self.budget.to_string(), format!("{} spectra or more", Options::LEAST_BUDGET));
+        }
+        if self.directions > MOST_DIRECTIONS {
+            return refused("--directions", self.directions.to_string(), format!("0 to {MOST_DIRECTIONS}"));
+        }
+        Ok(Options { relative: self.relative, budget: self.budget, directions: self.directions as usize, seed })
+    }
+
+    /// The probability of squeal in the first scene of a brake, which need not be one of a case file.
+    ///
+    /// # Errors
+    /// As [`RareArgs::run`].
+    pub fn rare<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
+        let (plan, start) = (brake.plan(), Instant::now());
+        let options = self.options(plan.seed)?;
+        let asked = format!("{} of {} by {}", options.relative, options.budget, options.directions);
+        let identity = of_study(brake).given("rare", asked).into_line();
+        if let Some(dir) = &self.out {
+            RunFolder::check(dir, &identity)?;
+        }
+        let found = workers(self.threads)?.install(|| {
+            let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
+            rare(&study, 0, &options, &QrSolver, &Bar::of("spectra"))
+        })?;
+        let seconds = start.elapsed().as_secs_f64();
+        let scene = &plan.scenes[0];
+        let heading = format!("{}: {}; seed {}", plan.name, plan.describe(scene), plan.seed);
+        let answer = found.text(plan);
+        if let Some(dir) = &self.out {
+            let folder = RunFolder::take(dir, &identity)?;
+            folder.publish(|stage| -> Result<(), Error> {
+                rare_table(plan, [(scene, &found)]).write(stage)?;
+                design_points_table(plan, [(scene, &found)]).write(stage)?;
+                let page = format!("# How probable squeal is\n\n{heading}\n\n```text\n{answer}```\n");
+                write(&stage.join("summary.md"), page.as_bytes())?;
+                if let Some(case) = self.likeliest(&found)? {
+                    write(&stage.join("likeliest.toml"), case.as_bytes())?;
+                }
+                match rare_figure(&found, "What the likeliest squealing brakes are made by", &heading)? {
+                    Some(figure) => Ok(figure.save_pictures(stage, "design_points")?),
+                    None => Ok(()),
+                }
+            })?;
+            let own = json!({
+                "scene": plan.describe(scene),
+                "seed": plan.seed,
+                "relative": options.relative,
+                "budget": options.budget,
+                "directions": options.directions,
+                "probability": found.probability,
+                "certified": found.bound,
+                "lines": found.lines,
+                "elsewhere": found.elsewhere,
+                "spectra": found.spectra,
+            });
+            results_folder::write_manifest(&folder, plan, self.threads, seconds, own)?;
+        }
+        let place = results_folder::place(self.out.as_deref());
+        let spectra = found.spectra;
+        Ok(format!("{}\n\n{answer}{spectra} spectra in {seconds:.2} s{place}\n", printable(&heading)))
+    }
+
+    /// The likeliest squealing brake as a case; `None` where no squeal was found, and where inputs are not the case's own.
+    fn likeliest(&self, found: &Rare) -> Result<Option<String>, Error> {
+        let Some(point) = found.design_points.first() else { return Ok(None) };
+        let names = found.inputs.iter().map(|input| input.name.clone());
+        let values: Vec<(String, f64)> = names.zip(point.squealing.iter().copied()).collect();
+        let Some(case) = with_constants(&self.case, &values, self.range.as_deref())? else { return Ok(None) };
+        let SceneArgs { law, contact, constraints, speed } = &self.scene;
+        let mut command = "squeal cea likeliest.toml".to_owned();
+        let contact = contact.as_ref().map(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>().join(","));
+        let speed = speed.map(|speed| speed.to_string());
+        let given = [("law", law), ("contact", &contact), ("constraints", constraints), ("speed", &speed)];
+        for (option, value) in given.into_iter().filter_map(|(option, value)| Some((option, value.as_ref()?))) {
+            command += &format!(" --{option} {value}");
+        }
+        Ok(Some(format!(
+            "# The likeliest squealing brake of {}, just beyond its onset: {command}\n{case}",
+            self.case.display()
+        )))
+    }
+}

@@ -1,0 +1,107 @@
+//! A scene of a study as a limit state: modes and gradients at standard normal numbers.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+use ::rare::{LimitState, Mode, tail};
+use cea::{CountedSpectrum, EigenSolver, Eigentriple, Workspace};
+use linsys::SecondOrder;
+use montecarlo::Progress;
+use num_complex::Complex;
+use study::{DrawnInputs, Scene, Study, UncertainBrake};
+
+use crate::Error;
+
+/// Half of the difference in standard deviations from which the change of a system with an input is taken; chosen: its square is far below what
+/// a gradient must be right to, and quantiles at 7 deviations keep enough digits. Eigenvalues are never differenced.
+const DIFFERENCE: f64 = 1e-3;
+
+/// A scene whose inputs are functions of independent standard normal numbers, one of each coordinate of the brake's quantile functions.
+pub(super) struct SceneState<'a, B: UncertainBrake> {
+    pub study: &'a Study<'a, B>,
+    pub scene: &'a Scene,
+    pub drawn: &'a dyn DrawnInputs<B::Sample>,
+    /// The coordinates that a sample depends on, ascending.
+    pub coordinates: Vec<u32>,
+    pub solver: &'a dyn EigenSolver,
+    pub progress: &'a dyn Progress,
+}
+
+impl<'a, B: UncertainBrake> SceneState<'a, B> {
+    pub fn new(
+        study: &'a Study<'a, B>,
+        scene: &'a Scene,
+        drawn: &'a dyn DrawnInputs<B::Sample>,
+        solver: &'a dyn EigenSolver,
+        progress: &'a dyn Progress,
+    ) -> Self {
+        let asked = RefCell::new(BTreeSet::new());
+        drawn.quantile_sample(scene, &|coordinate| {
+            asked.borrow_mut().insert(coordinate);
+            0.5
+        });
+        let coordinates = asked.into_inner().into_iter().collect();
+        Self { study, scene, drawn, coordinates, solver, progress }
+    }
+
+    /// The sample at a point.
+    pub fn sample(&self, u: &[f64]) -> B::Sample {
+        let uniform = |coordinate: u32| match self.coordinates.binary_search(&coordinate) {
+            // Quantiles at 0 and at 1 may be infinite.
+            Ok(place) => tail(-u[place]).clamp(f64::MIN_POSITIVE, 1.0 - 0.5 * f64::EPSILON),
+            Err(_) => 0.5,
+        };
+        self.drawn.quantile_sample(self.scene, &uniform)
+    }
+
+    fn system(&self, u: &[f64]) -> Result<SecondOrder, Error> {
+        Ok(self.study.brake().system(self.scene, &self.sample(u))?)
+    }
+}
+
+impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
+    type Error = Error;
+
+    fn dimensions(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Error> {
+        self.progress.go_on()?;
+        let (plan, mut work) = (self.study.plan(), Workspace::default());
+        let system = self.system(u)?;
+        let spectrum = self.solver.eigenvalues(&system, &mut work)?;
+        let counted = CountedSpectrum::new(&plan.threshold, &system, &spectrum, &mut work)?;
+        // A reduced brake shows no divergence.
+        let has_divergence = self.study.brake().mode_source().is_none();
+        let mode = |lambda: Complex<f64>, is_on: bool| {
+            let margin = plan.threshold.margin(lambda);
+            // What is on the threshold to within rounding does not fail.
+            Mode { margin: if is_on { -margin.abs() } else { margin }, growth: lambda.re, omega: lambda.im }
+        };
+        let is_studied = |lambda: &Complex<f64>| plan.is_studied(*lambda) && (lambda.im != 0.0 || has_divergence);
+        let divergence = counted.divergence.into_iter().map(Complex::from);
+        let sided = counted.flutter.into_iter().chain(divergence).chain(counted.below);
+        let sided = sided.filter(is_studied).map(|lambda| mode(lambda, false));
+        let modes = sided.chain(counted.marginal.into_iter().filter(is_studied).map(|lambda| mode(lambda, true)));
+        let modes = modes.collect();
+        self.progress.advance(1);
+        Ok(modes)
+    }
+
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {
+        let lambda = Complex::new(mode.growth, mode.omega);
+        let triple = Eigentriple::new(&self.system(u)?, lambda, &mut Workspace::default())?;
+        let rate = |place: usize| {
+            let at = |by: f64| {
+                let mut u = u.to_vec();
+                u[place] += by;
+                Ok::<_, Error>(self.system(&u)?.dynamic_stiffness(lambda))
+            };
+            let change = at(DIFFERENCE)? - at(-DIFFERENCE)?;
+            let rate = triple.rate_over(&change, 2.0 * DIFFERENCE);
+            Ok(self.study.plan().threshold.margin_rate(lambda, rate))
+        };
+        (0..u.len()).map(rate).collect()
+    }
+}
