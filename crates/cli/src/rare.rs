@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use brakes::case::{ChosenSpeed, with_constants};
 use brakes::{CaseBrake, Purpose};
-use cea::QrSolver;
+use cea::BatchSolver;
 use output::{printable, write};
 use report::rare_figure;
 use serde_json::json;
@@ -106,8 +106,8 @@ impl RareArgs {
             RunFolder::check(dir, &identity)?;
         }
         let found = workers(self.threads)?.install(|| {
-            let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
-            rare(&study, 0, &options, &QrSolver, &Bar::of("spectra"))
+            let study = Study::with_progress(brake, &BatchSolver, &Bar::of(PREPARED))?;
+            rare(&study, 0, &options, &BatchSolver, &Bar::of("spectra"))
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];

@@ -18,6 +18,8 @@ const BEFORE: f64 = 0.5;
 /// Most failures that are followed to a design point, the weightiest first; chosen.
 const MOST_FOLLOWED: usize = 4;
 
+/// Points evaluated together; chosen: full lanes.
+const AT_ONCE: usize = 16;
 /// Number of steps of the table from which lengths are drawn; chosen: what a point weighs does not depend on them.
 const STEPS: usize = 512;
 
@@ -91,15 +93,19 @@ pub(crate) fn elsewhere<L: LimitState>(
     // Of the inputs across a direction of failure the sum of squares is about d - 1.
     let longest = reach.hypot(if d > 1 { ((d - 1) as f64).sqrt() + 3.0 } else { 0.0 });
     let lengths = Lengths::new(d, known.first().map_or(0.0, |nearest| nearest.beta), longest);
-    let failing = |index: usize| -> Result<Option<(Vec<f64>, f64)>, L::Error> {
+    let drawn = |index: usize| {
         let mut rng = montecarlo::stream(seed, index as u64);
         let length = lengths.length(std::array::from_fn(|_| StandardUniform.sample(&mut rng)));
-        let direction: Vec<f64> = (0..d).map(|_| StandardNormal.sample(&mut rng)).collect();
-        let Some(direction) = unit(direction) else { return Ok(None) };
-        let u = scaled(length, &direction);
-        Ok((of.worst(&u)?.margin > 0.0).then(|| (u, lengths.weight(length))))
+        let direction = unit((0..d).map(|_| StandardNormal.sample(&mut rng)).collect())?;
+        Some((scaled(length, &direction), lengths.weight(length)))
     };
-    let found: Vec<_> = (0..points).into_par_iter().map(failing).collect::<Result<_, L::Error>>()?;
+    let drawn: Vec<(Vec<f64>, f64)> = (0..points).filter_map(drawn).collect();
+    let failing = |drawn: &[(Vec<f64>, f64)]| -> Result<Vec<(Vec<f64>, f64)>, L::Error> {
+        let points: Vec<Vec<f64>> = drawn.iter().map(|(u, _)| u.clone()).collect();
+        let worst = of.worst_of_all(&points)?;
+        Ok(drawn.iter().zip(worst).filter(|(_, mode)| mode.margin > 0.0).map(|(hit, _)| hit.clone()).collect())
+    };
+    let found = drawn.par_chunks(AT_ONCE).map(failing).collect::<Result<Vec<_>, L::Error>>()?;
     let mut hits: Vec<(Vec<f64>, f64)> = found.into_iter().flatten().collect();
     let count = points.max(1) as f64;
     let mean = hits.iter().map(|hit| hit.1).sum::<f64>() / count;

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::elsewhere::{Elsewhere, elsewhere};
 use crate::limit_state::{Counted, LimitState};
-use crate::line::failing;
+use crate::line::{PRECISION, failing};
 use crate::normal::{Interval, tail, tail_point};
 use crate::search::{DesignPoint, design_points};
 use crate::vector::{along, dot, unit};
@@ -54,9 +54,9 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// A standard error of 10 %, 4,000 evaluations, 32 directions and seed 1.
+    /// A standard error of 10 %, 2,000 evaluations, 32 directions and seed 1.
     fn default() -> Self {
-        Self { relative: 0.1, budget: 4_000, directions: 32, seed: 1 }
+        Self { relative: 0.1, budget: 2_000, directions: 32, seed: 1 }
     }
 }
 
@@ -100,7 +100,7 @@ pub struct Probability {
     pub value: f64,
     /// Standard error of it.
     pub standard_error: f64,
-    /// Lower end of the 95 % interval.
+    /// Lower end of the 95 % interval, without what is not proven.
     pub lower: f64,
     /// Upper end, with what is not proven added to it.
     pub upper: f64,
@@ -150,7 +150,9 @@ pub fn estimate<L: LimitState>(of: &L, options: &Options) -> Result<Estimate, L:
     let sampled = Sampled::new(&of, &points, reach, options)?;
     let (value, variance) = sampled.moments();
     let error = variance.sqrt();
-    let unproven = contradicted(&looked, (value, error), options)? + 2.0 * tail(reach);
+    // Ends of intervals, ends of lines, and what elsewhere is too little to contradict.
+    let ends = PRECISION * nearest.beta.max(1.0) * value;
+    let unproven = contradicted(&looked, (value, error), options)? + 2.0 * tail(reach) + ends;
     let lines = sampled.lines.iter().map(Vec::len).sum();
     let witnesses = sampled.witnesses();
     Ok(Estimate {
@@ -172,7 +174,12 @@ impl Probability {
     pub fn new(value: f64, standard_error: f64, lines: usize, unproven: f64) -> Self {
         let deviate = Confidence::P95.t(lines.saturating_sub(1).max(1) as u64);
         let factor = if value > 0.0 { (deviate * standard_error / value).exp() } else { 1.0 };
-        Self { value, standard_error, lower: value / factor, upper: (value * factor + unproven).min(1.0) }
+        Self {
+            value,
+            standard_error,
+            lower: (value / factor - unproven).max(0.0),
+            upper: (value * factor + unproven).min(1.0),
+        }
     }
 }
 
@@ -330,8 +337,11 @@ fn line<L: LimitState>(
     let drawn: Vec<f64> = (0..of.dimensions()).map(|_| StandardNormal.sample(rng)).collect();
     let across = along(&drawn, -dot(&drawn, direction), direction);
     let [offset, which, part]: [f64; 3] = std::array::from_fn(|_| StandardUniform.sample(rng));
-    let margin = |t: f64| Ok::<f64, L::Error>(of.worst(&along(&across, t, direction))?.margin);
-    let intervals = failing(margin, [-reach, reach], offset)?;
+    let margins = |places: &[f64]| {
+        let points: Vec<Vec<f64>> = places.iter().map(|t| along(&across, *t, direction)).collect();
+        Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
+    };
+    let intervals = failing(margins, [-reach, reach], offset)?;
     let exponents: Vec<(f64, f64)> = points
         .iter()
         .map(|point| (point.beyond(&across), dot(&point.direction, direction)))

@@ -29,6 +29,14 @@ pub trait LimitState: Sync {
     /// A point that cannot be evaluated.
     fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Self::Error>;
 
+    /// The modes at several points, in their order. A system that evaluates several at once for less overrides it.
+    ///
+    /// # Errors
+    /// As [`LimitState::modes`].
+    fn modes_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Vec<Mode>>, Self::Error> {
+        points.iter().map(|u| self.modes(u)).collect()
+    }
+
     /// The gradient, length d, of the margin of a mode that [`LimitState::modes`] found at `u`.
     ///
     /// # Errors
@@ -55,12 +63,16 @@ impl<'a, L: LimitState> Counted<'a, L> {
         self.of.dimensions()
     }
 
-    /// The mode of the largest margin; one that is infinitely far from failure where there is none.
+    /// The mode of the largest margin.
     pub fn worst(&self, u: &[f64]) -> Result<Mode, L::Error> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
-        let none = Mode { margin: f64::NEG_INFINITY, growth: f64::NEG_INFINITY, omega: 0.0 };
-        let modes = self.of.modes(u)?;
-        Ok(modes.into_iter().max_by(|a, b| a.margin.total_cmp(&b.margin)).unwrap_or(none))
+        Ok(worst(self.of.modes(u)?))
+    }
+
+    /// The mode of the largest margin at each point.
+    pub fn worst_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Mode>, L::Error> {
+        self.evaluations.fetch_add(points.len() as u64, Ordering::Relaxed);
+        Ok(self.of.modes_of_all(points)?.into_iter().map(worst).collect())
     }
 
     /// The direction in which the margin of a mode grows, of length 1, and how fast; `None` where it has none.
@@ -72,4 +84,10 @@ impl<'a, L: LimitState> Counted<'a, L> {
         let slope = norm(&gradient);
         Ok(unit(gradient).map(|direction| (direction, slope)))
     }
+}
+
+/// The mode of the largest margin; one that is infinitely far from failure where there is none.
+fn worst(modes: Vec<Mode>) -> Mode {
+    let none = Mode { margin: f64::NEG_INFINITY, growth: f64::NEG_INFINITY, omega: 0.0 };
+    modes.into_iter().max_by(|a, b| a.margin.total_cmp(&b.margin)).unwrap_or(none)
 }

@@ -11,26 +11,24 @@ const STEP: f64 = 1.0;
 /// Shortest step about a place at which the margin comes near zero; chosen.
 const SHORTEST: f64 = STEP / 20.0;
 /// Error of an end of an interval, in standard deviations; chosen: some 1e-3 of the probability beyond.
-const PRECISION: f64 = 5e-4;
+pub(crate) const PRECISION: f64 = 5e-4;
 /// Most evaluations for one end; bisection takes 11.
 const MOST_EVALUATIONS: usize = 24;
 
-/// The intervals of `[from, to]` in which `margin` is above zero, ascending. One that is open at an end of the range goes on to infinity.
+/// The intervals of `[from, to]` in which the margin is above zero, ascending; `margins` gives it at several places. One that is open at an end of the range goes on to infinity.
 ///
 /// # Errors
 /// Those of the margin.
 pub(crate) fn failing<E>(
-    mut margin: impl FnMut(f64) -> Result<f64, E>,
+    mut margins: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     [from, to]: [f64; 2],
     offset: f64,
 ) -> Result<Vec<Interval>, E> {
-    let mut places = vec![(from, margin(from)?)];
-    let mut at = from + STEP * offset.clamp(0.1, 1.0);
-    while at < to - SHORTEST {
-        places.push((at, margin(at)?));
-        at += STEP;
-    }
-    places.push((to, margin(to)?));
+    let first = from + STEP * offset.clamp(0.1, 1.0);
+    let steps = (0..).map(|step| first + STEP * f64::from(step)).take_while(|at| *at < to - SHORTEST);
+    let at: Vec<f64> = std::iter::once(from).chain(steps).chain(std::iter::once(to)).collect();
+    let mut places: Vec<(f64, f64)> = at.iter().copied().zip(margins(&at)?).collect();
+    let mut margin = |t: f64| Ok(margins(&[t])?.pop().unwrap_or(f64::NAN));
     while let Some(dip) = places.windows(3).position(comes_to_zero) {
         let [a, b, c] = [places[dip].0, places[dip + 1].0, places[dip + 2].0];
         // The longer of the two steps, so that the parabola stays a good one.
@@ -110,9 +108,9 @@ mod tests {
 
     fn ends(margin: impl Fn(f64) -> f64, offset: f64) -> (Vec<f64>, usize) {
         let mut count = 0;
-        let counted = |t: f64| {
-            count += 1;
-            Ok::<f64, ()>(margin(t))
+        let counted = |places: &[f64]| {
+            count += places.len();
+            Ok::<_, ()>(places.iter().map(|t| margin(*t)).collect())
         };
         let found = failing(counted, [-6.0, 6.0], offset).unwrap();
         (found.iter().flat_map(|interval| [interval.from, interval.to]).collect(), count)

@@ -5,6 +5,8 @@
 //! 1978, with exact onsets in place of linear ones). The gradient is taken on the surface alone: where two modes coalesce into flutter the margin
 //! is flat before.
 
+use rayon::prelude::*;
+
 use crate::limit_state::{Counted, LimitState, Mode};
 use crate::line::{crossing, failing};
 use crate::vector::{along, dot, norm, scaled, unit};
@@ -60,8 +62,9 @@ pub(crate) fn design_points<L: LimitState>(
     directions: &[Vec<f64>],
 ) -> Result<Vec<DesignPoint>, L::Error> {
     let mut found: Vec<DesignPoint> = Vec::new();
-    for direction in directions {
-        let Some(failing) = climb(of, direction)? else { continue };
+    let failing: Vec<_> =
+        directions.par_iter().map(|direction| climb(of, direction)).collect::<Result<_, L::Error>>()?;
+    for failing in failing.into_iter().flatten() {
         if is_explained(of, &found, &failing)? {
             continue;
         }
@@ -91,13 +94,9 @@ fn climb<L: LimitState>(of: &Counted<'_, L>, direction: &[f64]) -> Result<Option
         }
         (u, worst) = (next, there);
     }
-    for nearer in NEARER {
-        let u = scaled(nearer * REACH, direction);
-        if of.worst(&u)?.margin > 0.0 {
-            return Ok(Some(u));
-        }
-    }
-    Ok(None)
+    let nearer = NEARER.map(|part| scaled(part * REACH, direction));
+    let worst = of.worst_of_all(&nearer)?;
+    Ok(nearer.into_iter().zip(worst).find(|(_, worst)| worst.margin > 0.0).map(|(u, _)| u))
 }
 
 /// True if the onset on the ray to a failing point is on the tangent plane of a design point that is known, to a tenth.
@@ -117,9 +116,12 @@ fn is_explained<L: LimitState>(of: &Counted<'_, L>, known: &[DesignPoint], faili
 pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> Result<Option<DesignPoint>, L::Error> {
     let Some(mut ray) = unit(from.to_vec()) else { return Ok(None) };
     let length = norm(from);
-    let margin = |t: f64| Ok::<f64, L::Error>(of.worst(&scaled(t, &ray))?.margin);
+    let margins = |places: &[f64]| {
+        let points: Vec<Vec<f64>> = places.iter().map(|t| scaled(*t, &ray)).collect();
+        Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
+    };
     // The interval that the point itself lies in: others before it have other points.
-    let own = failing(margin, [0.0, length], 1.0)?.into_iter().rfind(|interval| interval.from <= length);
+    let own = failing(margins, [0.0, length], 1.0)?.into_iter().rfind(|interval| interval.from <= length);
     let Some(mut beta) = own.map(|interval| interval.from).filter(|beta| *beta > 0.0) else { return Ok(None) };
     let mut part = 1.0;
     let mut best: Option<DesignPoint> = None;

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use ::rare::{LimitState, Mode, tail};
-use cea::{CountedSpectrum, EigenSolver, Eigentriple, Workspace};
+use cea::{CeaError, CountedSpectrum, EigenSolver, Eigentriple, Spectrum, Workspace};
 use linsys::SecondOrder;
 use montecarlo::Progress;
 use num_complex::Complex;
@@ -57,6 +57,23 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
     fn system(&self, u: &[f64]) -> Result<SecondOrder, Error> {
         Ok(self.study.brake().system(self.scene, &self.sample(u))?)
     }
+
+    /// The modes of a spectrum that are studied.
+    fn judged(&self, counted: CountedSpectrum) -> Vec<Mode> {
+        let plan = self.study.plan();
+        // A reduced brake shows no divergence.
+        let has_divergence = self.study.brake().mode_source().is_none();
+        let is_studied = |lambda: &Complex<f64>| plan.is_studied(*lambda) && (lambda.im != 0.0 || has_divergence);
+        let mode = |lambda: Complex<f64>, is_on: bool| {
+            let margin = plan.threshold.margin(lambda);
+            // What is on the threshold to within rounding does not fail.
+            Mode { margin: if is_on { -margin.abs() } else { margin }, growth: lambda.re, omega: lambda.im }
+        };
+        let CountedSpectrum { flutter, divergence, marginal, below, .. } = counted;
+        let sided = flutter.into_iter().chain(divergence.into_iter().map(Complex::from)).chain(below);
+        let sided = sided.filter(is_studied).map(|lambda| mode(lambda, false));
+        sided.chain(marginal.into_iter().filter(is_studied).map(|lambda| mode(lambda, true))).collect()
+    }
 }
 
 impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
@@ -67,26 +84,21 @@ impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
     }
 
     fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Error> {
+        Ok(self.modes_of_all(&[u.to_vec()])?.pop().unwrap_or_default())
+    }
+
+    fn modes_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Vec<Mode>>, Error> {
         self.progress.go_on()?;
-        let (plan, mut work) = (self.study.plan(), Workspace::default());
-        let system = self.system(u)?;
-        let spectrum = self.solver.eigenvalues(&system, &mut work)?;
-        let counted = CountedSpectrum::new(&plan.threshold, &system, &spectrum, &mut work)?;
-        // A reduced brake shows no divergence.
-        let has_divergence = self.study.brake().mode_source().is_none();
-        let mode = |lambda: Complex<f64>, is_on: bool| {
-            let margin = plan.threshold.margin(lambda);
-            // What is on the threshold to within rounding does not fail.
-            Mode { margin: if is_on { -margin.abs() } else { margin }, growth: lambda.re, omega: lambda.im }
+        let mut work = Workspace::default();
+        let systems = points.iter().map(|u| self.system(u)).collect::<Result<Vec<_>, _>>()?;
+        let mut spectra = Vec::with_capacity(systems.len());
+        self.solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
+        let of_system = |(system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
+            Ok(self.judged(CountedSpectrum::new(&self.study.plan().threshold, system, &spectrum?, &mut work)?))
         };
-        let is_studied = |lambda: &Complex<f64>| plan.is_studied(*lambda) && (lambda.im != 0.0 || has_divergence);
-        let divergence = counted.divergence.into_iter().map(Complex::from);
-        let sided = counted.flutter.into_iter().chain(divergence).chain(counted.below);
-        let sided = sided.filter(is_studied).map(|lambda| mode(lambda, false));
-        let modes = sided.chain(counted.marginal.into_iter().filter(is_studied).map(|lambda| mode(lambda, true)));
-        let modes = modes.collect();
-        self.progress.advance(1);
-        Ok(modes)
+        let modes = systems.iter().zip(spectra).map(of_system).collect();
+        self.progress.advance(points.len() as u64);
+        modes
     }
 
     fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {

@@ -124,6 +124,9 @@ fn of_point_modes(modes: &[Vec<ModeLabel>]) -> String {
 /// "1.85e-6 (1.65e-6 to 2.08e-6 with 95 % confidence; standard error 5.9 %)".
 fn in_words(probability: &Probability) -> String {
     let Probability { value, standard_error, lower, upper } = probability;
+    if *value == 0.0 {
+        return format!("in no sample surely; {upper:.2e} at most with 95 % confidence");
+    }
     let relative = 100.0 * standard_error / value;
     format!("{value:.3e} ({lower:.2e} to {upper:.2e} with 95 % confidence; standard error {relative:.1} %)")
 }
