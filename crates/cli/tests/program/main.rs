@@ -16,6 +16,7 @@ mod instability;
 mod memory;
 mod names;
 mod predicted;
+mod rare;
 mod rectangle;
 mod report_page;
 mod same_bytes;

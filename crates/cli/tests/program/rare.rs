@@ -1,0 +1,103 @@
+//! `squeal rare` as a user sees it: its files, the likeliest squealing brake as a case, the same bytes on any number of threads, and what it refuses.
+
+use super::common::*;
+
+/// Hoffmann's oscillator, one in 100,000 of which flutters.
+const RARE: &str = r#"
+[study]
+name = "Hoffmann"
+samples = 100
+seed = 3
+
+[brake]
+kind = "matrices"
+dofs = ["x", "y"]
+
+[parameters.mu]
+unit = "1"
+distribution = "normal"
+mean = 0.5
+deviation = 0.076
+
+[parameters.c]
+unit = "Ns/m"
+distribution = "log-normal"
+median = 0.3
+sigma = 0.4
+
+[[terms]]
+name = "springs"
+mass = [[1.0, 0.0], [0.0, 1.0]]
+stiffness = [[2.0, 1.0], [1.0, 2.0]]
+
+[[terms]]
+name = "dashpots"
+coefficient = "c"
+damping = [[1.0, 0.0], [0.0, 1.0]]
+
+[[contacts]]
+name = "belt"
+force = { x = -1.0 }
+reading = { y = 1.3333333333333333 }
+mu = "mu"
+"#;
+
+#[test]
+fn rare_squeal_has_its_tables_and_its_likeliest_brake_as_a_case_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, RARE).unwrap();
+    let ask = |threads: &str| {
+        let dir = folder.path().join(threads);
+        let output = squeal().arg("rare").arg(&case).args(["--threads", threads]).arg("--out").arg(&dir).output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+        (String::from_utf8(output.stdout).unwrap(), results(&dir))
+    };
+    let ((said, one), (_, two)) = (ask("1"), ask("2"));
+    assert_same(&one, &two);
+    let files: Vec<&str> = one.keys().map(String::as_str).collect();
+    let expected =
+        ["design_points.csv", "design_points.png", "design_points.svg", "likeliest.toml", "rare.csv", "study.txt", "summary.md"];
+    assert_eq!(files, expected);
+    assert!(said.contains("probability of squeal: 1.") && said.contains("e-5 ("), "{said}");
+    let rows = columns(&folder.path().join("1/rare.csv"), &["mode", "probability", "lower", "upper", "spectra"]);
+    assert_eq!(rows[0][0], "any");
+    for row in &rows {
+        let [value, lower, upper] = [1, 2, 3].map(|at| row[at].parse::<f64>().unwrap());
+        assert!((0.0..1.0).contains(&lower) && lower <= value && value <= upper && upper < 1e-4, "{row:?}");
+    }
+    // The case runs, and just squeals.
+    let likeliest = folder.path().join("1/likeliest.toml");
+    let output = squeal().arg("cea").arg(&likeliest).arg("--json").output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let point: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let growths = point["modes"].as_array().unwrap().iter().map(|mode| mode["re"].as_f64().unwrap());
+    let largest = growths.fold(f64::NEG_INFINITY, f64::max);
+    assert!(largest > 0.0 && largest < 0.05, "{point}");
+    // Another question in the same folder is refused, the same one is answered again.
+    let again = |relative: &str| {
+        let dir = folder.path().join("1");
+        squeal().arg("rare").arg(&case).args(["--relative", relative]).arg("--out").arg(dir).output().unwrap()
+    };
+    assert!(again("0.1").status.success());
+    refusal(&again("0.2"), &["rare"]);
+}
+
+#[test]
+fn what_rare_squeal_cannot_be_asked_of_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    let ask = |text: &str, options: &[&str], said: &[&str]| {
+        std::fs::write(&case, text).unwrap();
+        refusal(&squeal().arg("rare").arg(&case).args(options).output().unwrap(), said);
+    };
+    ask(RARE, &["--relative", "0"], &["--relative = 0", "above 0 and below 1"]);
+    ask(RARE, &["--relative", "-0.1"], &["--relative = -0.1"]);
+    ask(RARE, &["--relative", "nan"], &["--relative = NaN"]);
+    ask(RARE, &["--budget", "0"], &["--budget = 0", "100 spectra or more"]);
+    ask(RARE, &["--directions", "1000000000"], &["--directions"]);
+    ask(&RARE.replace("mean = 0.5", "mean = 0.9"), &[], &["fails with all inputs at their medians"]);
+    let discrete = "distribution = \"discrete\"\nvalues = [0.4, 0.5, 0.6]";
+    let normal = "distribution = \"normal\"\nmean = 0.5\ndeviation = 0.076";
+    ask(&RARE.replace(normal, discrete), &[], &["\"mu\"", "discrete", "continuous"]);
+}
