@@ -41,7 +41,7 @@ pub struct RareArgs {
     /// Standard error to reach, relative to the probability, above 0 and below 1
     #[arg(long, value_name = "R", default_value_t = Options::default().relative, allow_negative_numbers = true, value_parser = number)]
     pub relative: f64,
-    /// Spectra that may be spent
+    /// Spectra that may be spent; the search and the first lines take some thousand whatever it is
     #[arg(long, value_name = "N", default_value_t = Options::default().budget, allow_negative_numbers = true, value_parser = whole_number)]
     pub budget: u64,
     /// Random directions from which the likeliest squealing brakes are looked for, beside both of each input

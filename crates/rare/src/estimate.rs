@@ -25,7 +25,7 @@ use crate::vector::{along, dot, unit};
 const ELSEWHERE: f64 = 0.2;
 /// Part of the probability of the nearest design point that lies beyond the ends of a line; chosen.
 const BEYOND_LINES: f64 = 2e-3;
-/// Part of the probability of the nearest design point below which one has no lines of its own; chosen. The lines of the others find its failures too.
+/// Part of the probability of the nearest design point below which one has no lines of its own, and widens the interval instead; chosen.
 const MATERIAL: f64 = 1e-3;
 /// Fewest lines, in all and of each design point, from which there is an estimate; chosen: fewer do not tell their own spread.
 const FEWEST_LINES: [usize; 2] = [48, 12];
@@ -45,7 +45,8 @@ const APART: f64 = 3.0;
 pub struct Options {
     /// Standard error to reach, relative to the probability, > 0.
     pub relative: f64,
-    /// Number of evaluations that may be spent, those of the search and of the points elsewhere among them.
+    /// Number of evaluations that may be spent, those of the search and of the points elsewhere among them. The search and the first lines, some
+    /// thousand evaluations together, are made whatever it is.
     pub budget: u64,
     /// Number of random directions, beside both of every input, from which design points are looked for.
     pub directions: usize,
@@ -147,12 +148,15 @@ pub fn estimate<L: LimitState>(of: &L, options: &Options) -> Result<Estimate, L:
     let reach = tail_point(BEYOND_LINES * likeliest).min(8.0);
     let number = (ELSEWHERE * options.budget as f64) as usize;
     let looked = elsewhere(&of, &points, reach, (number, options.seed.wrapping_add(1)))?;
-    let sampled = Sampled::new(&of, &points, reach, options)?;
+    let (with_lines, without): (Vec<&DesignPoint>, Vec<&DesignPoint>) =
+        points.iter().partition(|point| tail(point.beta) >= MATERIAL * likeliest);
+    let sampled = Sampled::new(&of, &with_lines, reach, options)?;
     let (value, variance) = sampled.moments();
     let error = variance.sqrt();
-    // Ends of intervals, ends of lines, and what elsewhere is too little to contradict.
-    let ends = PRECISION * nearest.beta.max(1.0) * value;
-    let unproven = contradicted(&looked, (value, error), options)? + 2.0 * tail(reach) + ends;
+    // Ends of intervals and of lines, design points without lines, and what elsewhere is too little to contradict.
+    let ends = PRECISION * nearest.beta.max(1.0) * value + 2.0 * tail(reach);
+    let without: f64 = without.iter().map(|point| tail(point.beta)).sum();
+    let unproven = contradicted(&looked, (value, error), options)? + ends + without;
     let lines = sampled.lines.iter().map(Vec::len).sum();
     let witnesses = sampled.witnesses();
     Ok(Estimate {
@@ -250,12 +254,10 @@ struct Sampled {
 impl Sampled {
     fn new<L: LimitState>(
         of: &Counted<'_, L>,
-        points: &[DesignPoint],
+        points: &[&DesignPoint],
         reach: f64,
         options: &Options,
     ) -> Result<Self, L::Error> {
-        let least = MATERIAL * points.first().map_or(0.0, |nearest| tail(nearest.beta));
-        let points: Vec<&DesignPoint> = points.iter().filter(|point| tail(point.beta) >= least).collect();
         let mut sampled = Self { lines: points.iter().map(|_| Vec::new()).collect() };
         let each = FEWEST_LINES[1].max(FEWEST_LINES[0].div_ceil(points.len()));
         let mut next: Vec<usize> = (0..points.len()).flat_map(|point| std::iter::repeat_n(point, each)).collect();
@@ -270,7 +272,7 @@ impl Sampled {
                 .collect();
             let line = |&(point, number): &(usize, usize)| {
                 let stream = ((point as u64 + 1) << 32) + number as u64;
-                line(of, &points, point, reach, &mut montecarlo::stream(options.seed, stream))
+                line(of, points, point, reach, &mut montecarlo::stream(options.seed, stream))
             };
             let found: Vec<Line> = jobs.par_iter().map(line).collect::<Result<_, L::Error>>()?;
             jobs.into_iter().zip(found).for_each(|((point, _), line)| sampled.lines[point].push(line));

@@ -19,8 +19,8 @@ const MOST_MOVES: usize = 20;
 const MOST_CLIMBS: usize = 4;
 /// Parts of the reach at which a direction is looked at too, for failure that ends again before the reach; chosen.
 const NEARER: [f64; 3] = [0.8, 0.6, 0.4];
-/// Cosine between ray and gradient at a design point; chosen: 0.5 degrees.
-const RIGHT_ANGLE: f64 = 1.0 - 4e-5;
+/// Cosine between ray and gradient at a design point; chosen: 1.1 degrees, beyond which the distance changes by less than an end of an interval.
+const RIGHT_ANGLE: f64 = 1.0 - 2e-4;
 /// Cosine of the directions, and difference of the distances, of two design points that are one; chosen.
 const SAME: (f64, f64) = (0.97, 0.25);
 

@@ -1,6 +1,7 @@
 //! `squeal rare` as a user sees it: its files, the likeliest squealing brake as a case, the same bytes on any number of threads, and what it refuses.
 
-use super::common::*;
+use crate::common::{assert_same, refusal, results, squeal};
+use crate::tables::columns;
 
 /// Hoffmann's oscillator, one in 100,000 of which flutters.
 const RARE: &str = r#"
@@ -49,15 +50,23 @@ fn rare_squeal_has_its_tables_and_its_likeliest_brake_as_a_case_on_any_number_of
     std::fs::write(&case, RARE).unwrap();
     let ask = |threads: &str| {
         let dir = folder.path().join(threads);
-        let output = squeal().arg("rare").arg(&case).args(["--threads", threads]).arg("--out").arg(&dir).output().unwrap();
+        let output =
+            squeal().arg("rare").arg(&case).args(["--threads", threads]).arg("--out").arg(&dir).output().unwrap();
         assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
         (String::from_utf8(output.stdout).unwrap(), results(&dir))
     };
     let ((said, one), (_, two)) = (ask("1"), ask("2"));
     assert_same(&one, &two);
     let files: Vec<&str> = one.keys().map(String::as_str).collect();
-    let expected =
-        ["design_points.csv", "design_points.png", "design_points.svg", "likeliest.toml", "rare.csv", "study.txt", "summary.md"];
+    let expected = [
+        "design_points.csv",
+        "design_points.png",
+        "design_points.svg",
+        "likeliest.toml",
+        "rare.csv",
+        "study.txt",
+        "summary.md",
+    ];
     assert_eq!(files, expected);
     assert!(said.contains("probability of squeal: 1.") && said.contains("e-5 ("), "{said}");
     let rows = columns(&folder.path().join("1/rare.csv"), &["mode", "probability", "lower", "upper", "spectra"]);

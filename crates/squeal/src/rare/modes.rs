@@ -64,9 +64,9 @@ pub(super) fn by_mode(
         // A point that the study finds stable is next to an onset: whichever mode's it is.
         let open =
             sum(&|names| !names.iter().any(|names| is_sure(&names)) && (names.is_empty() || names.iter().any(may_be)));
-        let interval = Probability::new(sure.0, sure.1, lines, 0.0);
+        let interval = Probability::new(sure.0, sure.1, lines, unproven);
         let of_open = Probability::new(open.0, open.1, lines, 0.0).upper;
-        let probability = Probability { upper: (interval.upper + of_open + unproven).min(1.0), ..interval };
+        let probability = Probability { upper: (interval.upper + of_open).min(1.0), ..interval };
         ModeProbability { mode, probability, open: open.0 }
     };
     let mut all: Vec<ModeProbability> = modes.into_iter().map(of_mode).collect();
