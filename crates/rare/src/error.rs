@@ -40,6 +40,17 @@ pub enum Error {
         /// Probability by line sampling.
         found: f64,
     },
+    /// Failure so narrow that no line meets it.
+    #[error(
+        "none of {lines} lines meets the failure that was found {beta:.3} deviations from the medians: it is narrower than lines can tell; allowed: \
+         failure that fills the space beyond its onset"
+    )]
+    NoLine {
+        /// Number of lines.
+        lines: usize,
+        /// Distance of the nearest design point, in standard deviations.
+        beta: f64,
+    },
     /// Two estimates that disagree.
     #[error(
         "{hits} failures among points elsewhere say {elsewhere:.2e} +- {elsewhere_error:.1e} and the lines {lines:.2e} +- {lines_error:.1e}, \

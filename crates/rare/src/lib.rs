@@ -14,13 +14,15 @@ mod estimate;
 mod limit_state;
 mod line;
 mod normal;
+mod sampled;
 mod search;
 mod vector;
 
 pub use error::Error;
-pub use estimate::{Estimate, Options, Probability, Witness, estimate};
+pub use estimate::{Estimate, Options, Probability, estimate};
 pub use limit_state::{LimitState, Mode};
 pub use normal::{tail, tail_point};
+pub use sampled::Witness;
 pub use search::DesignPoint;
 
 /// The README's example, compiled and run as a doctest.

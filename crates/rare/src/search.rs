@@ -135,16 +135,13 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
             break;
         }
         let is_settled = cosine >= RIGHT_ANGLE;
-        let nearer = best.as_ref().is_none_or(|best| beta < best.beta);
-        if nearer {
-            best = Some(DesignPoint { point, direction: direction.clone(), beta, slope, mode, is_settled });
-        }
+        best = Some(DesignPoint { point, direction: direction.clone(), beta, slope, mode, is_settled });
         if is_settled {
             break;
         }
-        let foot = beta * cosine;
         let Some(towards) = unit(along(&scaled(1.0 - part, &ray), part, &direction)) else { break };
-        match onset_near(of, &towards, foot.max(beta * dot(&towards, &direction)), beta)? {
+        let plane = beta * cosine / dot(&towards, &direction);
+        match onset_near(of, &towards, plane, beta)? {
             Some(next) if next < beta - 1e-4 => (ray, beta) = (towards, next),
             // Nothing nearer there: half the way.
             _ if part > 0.1 => part *= 0.5,

@@ -188,6 +188,14 @@ fn an_island_that_no_design_point_explains_is_an_error() {
 }
 
 #[test]
+fn failure_that_no_line_meets_is_an_error() {
+    // A needle along the first input, which the search finds because it begins with the inputs.
+    let needle: Margins = |u| vec![(u[0] - 4.5).min(0.3 - 100.0 * u[1].hypot(u[2]))];
+    let error = found(3, needle, Options::default()).unwrap_err();
+    assert!(matches!(error, Error::NoLine { beta, .. } if (beta - 4.5).abs() < 0.01), "{error}");
+}
+
+#[test]
 fn what_never_fails_has_a_bound_and_what_always_does_is_refused() {
     let never: Margins = |u| vec![-20.0 + u[0] * 0.1];
     let found_never = found(3, never, Options::default()).unwrap();

@@ -64,8 +64,10 @@ pub struct Rare {
     pub probability: Probability,
     /// Part of its upper end that no sample says.
     pub unproven: f64,
-    /// Factor by which the interval is wider because the brake is reduced: 1 of another one.
+    /// Factor by which the intervals are wider because the brake is reduced: 1 of another one, and where it was not compared.
     pub widened: f64,
+    /// The brake is reduced, and a likely squealing brake could not be compared with the full model: an input is none of its parameters.
+    pub is_not_compared: bool,
     /// Certified bound, where there is one.
     pub bound: Option<CertifiedBound>,
     /// Probabilities of modes, the largest first.
@@ -121,6 +123,7 @@ pub fn rare<B: UncertainBrake>(
     // To first order in the distance of the onset of the full model.
     let widening = |point: &LikelySqueal| Some((point.moved? * point.beta.max(1.0)).abs());
     let widened = design_points.iter().filter_map(widening).fold(0.0, f64::max).exp();
+    let is_not_compared = brake.mode_source().is_some() && design_points.iter().any(|point| point.moved.is_none());
     let Estimate { probability, unproven, witnesses, lines, elsewhere, plain, evaluations, is_reached, .. } = found;
     let modes = by_mode(&witnesses, &names, unproven, lines).into_iter();
     let modes = modes.map(|mode| ModeProbability { probability: wider(mode.probability, widened), ..mode }).collect();
@@ -137,6 +140,7 @@ pub fn rare<B: UncertainBrake>(
         probability,
         unproven,
         widened,
+        is_not_compared,
         bound,
         modes,
         design_points,

@@ -58,6 +58,9 @@ impl Rare {
                 100.0 * (self.widened - 1.0)
             );
         }
+        if self.is_not_compared {
+            text += "  the brake is reduced, and was NOT compared with the full model at its likeliest squeal: an input is none of its parameters\n";
+        }
         for (rank, point) in self.design_points.iter().enumerate().take(MOST_NAMED[1]) {
             text += &self.of_point(rank, point);
         }
