@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use ::rare::{LimitState, Mode, tail};
-use cea::{CeaError, CountedSpectrum, EigenSolver, Eigentriple, Spectrum, Workspace};
+use cea::{CeaError, CertifiedError, CountedSpectrum, EigenSolver, Eigentriple, Spectrum, Workspace};
 use linsys::SecondOrder;
 use montecarlo::Progress;
 use num_complex::Complex;
@@ -103,7 +103,11 @@ impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
 
     fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {
         let lambda = Complex::new(mode.growth, mode.omega);
-        let triple = Eigentriple::new(&self.system(u)?, lambda, &mut Workspace::default())?;
+        let triple = match Eigentriple::new(&self.system(u)?, lambda, &mut Workspace::default()) {
+            // Of an eigenvalue that has no vector to working precision there is no direction to go.
+            Err(CeaError::Certified(CertifiedError::NoEigenvector { .. })) => return Ok(vec![0.0; u.len()]),
+            triple => triple?,
+        };
         let rate = |place: usize| {
             let at = |by: f64| {
                 let mut u = u.to_vec();
