@@ -84,8 +84,9 @@ impl RareArgs {
         if !(self.relative > 0.0 && self.relative < 1.0) {
             return refused("--relative", self.relative.to_string(), "a number above 0 and below 1".into());
         }
-        if self.budget < Options::LEAST_BUDGET {
-            return refused("--budget", self.budget.to_string(), format!("{} spectra or more", Options::LEAST_BUDGET));
+        if !Options::BUDGETS.contains(&self.budget) {
+            let (least, most) = (Options::BUDGETS.start(), Options::BUDGETS.end());
+            return refused("--budget", self.budget.to_string(), format!("{least} to {most} spectra"));
         }
         if self.directions > MOST_DIRECTIONS {
             return refused("--directions", self.directions.to_string(), format!("0 to {MOST_DIRECTIONS}"));

@@ -40,6 +40,12 @@ pub enum Error {
         /// Probability by line sampling.
         found: f64,
     },
+    /// A margin that is no number.
+    #[error("the margin of a mode of {omega:.6} rad/s is no number; allowed: numbers, and infinities")]
+    NoMargin {
+        /// Angular frequency of the mode, rad/s.
+        omega: f64,
+    },
     /// Failure so narrow that no line meets it.
     #[error(
         "none of {lines} lines meets the failure that was found {beta:.3} deviations from the medians: it is narrower than lines can tell; allowed: \

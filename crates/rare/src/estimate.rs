@@ -48,8 +48,8 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Smallest budget.
-    pub const LEAST_BUDGET: u64 = 100;
+    /// Budgets that are allowed; chosen: more is no estimate of something rare.
+    pub const BUDGETS: std::ops::RangeInclusive<u64> = 100..=10_000_000;
 
     /// Checks the options.
     ///
@@ -60,8 +60,8 @@ impl Options {
         if !(self.relative > 0.0 && self.relative < 1.0) {
             return refused("relative", self.relative.to_string(), "a number between 0 and 1");
         }
-        if self.budget < Self::LEAST_BUDGET {
-            return refused("budget", self.budget.to_string(), "100 evaluations or more");
+        if !Self::BUDGETS.contains(&self.budget) {
+            return refused("budget", self.budget.to_string(), "100 to 10000000 evaluations");
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::Error;
 use crate::vector::{norm, unit};
 
 /// A mode of failure at a point.
@@ -66,13 +67,14 @@ impl<'a, L: LimitState> Counted<'a, L> {
     /// The mode of the largest margin.
     pub fn worst(&self, u: &[f64]) -> Result<Mode, L::Error> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
-        Ok(worst(self.of.modes(u)?))
+        Ok(worst(self.of.modes(u)?)?)
     }
 
     /// The mode of the largest margin at each point.
     pub fn worst_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Mode>, L::Error> {
         self.evaluations.fetch_add(points.len() as u64, Ordering::Relaxed);
-        Ok(self.of.modes_of_all(points)?.into_iter().map(worst).collect())
+        let worst = self.of.modes_of_all(points)?.into_iter().map(worst).collect::<Result<_, Error>>()?;
+        Ok(worst)
     }
 
     /// The direction in which the margin of a mode grows, of length 1, and how fast; `None` where it has none.
@@ -87,7 +89,10 @@ impl<'a, L: LimitState> Counted<'a, L> {
 }
 
 /// The mode of the largest margin; one that is infinitely far from failure where there is none.
-fn worst(modes: Vec<Mode>) -> Mode {
+fn worst(modes: Vec<Mode>) -> Result<Mode, Error> {
+    if let Some(mode) = modes.iter().find(|mode| mode.margin.is_nan()) {
+        return Err(Error::NoMargin { omega: mode.omega });
+    }
     let none = Mode { margin: f64::NEG_INFINITY, growth: f64::NEG_INFINITY, omega: 0.0 };
-    modes.into_iter().max_by(|a, b| a.margin.total_cmp(&b.margin)).unwrap_or(none)
+    Ok(modes.into_iter().max_by(|a, b| a.margin.total_cmp(&b.margin)).unwrap_or(none))
 }

@@ -203,11 +203,14 @@ fn what_never_fails_has_a_bound_and_what_always_does_is_refused() {
     assert!(value == 0.0 && lower == 0.0 && (upper - 0.00299).abs() < 1e-4, "{upper}");
     let always: Margins = |u| vec![1.0 + 0.1 * u[0]];
     assert!(matches!(found(2, always, Options::default()), Err(Error::NotRare { .. })));
+    let broken: Margins = |u| vec![(u[0] - 4.0).sqrt()];
+    assert!(matches!(found(2, broken, Options::default()), Err(Error::NoMargin { .. })));
     for (options, said) in [
         (Options { relative: 0.0, ..Options::default() }, "relative = 0"),
         (Options { relative: -1.0, ..Options::default() }, "relative = -1"),
         (Options { relative: f64::NAN, ..Options::default() }, "relative = NaN"),
         (Options { budget: 0, ..Options::default() }, "budget = 0"),
+        (Options { budget: u64::MAX, ..Options::default() }, "budget = 18446744073709551615"),
     ] {
         let error = found(3, never, options).unwrap_err().to_string();
         assert!(error.starts_with(said) && !error.contains('\n'), "{error}");
