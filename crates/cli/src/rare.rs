@@ -148,9 +148,10 @@ impl RareArgs {
         Ok(format!("{}\n\n{answer}{spectra} spectra in {seconds:.2} s{place}\n", printable(&heading)))
     }
 
-    /// The likeliest squealing brake as a case; `None` where no squeal was found, and where inputs are not the case's own.
+    /// The likeliest squealing brake as a case; `None` where no squeal was found, and where inputs have no field of a case of their own.
     fn likeliest(&self, found: &Rare) -> Result<Option<String>, Error> {
-        let Some(point) = found.design_points.first() else { return Ok(None) };
+        // A brake of a user's own type has no case file.
+        let Some(point) = found.design_points.first().filter(|_| self.case.is_file()) else { return Ok(None) };
         let names = found.inputs.iter().map(|input| input.name.clone());
         let values: Vec<(String, f64)> = names.zip(point.squealing.iter().copied()).collect();
         let Some(case) = with_constants(&self.case, &values, self.range.as_deref())? else { return Ok(None) };

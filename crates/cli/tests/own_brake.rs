@@ -19,7 +19,7 @@ use squeal::results::Results;
 use squeal::run_study;
 use squeal::study::{Drawn, IndependentBrake, Scene, Study};
 use squeal::sweep::Over;
-use squeal_cli::{CeaArgs, CheckArgs, InfluenceArgs, MemoryArgs, RunArgs, SceneArgs, ScreenArgs, SweepArgs};
+use squeal_cli::{CeaArgs, CheckArgs, InfluenceArgs, MemoryArgs, RareArgs, RunArgs, SceneArgs, ScreenArgs, SweepArgs};
 
 /// Elements of the beam, which is 0.4 m long, 30 mm wide and 10 mm high, and its length for each.
 const ELEMENTS: usize = 10;
@@ -232,6 +232,21 @@ fn a_brake_of_ones_own_goes_through_every_command() {
     };
     let said = influence.influence(&both).unwrap();
     assert!(["mu", "kc", "beta"].iter().all(|name| said.contains(name)), "{said}");
+    let rare = RareArgs {
+        case: case.clone(),
+        scene: SceneArgs::default(),
+        range: None,
+        relative: 0.2,
+        budget: 1_000,
+        directions: 8,
+        seed: None,
+        out: folder("rare"),
+        threads: None,
+        memory,
+    };
+    // More than half of the draws squeal.
+    let refused = rare.rare(&both).unwrap_err().to_string();
+    assert!(refused.contains("fails with all inputs at their medians"), "{refused}");
     let check = CheckArgs { case, samples: None, shards: Some(4), memory };
     let said = check.check(&both).unwrap();
     assert!(said.contains("pad1 (friction)") && said.contains("vd, lugre") && said.contains("4: each"), "{said}");
