@@ -1,6 +1,6 @@
 //! Case files as commands read them.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use brakes::case::{CaseError, CaseFile};
 
@@ -12,13 +12,25 @@ pub fn commit() -> Option<&'static str> {
     option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty())
 }
 
-/// Reads a case file, and says what its user should know of it.
-///
-/// # Errors
-/// As [`CaseFile::read`].
-pub(super) fn read(path: &Path) -> Result<CaseFile, CaseError> {
-    let mut case = CaseFile::read(path)?;
-    case.header_mut().commit = commit();
-    case.header().notes.iter().for_each(|text| note(text));
-    Ok(case)
+/// The case file of a command, and what is set in it.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct CaseArgs {
+    /// The case file (TOML); docs/case-files.md describes its fields
+    pub case: PathBuf,
+    /// Set a parameter (mu=0.3: the constant) or a field (study.samples=500) as if the file said so; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl CaseArgs {
+    /// Reads the case file, and says what its user should know of it.
+    ///
+    /// # Errors
+    /// As [`CaseFile::read_with`].
+    pub(super) fn read(&self) -> Result<CaseFile, CaseError> {
+        let mut case = CaseFile::read_with(&self.case, &self.set)?;
+        case.header_mut().commit = commit();
+        case.header().notes.iter().for_each(|text| note(text));
+        Ok(case)
+    }
 }

@@ -1,7 +1,6 @@
 //! `squeal cea`: one deterministic complex eigenvalue analysis of a case.
 
 use std::io::Write;
-use std::path::PathBuf;
 
 use brakes::case::{ChosenSpeed, FiniteElementCase};
 use brakes::{BESIDE, CaseBrake, FiniteElementBrake, Purpose};
@@ -26,13 +25,14 @@ use super::reasons::{first_scene, is_of, reasons, whys};
 use super::scene::{SceneArgs, counts_from};
 use super::sized;
 use crate::Error;
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
 pub struct CeaArgs {
-    /// The case file (TOML)
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// The scene
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -77,7 +77,7 @@ impl CeaArgs {
     /// # Errors
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
+        let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
         let text = self.analysis(&sized::brake(case, Purpose::Analysis, self.memory, None)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }

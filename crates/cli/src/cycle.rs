@@ -22,7 +22,7 @@ use super::sweep::over;
 use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, PREPARED};
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Follow unstable modes into the motion that they grow to: contacts open, slide and stick, and mostly a limit cycle is reached.
 ///
@@ -30,8 +30,9 @@ use crate::case_file;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: squeal cycle cases/hoffmann.toml --over mu=0.5:1.1")]
 pub struct CycleArgs {
-    /// The case file (TOML)
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// The scene
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -75,7 +76,7 @@ impl CycleArgs {
     /// # Errors
     /// What is wrong with the case or an option, and what has no motion.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
+        let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
         if matches!(case, CaseFile::FiniteElements(_)) {
             // Its reduction would take long, and its contacts are not given.
             let error = squeal::Error::NotGiven { capability: "sliding_contacts", needed_by: MOTION };

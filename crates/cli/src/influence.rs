@@ -20,7 +20,7 @@ use super::scene::SceneArgs;
 use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Fewest and most draws, and rows of a design; chosen: with fewer an interval has no information, and more take gigabytes.
 const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
@@ -31,8 +31,9 @@ const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
 /// design of their own.
 #[derive(Debug, clap::Args)]
 pub struct InfluenceArgs {
-    /// The case file (TOML)
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// The scene
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -72,7 +73,7 @@ impl InfluenceArgs {
                 return Err(Error::Option { option, value: given.to_string(), allowed });
             }
         }
-        let mut case = case_file::read(&self.case)?;
+        let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
         let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
         let text = self.influence(&sized::brake(case, Purpose::Study, self.memory, self.threads)?)?;

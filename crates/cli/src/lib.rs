@@ -26,7 +26,7 @@ mod sweep;
 pub mod terminal;
 
 pub use self::cea::CeaArgs;
-pub use case_file::commit;
+pub use case_file::{CaseArgs, commit};
 pub use check::CheckArgs;
 pub use cycle::CycleArgs;
 pub use eig::{EigArgs, largest_order, search_options};

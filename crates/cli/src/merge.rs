@@ -11,15 +11,16 @@ use super::run::RunArgs;
 use super::sized;
 use crate::Error;
 use crate::bar::Bars;
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Put the shards of a study together: the same tables, figures and page as those of one run, byte for byte.
 ///
 /// Parts are folders of `squeal run --shard`, in any order; a part that is there twice counts once. What is missing is said.
 #[derive(Debug, clap::Args)]
 pub struct MergeArgs {
-    /// The case file (TOML) of the parts
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// Folders of the parts
     #[arg(required = true, value_name = "PART")]
     pub parts: Vec<PathBuf>,
@@ -46,7 +47,7 @@ impl MergeArgs {
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let mut case = case_file::read(&self.case)?;
+        let mut case = self.case.read()?;
         // Parts that are not complete are refused before anything large is made.
         let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.

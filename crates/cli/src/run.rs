@@ -19,7 +19,7 @@ use super::reduction::write_reduction;
 use super::sized;
 use crate::Error;
 use crate::bar::{Bars, EVALUATED, PREPARED, REASONS, RunBars, Stages};
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
 const SUMMARISED_PANELS: usize = 4;
@@ -29,8 +29,9 @@ const SUMMARISED_PANELS: usize = 4;
 /// A run that was stopped, even killed, is continued by the same command; one that has finished, by a larger --samples.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// The case file (TOML); docs/case-files.md describes its fields
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// Folder for the results: new, empty, or that of the same study
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -80,7 +81,7 @@ impl RunArgs {
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let mut case = case_file::read(&self.case)?;
+        let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
         let half_width = self.half_width.or(case.header().half_width);
         if self.shard.is_some() {

@@ -19,7 +19,7 @@ use super::scene::chosen;
 use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Most draws of the prediction, and most places of a set; chosen.
 const MOST_DRAWS: u64 = 10_000;
@@ -31,8 +31,9 @@ const MOST_PLACES: u64 = 20;
 /// for all, with an interval of each difference. A run that was stopped is continued by the same command.
 #[derive(Debug, clap::Args)]
 pub struct ScreenArgs {
-    /// The case file (TOML)
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// Kinds of changes: constraint, mass, spring, dashpot, contact [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub kinds: Option<Vec<String>>,
@@ -83,7 +84,7 @@ impl ScreenArgs {
     /// # Errors
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let mut case = case_file::read(&self.case)?;
+        let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
         self.options(&case.constraint_sets())?;
         let text = self.screen(&sized::brake(case, Purpose::Screen, self.memory, self.threads)?)?;

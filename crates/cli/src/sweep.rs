@@ -22,15 +22,16 @@ use super::scene::{SceneArgs, counts_from};
 use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, PREPARED};
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
 ///
 /// Over one: branches of the root locus, onsets, coalescences. Over two: the stability map with its boundary.
 #[derive(Debug, clap::Args)]
 pub struct SweepArgs {
-    /// The case file (TOML)
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// A parameter and its range, as mu=0:1; given twice, a map of two parameters
     #[arg(long, value_name = "NAME=FROM:TO", required = true, value_parser = over)]
     pub over: Vec<Over>,
@@ -68,7 +69,7 @@ impl SweepArgs {
     /// Faults of the case or of an option; a parameter that cannot be swept.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
-        let case = self.scene.only(case_file::read(&self.case)?, ChosenSpeed::Median)?;
+        let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
         let brake = sized::brake(case, Purpose::Sweep(&self.over), self.memory, self.threads)?;
         let text = self.sweep(&brake)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)

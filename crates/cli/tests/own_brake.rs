@@ -3,8 +3,6 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
-use std::path::PathBuf;
-
 use brakes::CaseBrake;
 use cea::BatchSolver;
 use friction::{
@@ -19,7 +17,9 @@ use squeal::results::Results;
 use squeal::run_study;
 use squeal::study::{Drawn, IndependentBrake, Scene, Study};
 use squeal::sweep::Over;
-use squeal_cli::{CeaArgs, CheckArgs, InfluenceArgs, MemoryArgs, RareArgs, RunArgs, SceneArgs, ScreenArgs, SweepArgs};
+use squeal_cli::{
+    CaseArgs, CeaArgs, CheckArgs, InfluenceArgs, MemoryArgs, RareArgs, RunArgs, SceneArgs, ScreenArgs, SweepArgs,
+};
 
 /// Elements of the beam, which is 0.4 m long, 30 mm wide and 10 mm high, and its length for each.
 const ELEMENTS: usize = 10;
@@ -146,7 +146,8 @@ fn on_a_belt(laws: &'static [usize]) -> impl CaseBrake<Sample = Vec<f64>> {
 #[test]
 fn a_brake_of_ones_own_goes_through_every_command() {
     let dir = tempfile::tempdir().unwrap();
-    let (case, memory) = (PathBuf::from("a beam"), MemoryArgs::default());
+    let case = CaseArgs { case: "a beam".into(), set: Vec::new() };
+    let memory = MemoryArgs::default();
     let folder = |name: &str| Some(dir.path().join(name));
     for (laws, lambda, onset, occurrence) in [
         (&[0_usize][..], [0.249_768_841, 2_028.555_704_466], 0.389_936_904_961, 0.5806),

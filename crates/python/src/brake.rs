@@ -57,11 +57,11 @@ type Scenes = (Option<String>, Option<Vec<usize>>, Option<String>);
 
 #[pymethods]
 impl Brake {
-    /// The brake of a case file, or of its text; `is_open` where a callable computes coefficients.
+    /// The brake of a case file with fields set, or of its text; `is_open` where a callable computes coefficients.
     #[new]
-    fn new(py: Python<'_>, path: PathBuf, text: Option<String>, is_open: bool) -> PyResult<Self> {
+    fn new(py: Python<'_>, path: PathBuf, set: Vec<String>, text: Option<String>, is_open: bool) -> PyResult<Self> {
         let read = || match text {
-            None => CaseFile::read(&path),
+            None => CaseFile::read_with(&path, &set),
             Some(text) if is_open => {
                 MatricesCase::parse_open(&path, text).map(|(case, _)| CaseFile::Matrices(Box::new(case)))
             }

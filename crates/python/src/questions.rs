@@ -19,7 +19,7 @@ use squeal::study::{Cost, Study, UncertainBrake};
 use squeal::sweep::{Found, Over, stability_map, sweep as over_one};
 use squeal::{RunOptions, RunProgress, workers};
 use squeal_cli::bar::Stages;
-use squeal_cli::{CeaArgs, Error, MemoryArgs, RunArgs, SceneArgs};
+use squeal_cli::{CaseArgs, CeaArgs, Error, MemoryArgs, RunArgs, SceneArgs};
 
 use crate::away::{Ends, Watch, away};
 use crate::brake::{Brake, Source};
@@ -54,7 +54,7 @@ fn ran(done: Result<(), Error>, out: Vec<u8>) -> Result<Ran, Error> {
 
 fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half_width: Option<f64>) -> RunArgs {
     RunArgs {
-        case: PathBuf::new(),
+        case: CaseArgs::default(),
         out,
         samples: None,
         seed: None,
@@ -159,7 +159,7 @@ pub(crate) fn cea(py: Python<'_>, brake: &Brake, why: bool) -> PyResult<String> 
     away(py, Ends::LeftBehind, None, move |watch| {
         let brake = source.brake(Purpose::Analysis, None, watch)?;
         let (scene, memory) = (SceneArgs::default(), MemoryArgs::default());
-        CeaArgs { case: PathBuf::new(), scene, modes: true, why, json: true, memory }.analysis(&brake)
+        CeaArgs { case: CaseArgs::default(), scene, modes: true, why, json: true, memory }.analysis(&brake)
     })
 }
 

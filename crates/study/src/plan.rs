@@ -221,8 +221,10 @@ pub enum ModeIdentity {
 pub struct StudySource {
     /// Path of the file.
     pub path: PathBuf,
-    /// Text of the file.
+    /// Text of the file, with what was set.
     pub text: String,
+    /// Fields that were set from outside, each as `NAME=VALUE`.
+    pub set: Vec<String>,
 }
 
 /// Guard factor: reference modes are kept in `[f_min / 1.2, 1.2 f_max]` of the band of a study, since they may come into it; chosen:

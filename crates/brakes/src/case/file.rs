@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::check::{Check, syntax};
+use super::set::edited;
 use super::{CaseError, CaseHeader, FiniteElementCase, LatticeCase, MatricesCase};
 use crate::input::{LARGEST_CASE, read_text};
 
@@ -45,8 +46,23 @@ impl CaseFile {
     /// # Errors
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
+        Self::read_with(path, &[])
+    }
+
+    /// Reads and checks a case file with fields set, each as `NAME=VALUE`: as if they stood in the file.
+    ///
+    /// NAME is a parameter of `[parameters]` or `[friction]`, or any field as a dotted key of TOML, in which a table of a list goes by its
+    /// `name`. VALUE is one of TOML, or text without quotes; a number in place of a distribution is the constant, and a distribution that
+    /// says no unit has that of the one before it.
+    ///
+    /// # Errors
+    /// As [`CaseFile::read`].
+    pub fn read_with(path: &Path, set: &[String]) -> Result<Self, CaseError> {
         let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
-        Self::parse(path, text)
+        let text = if set.is_empty() { text } else { edited(path, &text, set)? };
+        let mut case = Self::parse(path, text)?;
+        case.header_mut().set = set.to_vec();
+        Ok(case)
     }
 
     /// The header of the case.

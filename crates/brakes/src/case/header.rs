@@ -14,8 +14,10 @@ use super::squeal::SquealTable;
 pub struct CaseHeader {
     /// The case file.
     pub path: PathBuf,
-    /// The text of the case file.
+    /// The text of the case file, with what was set.
     pub text: String,
+    /// Fields that were set from outside, each as `NAME=VALUE`.
+    pub set: Vec<String>,
     /// Name of the study.
     pub name: String,
     /// Samples per scene, >= 1.
@@ -39,7 +41,8 @@ impl CaseHeader {
     /// The plan of the study, without scenes; `identity` as in [`Plan::identity`].
     pub(crate) fn plan(&self, identity: String) -> Plan {
         let mut plan = Plan::without_scenes(&self.name, identity, self.samples, self.seed);
-        plan.source_file = Some(StudySource { path: self.path.clone(), text: self.text.clone() });
+        plan.source_file =
+            Some(StudySource { path: self.path.clone(), text: self.text.clone(), set: self.set.clone() });
         (plan.threshold, plan.commit) = (self.threshold, self.commit);
         plan
     }
@@ -68,6 +71,7 @@ impl Check<'_> {
         Ok(CaseHeader {
             path: self.path.to_owned(),
             text,
+            set: Vec::new(),
             name,
             samples,
             seed,

@@ -16,6 +16,7 @@ mod identity;
 mod matrices;
 mod measured;
 mod schema;
+mod set;
 mod squeal;
 mod symmetry;
 mod types;

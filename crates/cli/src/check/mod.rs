@@ -4,7 +4,6 @@ mod health;
 mod names;
 
 use std::io::Write;
-use std::path::PathBuf;
 
 use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
 use brakes::{CaseBrake, FiniteElementBrake, Part, Purpose};
@@ -17,7 +16,7 @@ use super::options::{MemoryArgs, override_run, whole_number};
 use super::sized;
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Longest preparation, s of processor time by its rate, that a check goes through to time some samples; chosen.
 const LONGEST_PREPARATION: f64 = 300.0;
@@ -25,8 +24,9 @@ const LONGEST_PREPARATION: f64 = 300.0;
 /// Check a case and say what its study would compute, and roughly how long that takes.
 #[derive(Debug, clap::Args)]
 pub struct CheckArgs {
-    /// The case file (TOML)
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// Samples per scene, instead of the case's
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub samples: Option<u64>,
@@ -44,7 +44,7 @@ impl CheckArgs {
     /// # Errors
     /// Faults of the case.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let mut case = case_file::read(&self.case)?;
+        let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, None, None)?;
         // Said first, because a reduction of an unsound model may fail or take long; that the case is valid is not known before.
         let model = if let CaseFile::FiniteElements(case) = &case { Some(self.model(case)?) } else { None };
@@ -108,7 +108,7 @@ impl CheckArgs {
     }
 
     fn file(&self) -> String {
-        printable(&self.case.display().to_string())
+        printable(&self.case.case.display().to_string())
     }
 }
 

@@ -21,6 +21,7 @@ mod rectangle;
 mod report_page;
 mod same_bytes;
 mod screen;
+mod set;
 mod shards;
 mod sizes;
 mod study_tables;

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import pathlib
-import tomllib
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,20 +22,20 @@ Formula = float | str
 Coefficients = Callable[[dict[str, Floats]], Mapping[str, npt.ArrayLike]]
 
 
-_Made = tuple[str, str | None, Coefficients | None, list[str] | None, int | None, int | None]
+_Made = tuple[str, list[str], str | None, Coefficients | None, list[str] | None, int | None, int | None]
 
 
 class AnyBrake:
     """What a study, a sweep and the like are asked of."""
 
     _native: _squeal.Brake
-    #: What `_native` is made of: path, text, callable and what it computes, samples, seed.
+    #: What `_native` is made of: path, what is set in it, text, callable and what it computes, samples, seed.
     _made: _Made
 
     def _make(self, made: _Made) -> None:
         self._made = made
-        path, text, coefficients, names, samples, seed = made
-        native = _squeal.Brake(path, text, coefficients is not None)
+        path, set_, text, coefficients, names, samples, seed = made
+        native = _squeal.Brake(path, set_, text, coefficients is not None)
         if coefficients is not None and names is not None:
             native = native.with_callable(coefficients, names)
         self._native = native.with_run(samples, seed)
@@ -77,8 +75,8 @@ class AnyBrake:
 class Case(AnyBrake):
     """The brake of a case file, of any kind.
 
-    `samples` and `seed` stand for those of the file. `set` changes fields by their names with points between, those of a list of tables
-    by the name of the table: `set={"parameters.mu.to": 1.3, "terms.springs.coefficient": "1.1", "parameters.c": squeal.Uniform(1, 2)}`.
+    `samples` and `seed` stand for those of the file. `set` sets parameters by their names, and fields as `--set` does, those of a list of
+    tables by the name of the table: `set={"mu": 0.3, "c": squeal.Uniform(1, 2), "terms.springs.coefficient": "1.1 * E"}`.
     """
 
     def __init__(
@@ -91,23 +89,10 @@ class Case(AnyBrake):
     ) -> None:
         self.path = os.fspath(path)
         run = (_whole("samples", samples, 1), _whole("seed", seed, 0))
-        text = _changed(self.path, set) if set else None
-        self._make((self.path, text, None, None, *run))
-        if set and text is None:
-            raise refused("set", sorted(set), "fields of a case file of TOML 1.0 in UTF-8")
+        settings = [_setting(field, value) for field, value in (set or {}).items()]
+        self._make((self.path, settings, None, None, None, *run))
         for note in self._native.notes():
             warnings.warn(note, CaseWarning, stacklevel=2)
-
-
-def _changed(path: str, fields: Mapping[str, Any]) -> str | None:
-    """The text of a case with other fields; None where Python cannot read it, which Rust may."""
-    try:
-        tables = tomllib.loads(pathlib.Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
-        return None
-    for field, value in fields.items():
-        _change(tables, field, value)
-    return _toml.document(tables)
 
 
 def _whole(argument: str, given: int | None, least: int) -> int | None:
@@ -116,25 +101,12 @@ def _whole(argument: str, given: int | None, least: int) -> int | None:
     return None if given is None else int(given)
 
 
-def _change(tables: dict[str, Any], field: str, value: Any) -> None:
-    """Changes a field of a case."""
-    at: Any = tables
-    *path, last = field.split(".")
-    for key in path:
-        if isinstance(at, list):
-            at = next((table for table in at if isinstance(table, dict) and table.get("name") == key), None)
-        elif isinstance(at, dict):
-            at = at.setdefault(key, {}) if at is tables else at.get(key)
-        if not isinstance(at, dict | list):
-            raise refused("set", f"{field!r}", f"fields that the case has; {key!r} is none")
-    if not isinstance(at, dict):
-        raise refused("set", f"{field!r}", "the name of a table in this list, then a field of it")
-    plain = value.table() if isinstance(value, Distribution) else value
+def _setting(field: str, value: Any) -> str:
+    """A field that is set, as `NAME=VALUE`."""
     try:
-        _toml.value(plain)
+        return f"{field}={_toml.value(value.table() if isinstance(value, Distribution) else value)}"
     except TypeError as error:
         raise refused("set", f"{field!r}: {error}", "numbers, text, lists, distributions") from None
-    at[last] = plain
 
 
 @dataclass(frozen=True)
@@ -226,7 +198,7 @@ class Brake(AnyBrake):
             tables["correlation"] = {"parameters": list(names), "matrix": real("correlation", matrix)}
         #: The brake as a case file.
         self.text = _toml.document({key: table for key, table in tables.items() if table})
-        self._make(("brake", self.text, coefficients, None, None, None))
+        self._make(("brake", [], self.text, coefficients, None, None, None))
         if coefficients is not None:
             medians = {of: np.array([median]) for of, _, median in self._native.parameters()}
             found = coefficients(medians)
@@ -234,7 +206,7 @@ class Brake(AnyBrake):
                 raise refused("coefficients", f"a callable that returns {type(found).__name__}", "a dict of arrays")
             names = [str(key) for key in found]
             _check_computed(names, terms, contacts)
-            self._make(("brake", self.text, coefficients, names, None, None))
+            self._make(("brake", [], self.text, coefficients, names, None, None))
 
 
 def _plain(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -88,7 +88,7 @@ pub(super) fn program(plan: &Plan) -> String {
 
 /// The case file as it was given.
 pub(super) fn case(source: Option<&StudySource>, sha256: Option<&str>) -> String {
-    let Some(StudySource { path, text }) = source else { return String::new() };
+    let Some(StudySource { path, text, .. }) = source else { return String::new() };
     let facts = [("File", path.display().to_string()), ("SHA-256", sha256.unwrap_or_default().to_owned())];
     format!(
         "<h3>Case file</h3>\n{}<pre tabindex=\"0\" aria-label=\"Text of the case file\">{}</pre>\n",

@@ -42,8 +42,11 @@ pub struct Source {
     pub commit: Option<&'static str>,
     /// The case file as it was given; `null` for a brake that was not read from one.
     pub case: Option<String>,
-    /// SHA-256 of the text of the case file.
+    /// SHA-256 of the text of the case file, with what was set.
     pub case_sha256: Option<String>,
+    /// Fields of the case file that were set from outside, each as `NAME=VALUE`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
     /// Name of the study.
     pub study: String,
 }
@@ -60,6 +63,7 @@ impl Source {
             commit: plan.commit,
             case: plan.source_file.as_ref().map(|file| file.path.display().to_string()),
             case_sha256: plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
+            set: plan.source_file.as_ref().map_or_else(Vec::new, |file| file.set.clone()),
             study: plan.name.clone(),
         }
     }

@@ -1,0 +1,210 @@
+//! Fields of a case file set from outside, as by `--set mu=0.3`.
+
+use std::path::Path;
+
+use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
+
+use super::CaseError;
+use super::check::Check;
+
+/// Tables whose entries are distributions, which their names alone are enough for.
+const DRAWN: [&str; 2] = ["parameters", "friction"];
+
+/// The text of a case with fields set, each as `NAME=VALUE`, in their order; all else stays as it is written. A text that is no TOML stays,
+/// for its reader to say where.
+///
+/// NAME is a parameter, or a field as a dotted key of TOML, in which a table of a list goes by its `name`. VALUE is one of TOML, or text
+/// without quotes. A number in place of a distribution is the constant, and a distribution keeps the unit that it had.
+///
+/// # Errors
+/// [`CaseError::Value`] for a name that the case does not have. Whether a value is allowed is for its reader to say.
+pub(super) fn edited(path: &Path, text: &str, set: &[String]) -> Result<String, CaseError> {
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text.to_owned()) };
+    for setting in set {
+        let refused = |allowed: String| Check::new(path).value("set", setting, &allowed);
+        let (name, value) = setting.split_once('=').ok_or_else(|| refused("NAME=VALUE".into()))?;
+        let name = name.trim();
+        let keys = Key::parse(name).map_err(|_| refused(format!("a dotted key of TOML before =; {name:?} is none")))?;
+        let value = value.trim().parse().unwrap_or_else(|_| Value::from(value.trim()));
+        put(document.as_table_mut(), &keys, value).map_err(refused)?;
+    }
+    Ok(document.to_string())
+}
+
+/// Puts a value into a document; the error says what is allowed.
+fn put(document: &mut Table, keys: &[Key], value: Value) -> Result<(), String> {
+    let (table, key) = match keys {
+        [name] => (parameters_with(document, name.get())?, name),
+        [table, key] if !document.contains_key(table.get()) => {
+            // Tables that a case need not have; what is no table of a case its reader refuses.
+            let new = document.entry(table.get()).or_insert(Item::Table(Table::new()));
+            (new.as_table_like_mut().ok_or("the name of a table")?, key)
+        }
+        [tables @ .., key] => (inner(document, tables)?, key),
+        [] => return Err("NAME=VALUE".into()),
+    };
+    match table.get_mut(key.get()) {
+        Some(item) if is_distribution(item) => distribution(item, value),
+        Some(Item::Value(old)) => {
+            let decor = old.decor().clone();
+            *old = value;
+            *old.decor_mut() = decor;
+            Ok(())
+        }
+        Some(_) => Err(format!("a field of {}", key.get())),
+        None => {
+            table.insert(key.get(), Item::Value(value));
+            Ok(())
+        }
+    }
+}
+
+fn is_distribution(item: &Item) -> bool {
+    item.get("distribution").is_some()
+}
+
+/// The table of a document in which a parameter is drawn.
+fn parameters_with<'a>(document: &'a mut Table, name: &str) -> Result<&'a mut dyn TableLike, String> {
+    let drawn = |table: &'static str| {
+        let entries = document.get(table).and_then(Item::as_table_like);
+        entries.into_iter().flat_map(|entries| entries.iter()).filter(|(_, item)| is_distribution(item))
+    };
+    let names: Vec<(&str, &str)> =
+        DRAWN.into_iter().flat_map(|table| drawn(table).map(move |(of, _)| (table, of))).collect();
+    let allowed = || {
+        let names: Vec<&str> = names.iter().map(|(_, name)| *name).collect();
+        format!("{}, or a field as table.key", names.join(", "))
+    };
+    let mut tables = names.iter().filter(|(_, of)| *of == name).map(|(table, _)| *table);
+    match (tables.next(), tables.next()) {
+        (Some(table), None) => {
+            document.get_mut(table).and_then(Item::as_table_like_mut).ok_or_else(|| "a parameter".into())
+        }
+        (Some(_), Some(_)) => {
+            Err(format!("{}, of which there are two", DRAWN.map(|of| format!("{of}.{name}")).join(" or ")))
+        }
+        (None, _) => Err(allowed()),
+    }
+}
+
+/// The table at some keys.
+fn inner<'a>(table: &'a mut dyn TableLike, keys: &[Key]) -> Result<&'a mut dyn TableLike, String> {
+    let Some((key, rest)) = keys.split_first() else { return Ok(table) };
+    let known: Vec<String> = table.iter().filter(|(_, item)| !item.is_value()).map(|(key, _)| key.to_owned()).collect();
+    match table.get_mut(key.get()) {
+        Some(Item::ArrayOfTables(list)) => {
+            let named = |table: &Table| table.get("name").and_then(Item::as_str).map(str::to_owned);
+            let names: Vec<String> = list.iter().filter_map(named).collect();
+            let allowed = || format!("a table of {} by its name: {}", key.get(), names.join(", "));
+            let (name, rest) = rest.split_first().ok_or_else(allowed)?;
+            let found = list.iter_mut().find(|table| named(table).as_deref() == Some(name.get()));
+            inner(found.ok_or_else(allowed)?, rest)
+        }
+        Some(item) => match item.as_table_like_mut() {
+            Some(table) => inner(table, rest),
+            None => Err(format!("fields that the case has; {} is no table", key.get())),
+        },
+        None => Err(format!("a table that the case has: {}", known.join(", "))),
+    }
+}
+
+/// Puts another distribution in the place of one.
+fn distribution(item: &mut Item, value: Value) -> Result<(), String> {
+    let new = match value {
+        Value::InlineTable(table) => table,
+        Value::Integer(_) | Value::Float(_) => {
+            InlineTable::from_iter([("distribution", Value::from("constant")), ("value", value)])
+        }
+        _ => return Err("a number, or a distribution as { distribution = \"uniform\", from = 0.0, to = 1.0 }".into()),
+    };
+    let Some(table) = item.as_table_like_mut() else { return Err("a distribution".into()) };
+    let others: Vec<String> = table.iter().map(|(key, _)| key.to_owned()).filter(|key| key != "unit").collect();
+    for key in others {
+        table.remove(&key);
+    }
+    for (key, value) in new {
+        table.insert(&key, Item::Value(value));
+    }
+    table.fmt();
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::edited;
+
+    const CASE: &str = r#"
+# A brake.
+[study]
+samples = 10 # few
+
+[parameters.mu]
+unit = "1"
+distribution = "uniform"
+from = 0.5
+to = 1.1
+
+[parameters]
+c = { distribution = "normal", mean = 2.0, deviation = 0.1, unit = "Ns/m" } # damping
+
+[[terms]]
+name = "pad spring"
+coefficient = 1.0
+"#;
+
+    fn set(set: &[&str]) -> Result<String, String> {
+        let set: Vec<String> = set.iter().map(|&setting| setting.to_owned()).collect();
+        edited(Path::new("brake.toml"), CASE, &set).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_is_set_is_changed_and_all_else_stays() {
+        for (setting, from, to) in [
+            ("study.samples=20", "samples = 10 # few", "samples = 20 # few"),
+            ("parameters.mu.to=1.3", "to = 1.1", "to = 1.3"),
+            ("mu=0.3", "distribution = \"uniform\"\nfrom = 0.5\nto = 1.1", "distribution = \"constant\"\nvalue = 0.3"),
+            (
+                "c = 3",
+                r#"{ distribution = "normal", mean = 2.0, deviation = 0.1, unit = "Ns/m" } #"#,
+                r#"{ unit = "Ns/m", distribution = "constant", value = 3 } #"#,
+            ),
+            (
+                r#"parameters.c={distribution="uniform", from=1, to=2, unit="kg/s"}"#,
+                r#"{ distribution = "normal", mean = 2.0, deviation = 0.1, unit = "Ns/m" } #"#,
+                r#"{ unit = "kg/s", distribution = "uniform", from = 1, to = 2 } #"#,
+            ),
+            (r#"terms."pad spring".coefficient=1.1 * c"#, "coefficient = 1.0", "coefficient = \"1.1 * c\""),
+            (
+                r#"terms."pad spring".family=springs"#,
+                "coefficient = 1.0\n",
+                "coefficient = 1.0\nfamily = \"springs\"\n",
+            ),
+            ("accuracy.half_width=0.01", "coefficient = 1.0\n", "coefficient = 1.0\n\n[accuracy]\nhalf_width = 0.01\n"),
+        ] {
+            let found = set(&[setting]).unwrap();
+            assert_eq!(found, CASE.replace(from, to), "{setting}");
+            assert_ne!(found, CASE, "{setting}");
+        }
+        assert_eq!(set(&["mu=1", "parameters.mu.value=2"]).unwrap(), set(&["mu=2"]).unwrap());
+    }
+
+    #[test]
+    fn what_a_case_does_not_have_is_refused_with_what_it_has() {
+        for (setting, allowed) in [
+            ("mu", "NAME=VALUE"),
+            ("=1", "a dotted key of TOML before =; \"\" is none"),
+            ("muu=0.3", "mu, c, or a field as table.key"),
+            ("mu=.5", "a number, or a distribution as"),
+            ("parameters.nu.to=1", "a table that the case has: mu"),
+            ("terms=1", "mu, c, or"),
+            ("terms.springs.coefficient=2", "a table of terms by its name: pad spring"),
+            ("study.samples.most=1", "samples is no table"),
+        ] {
+            let refused = set(&[setting]).unwrap_err();
+            assert!(refused.starts_with(&format!("brake.toml: set = {setting}; allowed: ")), "{refused}");
+            assert!(refused.contains(allowed), "{refused}");
+        }
+    }
+}
