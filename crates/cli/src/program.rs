@@ -7,8 +7,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
-    CeaArgs, CheckArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RareArgs, RunArgs, ScreenArgs, SweepArgs,
-    finish, refuse,
+    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RareArgs, RunArgs, ScreenArgs,
+    SweepArgs, finish, refuse,
 };
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
@@ -38,6 +38,7 @@ enum Command {
     Influence(InfluenceArgs),
     Rare(RareArgs),
     Screen(ScreenArgs),
+    Compare(CompareArgs),
     /// Print completions of these commands for a shell, to be put where it looks for them.
     Completions {
         /// The shell
@@ -65,6 +66,7 @@ pub fn program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Influence(args) => args.run(&mut out),
         Command::Rare(args) => args.run(&mut out),
         Command::Screen(args) => args.run(&mut out),
+        Command::Compare(args) => args.run(&mut out),
         Command::Completions { shell } => completions(*shell, &mut out),
         Command::Man => manual(&mut out).map_err(Error::StandardOutput),
     };

@@ -35,6 +35,12 @@ impl Confidence {
         (1.0 - self.0) / 2.0
     }
 
+    /// The level at which each of two intervals is missed half as often.
+    #[must_use]
+    pub fn halved(self) -> Self {
+        Self((1.0 + self.0) / 2.0)
+    }
+
     /// The standard normal deviate that leaves out [`tail`](Self::tail) on each side; 1.96 for 95 %.
     #[must_use]
     pub fn z(self) -> f64 {

@@ -140,6 +140,14 @@ pub enum Error {
         /// Damage of the file.
         damage: montecarlo::Damage,
     },
+    /// A folder that cannot be compared with another.
+    #[error("{}: {found}; allowed: folders of finished studies with one threshold, one band and scenes in common", path.display())]
+    NotComparable {
+        /// The folder.
+        path: PathBuf,
+        /// What stands against it, in words.
+        found: String,
+    },
     /// A folder that another run writes to.
     #[error("{}: {by} is writing there; allowed: another folder, or wait until it has ended", path.display())]
     InUse {

@@ -6,6 +6,7 @@ mod bad_cases;
 mod bad_folders;
 mod cea;
 mod common;
+mod compare;
 mod cycle;
 mod digests;
 mod estimates;

@@ -91,6 +91,9 @@ pub struct Manifest {
     /// Instability threshold of a mode, in words, where it is not the imaginary axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<String>,
+    /// Band in which the study finds modes, Hz; of a reduced brake alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub band_hz: Option<[f64; 2]>,
     /// Number in contact, and number of arrangements, of each panel.
     pub arrangements: Vec<(usize, usize)>,
     /// Number of samples or evaluations that failed; each is listed in failures.csv.
@@ -147,6 +150,7 @@ impl Manifest {
             solved: sum(|tally| tally.solved),
             certified: sum(|tally| tally.certified),
             threshold: (!plan.threshold.is_axis()).then(|| plan.threshold.to_string()),
+            band_hz: plan.band.map(|band| band.map(|omega| omega / std::f64::consts::TAU)),
             arrangements: panels.collect(),
             failures: summary.failures.total(),
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),

@@ -1,0 +1,67 @@
+//! Samples that a study has kept, of one scene, read from its table.
+
+use std::collections::BTreeMap;
+
+use montecarlo::{Proportion, Trial, occurring_labels};
+
+/// What is asked of a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Question<'a> {
+    /// Whether anything is unstable.
+    Anything,
+    /// Whether the mode with this name is.
+    Mode(&'a str),
+}
+
+/// The samples of a scene by their indices. One that is missing, because its draw failed, tells nothing.
+#[derive(Debug, Default)]
+pub(super) struct Kept(BTreeMap<u64, Option<Unstable>>);
+
+/// What is unstable in a sample.
+#[derive(Debug)]
+struct Unstable {
+    /// Whether each mode is, of those that may be.
+    modes: BTreeMap<String, Trial>,
+    /// A mode without a name is.
+    has_unnamed: bool,
+}
+
+impl Kept {
+    /// Enters a sample by its cells `growth` and `unstable`.
+    pub fn enter(&mut self, index: u64, growth: &str, unstable: &str) {
+        let candidates: Vec<Vec<String>> = unstable
+            .split(';')
+            .filter_map(|mode| Some(mode.rsplit_once(':')?.0))
+            .map(|names| if names == "?" { Vec::new() } else { names.split('|').map(str::to_owned).collect() })
+            .collect();
+        let has_unnamed = candidates.iter().any(Vec::is_empty);
+        let mut modes = occurring_labels(&candidates);
+        if has_unnamed {
+            modes.insert("unnamed".into(), Trial::Yes);
+        }
+        // No growth rate is that of a sample whose evaluation failed.
+        self.0.insert(index, (!growth.is_empty()).then_some(Unstable { modes, has_unnamed }));
+    }
+
+    /// The answer of a sample.
+    pub fn trial(&self, index: u64, question: Question<'_>) -> Trial {
+        let Some(Unstable { modes, has_unnamed }) = self.0.get(&index).and_then(Option::as_ref) else {
+            return Trial::Ambiguous;
+        };
+        match question {
+            Question::Anything if modes.is_empty() => Trial::No,
+            Question::Anything => Trial::Yes,
+            Question::Mode(name) => {
+                let otherwise = if *has_unnamed { Trial::Ambiguous } else { Trial::No };
+                modes.get(name).copied().unwrap_or(otherwise)
+            }
+        }
+    }
+
+    /// How often a mode is unstable in so many samples.
+    pub fn proportion(&self, samples: u64, name: &str) -> Proportion {
+        let mut found = Proportion::default();
+        (0..samples).for_each(|index| found.record(self.trial(index, Question::Mode(name))));
+        found
+    }
+}
