@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use brakes::case::{HALF_WIDTHS, is_half_width};
 use brakes::{CaseBrake, Purpose};
 use output::printable;
-use report::{draw_occurrence, write_page};
+use report::{draw_damping, draw_occurrence, write_page};
 use squeal::influence::write_kept_samples;
 use squeal::parts::{Shard, merge_parts, run_part};
 use squeal::results::{Estimates, Results, Stopped};
@@ -161,6 +161,7 @@ impl RunArgs {
         let options = options.until_half_width(self.until_half_width).keeping_samples(self.keep_samples);
         let mut draw = |study: &Study<'_, B>, results: &Results, dir: &Path| -> Result<(), Error> {
             draw_occurrence(results, dir)?;
+            draw_damping(results, dir)?;
             write_kept_samples(brake, &results.summary, dir)?;
             if let Some(brake) = brake.finite_elements() {
                 write_reduction(brake, dir)?;

@@ -33,6 +33,7 @@
 
 mod axis;
 mod canvas;
+mod damping;
 mod drops;
 mod error;
 mod figure;
@@ -50,6 +51,7 @@ mod stability_map;
 mod style;
 mod vector;
 
+pub use damping::{DampingFigure, UnstableRange, damping_figure};
 pub use drops::{DropBar, DropGroup, DropsFigure, drops};
 pub use error::FigureError;
 pub use figure::Figure;

@@ -17,7 +17,7 @@ mod pictures;
 pub use error::Error;
 pub use html::{BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_page, write_screen_page, write_sweep_page};
 pub use pictures::{
-    draw_occurrence, influence_figure, occurrence, rare_figure, screen_figure, set_heading, sweep_figure,
+    draw_damping, draw_occurrence, influence_figure, occurrence, rare_figure, screen_figure, set_heading, sweep_figure,
 };
 
 /// The README's example, compiled and run as a doctest.

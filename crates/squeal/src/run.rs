@@ -15,7 +15,7 @@ use crate::parts::PartManifest;
 use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reasons, write_tables};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 7;
+const TALLY_VERSION: u32 = 8;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use cea::{Anchors, EigenSolver, Gain, Mode, WholeSpectra};
 use linsys::OperatingPoint;
 use montecarlo::{Progress, StreamRng};
+use num_complex::Complex;
 use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
@@ -46,8 +47,8 @@ pub struct Outcome {
 pub struct UnstableMode {
     /// Frequency rank in this CEA, from 1.
     pub rank: ModeLabel,
-    /// Growth rate, Re lambda, 1/s.
-    pub growth: f64,
+    /// Eigenvalue lambda, rad/s.
+    pub lambda: Complex<f64>,
     /// Candidate names as a tracked mode: one, or several near a coalescence, or none.
     pub names: Vec<ModeLabel>,
     /// Names by MAC, more than one half with the shape at the origin of names; in a study with [`StudyOptions::likeness_too`].

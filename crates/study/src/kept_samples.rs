@@ -24,15 +24,31 @@ pub struct KeptSample {
     pub index: u64,
     /// The largest growth rate of an unstable mode or of a divergence, 1/s.
     pub growth: f64,
-    /// The unstable modes, ascending in frequency: the names that each may have, and its growth rate, 1/s. Divergence is the last.
-    pub modes: Vec<(Vec<ModeLabel>, f64)>,
+    /// The unstable modes, ascending in frequency. Divergence is the last.
+    pub modes: Vec<KeptMode>,
+}
+
+/// An unstable mode of a sample, or its divergence.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KeptMode {
+    /// Names that it may have.
+    pub names: Vec<ModeLabel>,
+    /// Growth rate Re lambda, 1/s.
+    pub growth: f64,
+    /// Angular frequency Im lambda, rad/s; 0 of divergence.
+    pub omega: f64,
 }
 
 impl KeptSample {
     /// A sample with its outcome; `None` of a stable one.
     pub fn new(index: u64, outcome: &Outcome) -> Option<Self> {
-        let modes = outcome.unstable.iter().map(|mode| (mode.names.clone(), mode.growth));
-        let divergence = (outcome.divergent > 0).then(|| (vec![ModeLabel::DIVERGENCE], outcome.divergence));
+        let modes = outcome.unstable.iter().map(|mode| KeptMode {
+            names: mode.names.clone(),
+            growth: mode.lambda.re,
+            omega: mode.lambda.im,
+        });
+        let names = vec![ModeLabel::DIVERGENCE];
+        let divergence = (outcome.divergent > 0).then_some(KeptMode { names, growth: outcome.divergence, omega: 0.0 });
         let kept = || Self { index, growth: outcome.growth, modes: modes.chain(divergence).collect() };
         outcome.is_unstable().then(kept)
     }

@@ -40,6 +40,7 @@ mod sector_modes;
 mod secular_equations;
 mod set_links;
 mod sliding_contacts;
+mod strength;
 mod tally;
 
 pub use brake::UncertainBrake;
@@ -56,7 +57,7 @@ pub use evaluate::{Outcome, Study, StudyOptions, UnstableMode};
 pub use fingerprint::fingerprint;
 pub use full_checks::{FullChecks, wider};
 pub use independent::{Drawn, IndependentBrake};
-pub use kept_samples::{KeptSample, KeptSamples};
+pub use kept_samples::{KeptMode, KeptSample, KeptSamples};
 pub use mode_label::ModeLabel;
 pub use mode_source::{BandMode, Bridge, CoarsePath, ModeResidual, ModeSource, WholeEigenvalue};
 pub use modifiable::{Direction, Modifiable, ModifiablePlan, OwnSize, Place, Symmetry, WholeContact};
@@ -73,6 +74,7 @@ pub use sector_modes::check_range;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub use set_links::{SetLinks, origin_of_set, set_links};
 pub use sliding_contacts::SlidingContacts;
+pub use strength::Strength;
 pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally, TwiceNamedTally};
 

@@ -10,7 +10,7 @@ use montecarlo::{
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
-use super::{KeptSamples, ModeLabel, Outcome, Plan, Study, UncertainBrake, UnstableMode};
+use super::{KeptSamples, ModeLabel, Outcome, Plan, Strength, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,9 @@ pub struct StudyTally {
     /// Difference of the numbers of `panels` for the two panels of each comparison, each times the number of arrangements of the other, so
     /// that it is a whole number.
     pub comparisons: Vec<BoundedMean>,
+    /// Strength of each mode by its tracked name, where that is sure, over all evaluations of a set of constraints under a law: all laws of
+    /// the first set, then those of the second, and so on. A symmetry class is evaluated once.
+    pub strengths: Vec<BTreeMap<ModeLabel, Strength>>,
     /// Samples kept of each scene, in a study that keeps them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kept: Option<Vec<KeptSamples>>,
@@ -35,6 +38,8 @@ struct PanelLayout {
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
     weights: Vec<i32>,
+    /// Place of each scene in the strengths.
+    groups: Vec<usize>,
 }
 
 /// Counts of one scene.
@@ -86,12 +91,15 @@ impl StudyTally {
         let panels = panels(plan);
         let comparisons = comparisons(plan, &panels);
         let weights = plan.scenes.iter().map(|scene| scene.members.len() as i32).collect();
+        let laws = plan.labels.laws.len();
+        let groups = plan.scenes.iter().map(|scene| scene.key.constraints * laws + scene.key.law).collect();
         Self {
             scenes: vec![SceneTally::default(); plan.scenes.len()],
             panels: vec![BoundedMean::default(); panels.len()],
             comparisons: vec![BoundedMean::default(); comparisons.len()],
+            strengths: vec![BTreeMap::new(); plan.labels.constraints.len() * laws],
             kept: None,
-            layout: PanelLayout { panels, comparisons, weights },
+            layout: PanelLayout { panels, comparisons, weights, groups },
         }
     }
 
@@ -251,7 +259,14 @@ impl StudyTally {
                 tally.record(outcome);
             }
         }
-        let PanelLayout { panels, comparisons, weights } = &self.layout;
+        let PanelLayout { panels, comparisons, weights, groups } = &self.layout;
+        for (&group, outcome) in groups.iter().zip(outcomes) {
+            for mode in outcome.iter().flat_map(|outcome| &outcome.unstable) {
+                if let (&[name], Some(strengths)) = (mode.names.as_slice(), self.strengths.get_mut(group)) {
+                    strengths.entry(name).or_default().record(mode.lambda);
+                }
+            }
+        }
         let sum_of = |panel: &Panel| {
             let of_scene =
                 |&scene: &usize| outcomes[scene].map(|outcome| weights[scene] * outcome.instabilities() as i32);
@@ -282,6 +297,11 @@ impl Merge for StudyTally {
         }
         for (mine, more) in self.comparisons.iter_mut().zip(later.comparisons) {
             mine.merge(more);
+        }
+        for (mine, more) in self.strengths.iter_mut().zip(later.strengths) {
+            for (name, strength) in more {
+                mine.entry(name).or_default().merge(strength);
+            }
         }
         for (mine, more) in self.kept.iter_mut().flatten().zip(later.kept.into_iter().flatten()) {
             mine.merge(more);
@@ -358,6 +378,7 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for TwiceNamedTally {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_complex::Complex;
 
     fn labels(numbers: &[u16]) -> Vec<ModeLabel> {
         numbers.iter().copied().map(ModeLabel::new).collect()
@@ -366,7 +387,7 @@ mod tests {
     fn unstable(names: &[&[u16]]) -> Vec<UnstableMode> {
         let mode = |(names, rank): (&&[u16], u16)| UnstableMode {
             rank: ModeLabel::new(rank),
-            growth: 1.0,
+            lambda: Complex::new(1.0, 100.0),
             names: labels(names),
             names_by_likeness: None,
             work: None,

@@ -64,9 +64,11 @@ fn damping_takes_from_the_occurrence_what_the_closed_form_says() {
     let dependent = width_of(&[&as_is, &plain], "any dependence", &["2"]);
     assert!(paired < independent / 4.0 && independent < dependent, "{paired} {independent} {dependent}");
     let said = String::from_utf8(compare(&[&as_is, &damped], &[]).stdout).unwrap();
-    for word in
-        ["in pairs; drawn alike: mu; not alike: nothing", "less often", "mode 2 (0.2255 Hz) -> 2 (0.2254 Hz), MAC 1.000"]
-    {
+    for word in [
+        "in pairs; drawn alike: mu; not alike: nothing",
+        "less often",
+        "mode 2 (0.2255 Hz) -> 2 (0.2254 Hz), MAC 1.000",
+    ] {
         assert!(said.contains(word), "{said}");
     }
 }

@@ -25,6 +25,7 @@ mod screen;
 mod set;
 mod shards;
 mod sizes;
+mod strengths;
 mod study_tables;
 mod sweep;
 mod tables;

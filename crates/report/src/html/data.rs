@@ -13,8 +13,12 @@ use super::tables::{grouped_on_page, on_page, read, with_rows};
 use crate::Error;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
-const TABLES: [(&str, &str); 9] = [
+const TABLES: [(&str, &str); 10] = [
     ("modes.csv", "The modes of each set of constraints where they have their names"),
+    (
+        "growth.csv",
+        "How fast unstable modes grow, at which frequency and damping ratio, over the draws in which they do",
+    ),
     ("panels.csv", "Unstable modes per analysis in each panel"),
     (
         "differences.csv",

@@ -28,13 +28,30 @@ pub use sweep::write_sweep_page;
 
 use std::path::Path;
 
+use figures::Figure;
 use squeal::results::Results;
 
 use self::page::Page;
+use self::text::escaped;
 use crate::Error;
+use crate::pictures::damping;
 
 /// Name of the page of a study, a sweep or a screening, in the folder of its other results.
 const FILE: &str = "report.html";
+
+/// The figures of damping ratio against frequency; empty where no set of constraints has modes.
+fn damping_section(results: &Results) -> Result<String, Error> {
+    let figures = damping(results)?;
+    let figure = |(set, figure): &(String, Figure)| {
+        let label = escaped(&format!("Damping ratio against frequency, constraints {set}"));
+        format!(
+            "<figure class=\"paper\" tabindex=\"0\" role=\"group\" aria-label=\"{label}\">{}</figure>\n",
+            figure.svg()
+        )
+    };
+    let all: String = figures.iter().map(figure).collect();
+    Ok(if all.is_empty() { all } else { format!("{}{all}</section>\n", include_str!("damping.html")) })
+}
 
 /// Writes `report.html` into `dir`, in which the tables of the same results stand already.
 ///
@@ -44,7 +61,7 @@ pub fn write_page(results: &Results, geometry: &Geometry<'_>, dir: &Path) -> Res
     let page = Page {
         title: results.plan().name.clone(),
         answer: answer::answer(results)?,
-        figures: [include_str!("study.html"), shapes::SECTION].concat(),
+        figures: [include_str!("study.html"), &damping_section(results)?, shapes::SECTION].concat(),
         facts: facts::of_study(results),
         data: data::of_study(results, geometry, dir)?,
     };

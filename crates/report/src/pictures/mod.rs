@@ -1,11 +1,14 @@
 //! The pictures of what was found: data of `squeal`, drawn by `figures`.
 
+mod damping;
 mod influence;
 mod occurrence;
 mod rare;
 mod screen;
 mod sweep;
 
+pub(crate) use damping::damping;
+pub use damping::draw_damping;
 pub use influence::influence_figure;
 pub use occurrence::{draw_occurrence, occurrence, set_heading};
 pub use rare::rare_figure;

@@ -30,8 +30,8 @@ impl Evaluated {
         };
         let named: Vec<(ModeLabel, f64)> = modes
             .iter()
-            .filter_map(|(names, growth)| match names[..] {
-                [name] => Some((name, *growth)),
+            .filter_map(|mode| match mode.names[..] {
+                [name] => Some((name, mode.growth)),
                 _ => None,
             })
             .collect();

@@ -1,16 +1,17 @@
 //! The samples that a study has kept, as tables: what was drawn and what grew, and which input makes squeal vary.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use montecarlo::Summary;
 use output::Table;
-use study::{DrawnInputs, KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, UncertainBrake};
+use study::{DrawnInputs, KeptMode, KeptSample, KeptSamples, Plan, Scene, SceneLabels, StudyTally, UncertainBrake};
 
 use super::report::influence_table;
 use super::{drawn_again, influence_of_kept};
 use crate::Error;
 
-/// Writes `samples.csv` and `influence.csv` of a study that has kept its samples, see [`StudyTally::kept`]; of another one nothing.
+/// Writes `samples.csv`, `unstable_modes.csv` and `influence.csv` of a study that has kept its samples, see [`StudyTally::kept`]; of another one nothing.
 /// Nothing is evaluated for them.
 ///
 /// A row of `samples.csv` is one sample in one scene: its index, the largest growth rate, 1/s, 0 where nothing is unstable and empty where
@@ -29,6 +30,7 @@ pub fn write_kept_samples<B: UncertainBrake>(
     let found = influence_of_kept(brake, summary.samples, kept);
     let known = plan.scenes.iter().zip(&found).filter_map(|(scene, influence)| Some((scene, influence.as_ref()?)));
     influence_table(plan, known).write(dir)?;
+    unstable_modes(plan, kept).write(dir)?;
 
     let of = brake.drawn_inputs();
     let names =
@@ -61,14 +63,36 @@ pub fn write_kept_samples<B: UncertainBrake>(
     Ok(Table::new("samples", header, rows).write(dir)?)
 }
 
+/// The names that a mode may have.
+fn names_in_words(mode: &KeptMode) -> String {
+    let names: Vec<String> = mode.names.iter().map(ToString::to_string).collect();
+    if names.is_empty() { "?".into() } else { names.join("|") }
+}
+
+/// The table `unstable_modes`: a row for each unstable mode of each kept sample, whose cells are numbers alone.
+fn unstable_modes(plan: &Plan, kept: &[KeptSamples]) -> Table {
+    let of_scene = |(scene, kept): (&Scene, &KeptSamples)| -> Vec<Vec<String>> {
+        let place = plan.labels.scene_columns(scene);
+        let row = |sample: &KeptSample, mode: &KeptMode| {
+            let KeptMode { growth, omega, .. } = *mode;
+            let numbers = [omega / TAU, growth, -growth / growth.hypot(omega)].map(|number| number.to_string());
+            place.iter().cloned().chain([sample.index.to_string(), names_in_words(mode)]).chain(numbers).collect()
+        };
+        kept.unstable
+            .iter()
+            .flat_map(|sample| sample.modes.iter().map(|mode| row(sample, mode)).collect::<Vec<_>>())
+            .collect()
+    };
+    let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
+    let header = [scene_columns, &["sample", "mode", "frequency_hz", "growth_rate", "damping_ratio"]].concat();
+    Table::new("unstable_modes", header, plan.scenes.iter().zip(kept).flat_map(of_scene))
+}
+
 /// The largest growth rate and the unstable modes of a sample.
 fn in_words(kept: &KeptSamples, index: u64) -> [String; 2] {
     let Some(KeptSample { growth, modes, .. }) = kept.sample(index) else {
         return [if kept.has_failed(index) { String::new() } else { "0".into() }, String::new()];
     };
-    let modes = modes.iter().map(|(names, growth)| {
-        let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-        format!("{}:{growth}", if names.is_empty() { "?".into() } else { names.join("|") })
-    });
+    let modes = modes.iter().map(|mode| format!("{}:{}", names_in_words(mode), mode.growth));
     [growth.to_string(), modes.collect::<Vec<_>>().join(";")]
 }

@@ -1,9 +1,11 @@
 //! The answer of a study in words: which modes squeal, how sure that is, which set of constraints helps by how much. It is said once,
 //! for `summary.md` and the page.
 
-use output::{Block, Cell, Cells, printable};
+use montecarlo::{Interval, QuantileSketch};
+use output::{Block, Cell, Cells, printable, significant};
 use study::{ModeLabel, SetLinks};
 
+use super::bands::by_third_octaves;
 use super::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::study_results::Estimate;
 use super::summary::hertz;
@@ -26,6 +28,18 @@ impl Results {
         answer.push(Block::Paragraph(most.into()));
         if !self.plan().threshold.is_axis() {
             answer.push(Block::Paragraph(format!("A mode counts with {}.", self.plan().threshold)));
+        }
+        let bands: Vec<Block> = findings
+            .iter()
+            .enumerate()
+            .filter_map(|(set, found)| by_third_octaves(self, set, found, set_in_words(self, set)))
+            .collect();
+        if !bands.is_empty() {
+            answer.push(Block::Heading("In which bands".into()));
+            let lights = "Red: a mode of this third octave is unstable in most of the draws, and surely so. Amber: one is in some, or may be. \
+                          Green: none was in any draw. A mode lies where the median of its frequency does.";
+            answer.push(Block::Paragraph(lights.into()));
+            answer.extend(bands);
         }
         answer.push(Block::Heading("What helps".into()));
         answer.extend(helps(self));
@@ -53,24 +67,31 @@ impl Results {
 
 /// Sentence on the unstable modes of a set of constraints.
 fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
+    let is_single = has_one_panel(results, set);
     let list = |wanted: &dyn Fn(&ModeRange<'_>) -> bool, range_in_words: &dyn Fn(&ModeRange<'_>) -> String| {
         let of = found.unstable.iter().filter(|(_, range)| wanted(range));
-        let words =
-            of.map(|(name, range)| format!("{}, {}", mode_in_words(results, set, *name), range_in_words(range)));
+        let words = of.map(|(name, range)| {
+            format!("{}, {}{}", mode_in_words(results, set, *name), range_in_words(range), grows(results, set, *name))
+        });
         words.collect::<Vec<_>>().join("; ")
     };
-    let everywhere =
-        list(&|range| range.is_likely_everywhere(), &|range| format!("{} or more", with_limits(&range.least.0)));
+    let everywhere = list(&|range| range.is_likely_everywhere(), &|range| {
+        let more = if is_single { "" } else { " or more" };
+        format!("{}{more}", with_limits(&range.least.0))
+    });
     let somewhere = list(&|range| range.is_likely_somewhere(), &|range| {
         format!("up to {} with {}", with_limits(&range.most.0), place(results, range.most.1))
     });
     let words = match (everywhere.as_str(), somewhere.as_str()) {
         ("", "") if found.unstable.is_empty() && results.has_band_modes => {
-            "in no panel was any mode unstable".to_owned()
+            if is_single { "no mode was unstable" } else { "in no panel was any mode unstable" }.to_owned()
         }
         ("", "") if found.unstable.is_empty() => {
-            "in no panel was any mode unstable, nor was there divergence".to_owned()
+            let place = if is_single { "no mode was" } else { "in no panel was any mode" };
+            format!("{place} unstable, nor was there divergence")
         }
+        ("", "") if is_single => "no mode squeals in most of the draws, for sure".to_owned(),
+        (all, _) if is_single => format!("most of the draws squeal with {all}"),
         ("", "") => "in no panel does any mode squeal in most of the draws, for sure".to_owned(),
         ("", some) => format!("no mode squeals in most of the draws in every panel, but in some panels do {some}"),
         (all, "") => format!("in every panel most of the draws squeal with {all}"),
@@ -97,6 +118,10 @@ fn helps(results: &Results) -> Vec<Block> {
     }
     changes.sort_by(|a, b| b.1.least.1.value.total_cmp(&a.1.least.1.value));
     let said = |(set, Change { panels, fewer, more, least, most }): (usize, Change<'_>)| {
+        if panels == 1 {
+            let sure = if fewer + more == 1 { "surely" } else { "no sure difference" };
+            return format!("**{}**: **{}**, {sure}.", set_in_words(results, set), drop_in_words(&least.1));
+        }
         let change = |(panel, d): (_, Estimate)| format!("**{}** with {}", drop_in_words(&d), place(results, panel));
         format!(
             "**{}**: fewer in {fewer} of {panels} panels, more in {more}, no sure difference in {}; from {} to {}.",
@@ -106,10 +131,13 @@ fn helps(results: &Results) -> Vec<Block> {
             change(most)
         )
     };
+    let order = match has_one_panel(results, 0) {
+        true => "",
+        false => ", from the panel with the smallest effect to that with the largest",
+    };
     vec![
         Block::Paragraph(format!(
-            "Unstable modes in one analysis, compared with {} on the same samples, from the panel with the smallest effect to that with \
-             the largest:",
+            "Unstable modes in one analysis, compared with {} on the same samples{order}:",
             set_in_words(results, 0)
         )),
         Block::List(changes.into_iter().map(said).collect()),
@@ -124,10 +152,12 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
     let meaning = format!(
         "Nobody knows friction exactly, so the analysis was repeated with {} random draws of it for each arrangement of contacts, friction \
          law and speed range. The share of the draws in which a mode is unstable is its **occurrence**. Each occurrence has limits in \
-         parentheses: if the whole study were repeated with other draws, about 95 of 100 such limits would enclose the true share. A \
-         **panel** is one friction law with one number of contacts and one speed range; its occurrence is the median over its arrangements.",
+         parentheses: if the whole study were repeated with other draws, about 95 of 100 such limits would enclose the true share.",
         results.summary.samples
     );
+    let panels = " A **panel** is one friction law with one number of contacts and one speed range; its occurrence is the median over its \
+                  arrangements.";
+    let meaning = if has_one_panel(results, 0) { meaning } else { meaning + panels };
     let mut items = Vec::new();
     if quiet > 0 {
         items.push(format!(
@@ -159,22 +189,62 @@ fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
     if found.unstable.is_empty() {
         return Block::Paragraph(format!("{caption}: none."));
     }
+    let is_single = has_one_panel(results, set);
+    let has_arrangements = results.panels().iter().any(|panel| panel.key.constraints == set && panel.arrangements > 1);
     let occurrence = |e: &Estimate| Cell { text: with_limits(e), value: Some(e.value) };
     let row = |(name, range): &(ModeLabel, ModeRange<'_>)| {
         let frequency = results.frequency(set, *name);
-        let place = if range.most.0.value > 0.0 { place(results, range.most.1) } else { "-".into() };
-        vec![
+        let mut cells = vec![
             results.mode_label(set, *name).into(),
             Cell { text: frequency.map_or("-".into(), hertz), value: Some(frequency.unwrap_or(0.0)) },
-            occurrence(&range.least.0),
-            occurrence(&range.most.0),
-            place.into(),
-            occurrence(&range.largest),
-        ]
+        ];
+        let strength = results.strength(set, *name);
+        cells.extend(median_and_end(strength.as_ref().map(|strength| &strength.growth), |range| range.upper));
+        cells.extend(median_and_end(strength.as_ref().map(|strength| &strength.damping_ratio), |range| range.lower));
+        cells.push(occurrence(&range.least.0));
+        if !is_single {
+            let place = if range.most.0.value > 0.0 { place(results, range.most.1) } else { "-".into() };
+            cells.extend([occurrence(&range.most.0), place.into()]);
+        }
+        if has_arrangements {
+            cells.push(occurrence(&range.largest));
+        }
+        cells
     };
-    let columns = ["Mode", "Hz", "Least of a panel", "Largest of a panel", "Where", "Largest of an arrangement"];
+    let mut columns = vec!["Mode", "Hz", "Median growth, 1/s", "Largest", "Median damping ratio", "Worst"];
+    columns.push(if is_single { "Occurrence" } else { "Least of a panel" });
+    if !is_single {
+        columns.extend(["Largest of a panel", "Where"]);
+    }
+    if has_arrangements {
+        columns.push("Largest of an arrangement");
+    }
     let rows = found.unstable.iter().map(row).collect();
-    Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows })
+    Block::Table(Cells { caption, columns: columns.into_iter().map(str::to_owned).collect(), rows })
+}
+
+/// Median of what was found in unstable draws, and one end of its range.
+fn median_and_end(sketch: Option<&QuantileSketch>, end: impl Fn(Interval) -> f64) -> [Cell; 2] {
+    let cell = |value: Option<f64>| Cell {
+        text: value.map_or_else(|| "-".into(), |value| significant(value, 3)),
+        value: Some(value.unwrap_or(0.0)),
+    };
+    [cell(sketch.and_then(|sketch| sketch.median().ok())), cell(sketch.and_then(QuantileSketch::range).map(end))]
+}
+
+/// Words on how fast a mode grows at most, and how negative its damping gets; empty where that is not known.
+fn grows(results: &Results, set: usize, name: ModeLabel) -> String {
+    let strength = results.strength(set, name);
+    let ends =
+        strength.and_then(|strength| Some((strength.growth.range()?.upper, strength.damping_ratio.range()?.lower)));
+    ends.map_or_else(String::new, |(growth, damping)| {
+        format!(", growing by up to {}\u{a0}1/s (damping ratio {})", significant(growth, 3), significant(damping, 3))
+    })
+}
+
+/// True if a set of constraints has one panel, so that nothing need be said of panels.
+fn has_one_panel(results: &Results, set: usize) -> bool {
+    results.panels().iter().filter(|panel| panel.key.constraints == set).count() == 1
 }
 
 fn followed(results: &Results, link: &SetLinks, sets: &[SetFindings<'_>]) -> Block {

@@ -1,6 +1,7 @@
 //! Results of a study: counts turned into occurrences and intervals, tables, a summary, a manifest.
 
 mod answer;
+mod bands;
 mod doubts;
 mod estimates;
 pub mod findings;
@@ -8,6 +9,7 @@ mod json;
 mod manifest;
 mod modes;
 mod reasons;
+mod strengths;
 mod study_results;
 mod summary;
 mod summary_page;

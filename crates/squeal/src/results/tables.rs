@@ -9,12 +9,13 @@ use study::{ComparisonKind, Panel, SceneLabels, SetLinks, set_links};
 use super::Results;
 use super::modes::{links_table, modes};
 use super::reasons::{SceneReasons, sensitivities};
+use super::strengths::growth;
 use super::summary_page::write_summary;
 use crate::Error;
 
 impl Results {
-    /// The numbers of a study as tables: `modes` with a table of shapes for each set of constraints, `links`, `occurrence`, `panels`,
-    /// `differences`, `net_work`, `family_work`, `sensitivities` and `failures`; `reasons` are those of [`reasons`](super::reasons()).
+    /// The numbers of a study as tables: `modes` with a table of shapes for each set of constraints, `links`, `occurrence`, `growth`,
+    /// `panels`, `differences`, `net_work`, `family_work`, `sensitivities` and `failures`; `reasons` are those of [`reasons`](super::reasons()).
     ///
     /// # Errors
     /// Those of following modes from one set of constraints to another.
@@ -31,6 +32,7 @@ impl Results {
         tables.extend([
             links_table(self, links),
             occurrence(self),
+            growth(self)?,
             panels(self),
             differences(self),
             net_work(self)?,

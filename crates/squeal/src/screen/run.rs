@@ -18,7 +18,7 @@ use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 2;
+const TALLY_VERSION: u32 = 3;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 

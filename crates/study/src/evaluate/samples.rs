@@ -165,7 +165,7 @@ impl<B: UncertainBrake> Study<'_, B> {
                 outcome.growth = outcome.growth.max(mode.lambda.re);
                 outcome.unstable.push(UnstableMode {
                     rank: ModeLabel::of_rank(ranks[*index]),
-                    growth: mode.lambda.re,
+                    lambda: mode.lambda,
                     names: names.clone(),
                     names_by_likeness: names_by_likeness.clone(),
                     work,

@@ -1,0 +1,100 @@
+//! How fast modes grow, at which frequency and damping ratio: in tables and in words, against the closed form.
+
+use std::collections::BTreeMap;
+
+use output::Table;
+
+use crate::common::{SMALL, hoffmann, run};
+
+/// The numbers of a table by column, row by row.
+fn numbers(table: &Table, columns: &[&str]) -> Vec<Vec<f64>> {
+    let of = |name: &str| -> Vec<f64> { table.column(name).unwrap().map(|cell| cell.parse().unwrap()).collect() };
+    let columns: Vec<Vec<f64>> = columns.iter().map(|name| of(name)).collect();
+    (0..table.rows.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
+}
+
+#[test]
+fn unstable_modes_are_those_of_the_closed_form() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("study");
+    run(&hoffmann(), &out, &["--samples", "400", "--keep-samples"]);
+    let read = |name: &str| Table::read(&out.join(name)).unwrap().unwrap();
+    let drawn: BTreeMap<u64, f64> =
+        numbers(&read("samples.csv"), &["sample", "mu"]).into_iter().map(|row| (row[0] as u64, row[1])).collect();
+    let rows =
+        numbers(&read("unstable_modes.csv"), &["sample", "mode", "frequency_hz", "growth_rate", "damping_ratio"]);
+    let mut growths = Vec::new();
+    for row in &rows {
+        let [sample, mode, hz, growth, damping] = row[..] else { unreachable!("five columns") };
+        // s^2 + c s + 2 = i sqrt(k3 mu - 1), or minus that.
+        let (s, square) = (num(growth, std::f64::consts::TAU * hz), (4.0 / 3.0 * drawn[&(sample as u64)] - 1.0).sqrt());
+        let residual = s.times(s).plus(num(0.05 * s.0, 0.05 * s.1)).plus(num(2.0, 0.0));
+        assert!(residual.0.abs() < 1e-12 && (residual.1.abs() - square).abs() < 1e-12, "{row:?} {residual:?}");
+        assert!(mode == 2.0 && growth > 0.0 && (damping + growth / growth.hypot(s.1)).abs() < 1e-15, "{row:?}");
+        growths.push(growth);
+    }
+    let onset = (1.0 + 2.0 * 0.05 * 0.05) * 0.75;
+    assert_eq!(rows.len(), drawn.values().filter(|mu| **mu > onset).count());
+    growths.sort_by(f64::total_cmp);
+    let found =
+        numbers(&read("growth.csv"), &["unstable", "least_growth_rate", "median_growth_rate", "largest_growth_rate"]);
+    let [unstable, least, median, largest] = found[0][..] else { unreachable!("four columns") };
+    let exact = (growths[(growths.len() - 1) / 2] + growths[growths.len() / 2]) / 2.0;
+    assert_eq!((unstable, least, largest), (growths.len() as f64, growths[0], growths[growths.len() - 1]));
+    assert!((median / exact - 1.0).abs() < 1e-3, "{median} {exact}");
+    let summary = std::fs::read_to_string(out.join("summary.md")).unwrap();
+    for words in ["growing by up to", "| 0.25 | red | 2 |", "Worst"] {
+        assert!(summary.contains(words), "{words:?} is missing from {summary}");
+    }
+    // One panel: nothing is said of panels.
+    assert!(!summary.contains("panel"), "{summary}");
+}
+
+/// A complex number.
+#[derive(Debug, Clone, Copy)]
+struct Num(f64, f64);
+
+fn num(re: f64, im: f64) -> Num {
+    Num(re, im)
+}
+
+impl Num {
+    fn times(self, by: Self) -> Self {
+        Self(self.0 * by.0 - self.1 * by.1, self.0 * by.1 + self.1 * by.0)
+    }
+
+    fn plus(self, more: Self) -> Self {
+        Self(self.0 + more.0, self.1 + more.1)
+    }
+}
+
+#[test]
+fn a_study_of_many_panels_has_the_strength_of_each_law_and_still_speaks_of_panels() {
+    let dir = tempfile::tempdir().unwrap();
+    let (case, out) = (dir.path().join("brake.toml"), dir.path().join("study"));
+    std::fs::write(&case, SMALL).unwrap();
+    run(&case, &out, &["--keep-samples"]);
+    let growth = Table::read(&out.join("growth.csv")).unwrap().unwrap();
+    let unstable = Table::read(&out.join("unstable_modes.csv")).unwrap().unwrap();
+    let column =
+        |table: &Table, name: &str| -> Vec<String> { table.column(name).unwrap().map(str::to_owned).collect() };
+    let key = |table: &Table| -> Vec<(String, String, String)> {
+        let [sets, laws, modes] = ["constraints", "law", "mode"].map(|name| column(table, name));
+        sets.into_iter().zip(laws).zip(modes).map(|((set, law), mode)| (set, law, mode)).collect()
+    };
+    let mut largest: BTreeMap<(String, String, String), (u64, f64)> = BTreeMap::new();
+    for (key, growth) in key(&unstable).into_iter().zip(column(&unstable, "growth_rate")) {
+        let entry = largest.entry(key).or_default();
+        *entry = (entry.0 + 1, entry.1.max(growth.parse().unwrap()));
+    }
+    let rows = key(&growth)
+        .into_iter()
+        .zip(column(&growth, "unstable").into_iter().zip(column(&growth, "largest_growth_rate")));
+    let found: BTreeMap<_, _> = rows
+        .map(|(key, (count, growth))| (key, (count.parse::<u64>().unwrap(), growth.parse::<f64>().unwrap())))
+        .collect();
+    largest.retain(|(.., mode), _| !mode.contains(['|', '?']));
+    assert!(found.len() > 6);
+    assert_eq!(found, largest);
+    assert!(std::fs::read_to_string(out.join("summary.md")).unwrap().contains("panel"));
+}
