@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use output::{Block, Cell, Cells, significant};
-use study::{ModeLabel, Strength};
+use study::Strength;
 
 use super::Results;
 use super::findings::{ModeRange, SetFindings};
@@ -21,6 +21,13 @@ fn middle(number: i32) -> f64 {
     NOMINAL[number.rem_euclid(10) as usize] * 10_f64.powi(number.div_euclid(10))
 }
 
+/// An unstable mode in its band.
+struct InBand<'a> {
+    label: String,
+    range: &'a ModeRange<'a>,
+    strength: Option<Strength>,
+}
+
 /// Unstable modes of a set of constraints by third octaves, with the strength of each; `None` where there is none that has a frequency.
 pub(super) fn by_third_octaves(
     results: &Results,
@@ -28,29 +35,27 @@ pub(super) fn by_third_octaves(
     found: &SetFindings<'_>,
     caption: String,
 ) -> Option<Block> {
-    let mut bands: BTreeMap<i32, Vec<(ModeLabel, &ModeRange<'_>, Option<Strength>)>> = BTreeMap::new();
+    let mut bands: BTreeMap<i32, Vec<InBand<'_>>> = BTreeMap::new();
     for (name, range) in &found.unstable {
         let strength = results.strength(set, *name);
         let median = strength.as_ref().and_then(|strength| strength.frequency_hz.median().ok());
         let Some(hz) = median.or(results.frequency(set, *name)).filter(|hz| *hz > 0.0) else { continue };
-        bands.entry(third_octave(hz)).or_default().push((*name, range, strength));
+        let label = results.mode_label(set, *name);
+        bands.entry(third_octave(hz)).or_default().push(InBand { label, range, strength });
     }
     let (first, last) = (*bands.keys().next()?, *bands.keys().next_back()?);
     let row = |number: i32| {
         let modes = bands.get(&number).map_or(&[][..], Vec::as_slice);
         let light = match modes {
             [] => "green",
-            _ if modes.iter().any(|(_, range, _)| range.is_likely_everywhere() || range.is_likely_somewhere()) => "red",
+            _ if modes.iter().any(|of| of.range.is_likely_everywhere() || of.range.is_likely_somewhere()) => "red",
             _ => "amber",
         };
-        let names: Vec<String> = modes.iter().map(|(name, ..)| results.mode_label(set, *name)).collect();
-        let largest = |of: &dyn Fn(&(ModeLabel, &ModeRange<'_>, Option<Strength>)) -> Option<f64>| {
-            modes.iter().filter_map(of).max_by(f64::total_cmp)
-        };
-        let occurrence = largest(&|(_, range, _)| Some(range.largest.value));
-        let growth = largest(&|(.., strength)| Some(strength.as_ref()?.growth.range()?.upper));
-        let damping =
-            largest(&|(.., strength)| Some(-strength.as_ref()?.damping_ratio.range()?.lower)).map(|least| -least);
+        let names: Vec<&str> = modes.iter().map(|of| of.label.as_str()).collect();
+        let largest = |of: &dyn Fn(&InBand<'_>) -> Option<f64>| modes.iter().filter_map(of).max_by(f64::total_cmp);
+        let occurrence = largest(&|of| Some(of.range.largest.value));
+        let growth = largest(&|of| Some(of.strength.as_ref()?.growth.range()?.upper));
+        let damping = largest(&|of| Some(-of.strength.as_ref()?.damping_ratio.range()?.lower)).map(|least| -least);
         let number_or_none = |value: Option<f64>, text: &dyn Fn(f64) -> String| Cell {
             text: value.map_or_else(|| "-".into(), text),
             value: Some(value.unwrap_or(0.0)),
