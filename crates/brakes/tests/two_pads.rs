@@ -255,8 +255,8 @@ fn loads_in_equilibrium_are_those_that_press() {
     let area = 2.2674787254376315e+03 + 2.8016067404148216e+03;
     for (patch, pressure) in contact.patches.iter().zip([1.5, 1.2]) {
         let total: f64 = patch.shares.iter().map(|share| share * patch.load).sum();
-        // Backs have the area of the faces.
-        assert!((total / (pressure * area) - 1.0).abs() < 1e-10, "{total} {}", pressure * area);
+        // Backs have the area of the faces; the median of the factor p of all loads is 2.
+        assert!((total / (2.0 * pressure * area) - 1.0).abs() < 1e-10, "{total} {}", pressure * area);
         let least = patch.shares.iter().fold(f64::INFINITY, |least, share| least.min(*share));
         let most = patch.shares.iter().fold(0.0_f64, |most, share| most.max(*share));
         assert!(least < 0.9 * most, "the lining bends, and friction tilts it");
@@ -272,6 +272,123 @@ fn loads_in_equilibrium_are_those_that_press() {
     if without.len() == shares(&case).len() {
         assert!(shares(&case).iter().zip(&without).any(|(a, b)| (a - b).abs() > 0.05));
     }
+}
+
+/// A brake that is pressed off the middle of its outer pad, by a force that is a parameter, so that points open.
+fn pressed_off_the_middle() -> String {
+    let old = "[[forces]]\nname = \"OUTER\"\nfaces = \"OUTER\"\npressure = 1.5\n";
+    let new = "[[forces]]\nname = \"piston\"\nnodes = \"EDGE\"\nforce = [0.0, 0.0, -2500.0]\ncoefficient = \"p\"\n";
+    let inner = "faces = \"INNER\"\npressure = 1.2\n";
+    let pressed = in_equilibrium().replace(old, new).replace("load_factor = \"p\"\n", "");
+    let pressed = pressed.replace(inner, "nodes = \"INNER\"\nforce = [0.0, 0.0, 3000.0]\n");
+    assert!(pressed.contains("coefficient = \"p\"") && pressed.contains("3000.0"));
+    pressed.replacen("6e4", "2e3", 2)
+}
+
+fn constant(value: f64) -> montecarlo::Distribution {
+    montecarlo::Distribution::Constant { value }
+}
+
+/// The normal force of each point at the medians: friction across the sliding is `mu N0 / (Omega r)`.
+fn forces(case: &FiniteElementCase) -> Vec<f64> {
+    let contact = case.contact.as_ref().unwrap();
+    let (mu, at) = (contact.friction.mu.median(), brakes::at_medians(case).unwrap());
+    let speed = 5.0 * contact.own_speed.as_ref().unwrap().factor;
+    let of_patch = |patch: &brakes::case::Patch| {
+        let across = patch.channels.start + patch.pairs.len();
+        let force = |(at_pair, part): (usize, &f64)| at.channels[across + at_pair].slope * speed * part / mu;
+        patch.speeds.iter().enumerate().map(force).collect::<Vec<_>>()
+    };
+    contact.patches.iter().flat_map(of_patch).collect()
+}
+
+/// Where mu, the piston's force or a stiffness is not that of the medians, the state of the contacts is not either: each is that of an active
+/// set found with the whole brake, and its matrices are those of a case that has these numbers from the beginning.
+#[test]
+fn equilibrium_is_found_anew_where_friction_or_pressure_differ() {
+    let folder = Folder::new();
+    let deck_path = folder.folder.path().join("brake.inp");
+    let mut deck = std::fs::read_to_string(&deck_path).unwrap();
+    let first = folder.parse(in_equilibrium()).unwrap();
+    writeln!(deck, "*NSET, NSET=EDGE").unwrap();
+    for node in &first.mesh.as_ref().unwrap().nodes {
+        if node.position[2] == 11.0 && node.position[0] > 0.0 {
+            writeln!(deck, "{}", node.label).unwrap();
+        }
+    }
+    std::fs::write(&deck_path, deck).unwrap();
+    let text = pressed_off_the_middle();
+    let case = folder.parse(text.clone()).unwrap();
+    let order = case.dofs.len();
+    let structure = {
+        let mut at = brakes::at_medians(&case).unwrap();
+        at.channels.fill(linsys::ChannelGain::default());
+        let patches = case.contact.as_ref().unwrap().patches.len();
+        let first = at.coefficients.len() - patches;
+        at.coefficients[first..].fill(0.0);
+        elements::nalgebra::DMatrix::from(&case.system.assemble(&at).unwrap().k)
+    };
+    let on = |set: &str, force: f64| {
+        let nodes = &case.node_sets[set];
+        let row = |dof: &formats::Dof| if dof.direction == 3 && nodes.contains(&dof.node) { 1.0 } else { 0.0 };
+        DVector::from_iterator(order, case.dofs.iter().map(row)) * (force / nodes.len() as f64)
+    };
+    let own_channels = |patch: &brakes::case::Patch| case.system.channels()[patch.channels.start..][..patch.pairs.len()].to_vec();
+    let all: Vec<linsys::Channel> = case.contact.as_ref().unwrap().patches.iter().flat_map(own_channels).collect();
+    // The springs k g: g sums up to 1 along the normal, z, over the nodes of the pad.
+    let spring = |channel: &linsys::Channel| {
+        let of_pad = channel.reading.iter().filter(|(dof, _)| case.dofs[*dof].direction == 3 && case.dofs[*dof].node > 1000);
+        of_pad.map(|(_, value)| value).sum::<f64>().abs()
+    };
+    let dense = |row: &[(usize, f64)]| {
+        let mut all: DVector<f64> = DVector::zeros(order);
+        row.iter().for_each(|&(dof, value)| all[dof] += value);
+        all
+    };
+    let mut states = std::collections::BTreeSet::new();
+    for (mu, p, stiffness) in [(0.45, 2.0, 1.0), (0.1, 2.0, 1.0), (0.7, 1.0, 1.0), (0.45, 3.0, 1.0), (0.3, 1.5, 4.0)] {
+        // The structure of the medians, with other numbers.
+        let mut changed = folder.parse(text.clone()).unwrap();
+        changed.parameters.iter_mut().filter(|own| own.name == "p").for_each(|own| own.distribution = constant(p));
+        let contact = changed.contact.as_mut().unwrap();
+        contact.friction.mu = constant(mu);
+        contact.stiffness_factor = Some(brakes::case::Expression::parse(&stiffness.to_string(), &[]).unwrap());
+        let anew = forces(&changed);
+        let given = text
+            .replace("value = 0.45", &format!("value = {mu}"))
+            .replace("\"uniform\"\nfrom = 1.0\nto = 3.0", &format!("\"constant\"\nvalue = {p}"))
+            .replace("[all_contacts]", &format!("[all_contacts]\nstiffness_factor = {stiffness}"));
+        let fresh = folder.parse(given).unwrap();
+        let [a, b] = [&changed, &fresh].map(|case| case.system.assemble(&brakes::at_medians(case).unwrap()).unwrap());
+        for (a, b) in [(&a.c, &b.c), (&a.k, &b.k)] {
+            let largest = b.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            assert!((a - b).values().iter().all(|value| value.abs() < 1e-9 * largest), "mu {mu}, p {p}");
+        }
+        let load = on("EDGE", -2500.0 * p) + on("INNER", 3000.0);
+        let gaps: Vec<_> = all.iter().map(|channel| dense(&channel.reading) / spring(channel)).collect();
+        let slips: Vec<_> = all.iter().map(|channel| dense(&channel.force)).collect();
+        let mut closed = vec![true; all.len()];
+        let found = loop {
+            let mut k = structure.clone();
+            for at in (0..all.len()).filter(|&at| closed[at]) {
+                k += (&gaps[at] + &slips[at] * mu) * gaps[at].transpose() * (spring(&all[at]) * stiffness);
+            }
+            let u = k.lu().solve(&load).unwrap();
+            let presses: Vec<f64> =
+                gaps.iter().zip(&all).map(|(gap, channel)| -spring(channel) * stiffness * gap.dot(&u)).collect();
+            let next: Vec<bool> = presses.iter().map(|force| *force > 0.0).collect();
+            if next == closed {
+                break presses.into_iter().map(|force| force.max(0.0)).collect::<Vec<_>>();
+            }
+            closed = next;
+        };
+        let largest = found.iter().fold(0.0_f64, |largest, force| largest.max(*force));
+        let distance = found.iter().zip(&anew).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
+        println!("mu {mu}, p {p}: {} closed, off by {distance:.1e}", closed.iter().filter(|is| **is).count());
+        assert!(distance < 1e-9);
+        states.insert(closed);
+    }
+    assert!(states.len() > 2, "points open and close");
 }
 
 /// Elements that are not integrated over: neither do they vanish from a set, nor is a face towards them one at which a body ends. Where a

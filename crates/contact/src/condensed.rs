@@ -12,6 +12,10 @@ use crate::{ContactError, Row};
 /// 1e10 at most, one that is not 1e15 and more.
 const NOT_HELD: f64 = 1e13;
 
+/// Smallest over largest pivot of the LU decomposition of `I + A D`, D the change of the points' stiffnesses, at or below which nothing holds a body
+/// any more; chosen: above rounding of A, below what soft holders leave.
+const LET_GO: f64 = 1e-9;
+
 /// Most right-hand sides that are solved together, which each need a vector of the structure in memory; chosen: beyond, the structure is factored
 /// once more for as many.
 const AT_ONCE: usize = 512;
@@ -120,6 +124,43 @@ impl Condensed {
             normal: seen.columns(of_loads, points).into_owned(),
             friction: seen.columns(of_loads + points, points).into_owned(),
             loads: seen.columns(0, of_loads).into_owned(),
+        })
+    }
+
+    /// The same structure with other springs in its points, N/m each: with the change D of their stiffness, `A` becomes `(I + A D)^-1 A`, and so do
+    /// B and what the loads open. Points of stiffness 0 are taken out, and the others stay in their order.
+    ///
+    /// # Errors
+    /// Not a stiffness of each point, one that is below 0 or not finite, none above it; bodies that nothing holds any more.
+    pub fn with_stiffness(&self, stiffness: &[f64]) -> Result<Self, ContactError> {
+        if stiffness == self.stiffness.as_slice() {
+            return Ok(self.clone());
+        }
+        let points = self.points();
+        if stiffness.len() != points {
+            return Err(ContactError::Count { what: "stiffnesses", found: stiffness.len(), expected: points });
+        }
+        if let Some(&k) = stiffness.iter().find(|k| !(k.is_finite() && **k >= 0.0)) {
+            return Err(value("the stiffness of a contact point", k, "a finite number >= 0"));
+        }
+        let kept: Vec<usize> = (0..points).filter(|&at| stiffness[at] > 0.0).collect();
+        if kept.is_empty() {
+            return Err(ContactError::Count { what: "contact points", found: 0, expected: 1 });
+        }
+        let stiffness = DVector::from_column_slice(stiffness);
+        let change = DMatrix::from_diagonal(&(&stiffness - &self.stiffness));
+        let factors = (DMatrix::identity(points, points) + &self.normal * change).lu();
+        let pivots = factors.u().diagonal().map(f64::abs);
+        let let_go = || ContactError::NothingHolds { growth: pivots.max() / pivots.min() };
+        if pivots.min() <= LET_GO * pivots.max() {
+            return Err(let_go());
+        }
+        let solved = |of: &DMatrix<f64>| factors.solve(of).map(|all| all.select_rows(&kept)).ok_or_else(let_go);
+        Ok(Self {
+            normal: solved(&self.normal)?.select_columns(&kept),
+            friction: solved(&self.friction)?.select_columns(&kept),
+            loads: solved(&self.loads)?,
+            stiffness: stiffness.select_rows(&kept),
         })
     }
 

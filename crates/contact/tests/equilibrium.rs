@@ -105,6 +105,33 @@ fn agree(structure: &Structure, mu: f64) -> Result<Uniqueness, TestCaseError> {
 }
 
 proptest! {
+    /// Other springs and points taken out are those of a structure that was condensed with them.
+    #[test]
+    fn other_springs_are_those_of_a_structure_that_has_them(
+        numbers in prop::collection::vec(-1.0..1.0_f64, 31),
+        factors in prop::collection::vec(prop_oneof![Just(0.0), 0.1..10.0_f64], 4),
+    ) {
+        let whole = chain(4, &numbers);
+        let changed: Vec<f64> = whole.stiffness.iter().zip(&factors).map(|(k, factor)| k * factor).collect();
+        let kept: Vec<usize> = (0..4).filter(|&at| changed[at] > 0.0).collect();
+        prop_assume!(!kept.is_empty());
+        let part = |rows: &[Row]| kept.iter().map(|&at| rows[at].clone()).collect::<Vec<_>>();
+        let of = |numbers: &[f64]| kept.iter().map(|&at| numbers[at]).collect::<Vec<_>>();
+        let alone = Structure {
+            gaps: part(&whole.gaps),
+            slips: part(&whole.slips),
+            stiffness: of(&changed),
+            open: of(&whole.open),
+            ..whole.clone()
+        };
+        let found = whole.condensed().unwrap().with_stiffness(&changed).unwrap();
+        prop_assert_eq!(found.points(), kept.len());
+        let [found, expected] = [found, alone.condensed().unwrap()].map(|of| of.equilibrium(&alone.balance(0.3)).unwrap());
+        for (a, b) in found.forces.iter().zip(&expected.forces) {
+            prop_assert!((a - b).abs() < 1e-11, "{:?} {:?}", found, expected);
+        }
+    }
+
     #[test]
     fn all_states_of_three_contacts(numbers in prop::collection::vec(-1.0..1.0_f64, 17), mu in -1.5..1.5_f64) {
         agree(&chain(3, &numbers), mu)?;

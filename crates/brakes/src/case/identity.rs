@@ -267,9 +267,10 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
         load_factor,
         load_exponent,
         own_speed,
+        balance,
         is_of_faces: _,
     } = contact;
-    to.list(patches, |to, Patch { name, pairs, speeds, channels, load, shares }| {
+    to.list(patches, |to, Patch { name, pairs, speeds, channels, load, shares, points: _ }| {
         to.text(name);
         to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
         numbers(to, speeds);
@@ -289,6 +290,12 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
     of_draws(to, *draws);
     to.option(*bristle_damping, of_bristle_damping);
     to.option(stiffness_factor.as_ref(), expression);
+    if let Some(balance) = balance {
+        to.list(&balance.factors().collect::<Vec<_>>(), |to, (field, factor)| {
+            to.text(field);
+            expression(to, factor);
+        });
+    }
     if load_factor.is_some() || own_speed.is_some() {
         to.option(load_factor.as_ref(), expression);
         to.number(*load_exponent);

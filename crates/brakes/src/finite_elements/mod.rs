@@ -334,10 +334,11 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
         }
     }
 
-    /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn and none acts across the sliding.
+    /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn, none acts across the sliding and no point opens.
     fn single_parameter(&self, scene: &Scene) -> Option<SingleParameter<'_, FiniteElementSample>> {
         let contact = self.case.contact.as_ref()?;
         let is_single = !points::depends_on_speed(contact, contact.laws[scene.key.law])
+            && contact.balance.is_none()
             && contact.draws == Draws::Shared
             && self.case.parameters.iter().all(|p| matches!(p.distribution, Distribution::Constant { .. }));
         let with = |mu: f64| {

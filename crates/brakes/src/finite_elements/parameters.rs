@@ -4,7 +4,7 @@ use linsys::OperatingPoint;
 use study::NamedParameter;
 
 use super::FiniteElementSample;
-use super::points::{self, State};
+use super::points::{self, Scales, State};
 use crate::Error;
 use crate::LatticeSample;
 use crate::case::{FiniteElementCase, Law, PatchContact};
@@ -104,11 +104,8 @@ pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<Oper
             Choice::Stiffness(patch) => at.stiffness[*patch] = value,
         }
     }
-    let mut point = points::scene_point(scene.case, scene.closed, at.friction, &at.sample)?;
-    for gain in &mut point.channels {
-        gain.slope *= at.load;
-        gain.lag = gain.lag.map(|lag| linsys::Lag { force: at.load * lag.force, ..lag });
-    }
+    let scales = Scales { load: at.load, stiffness: &at.stiffness };
+    let point = points::scaled_point(scene.case, scene.closed, at.friction, &at.sample, scales)?;
     let mut whole = points::of_brake(scene.case, scene.closed, &point);
     let first_patch = whole.coefficients.len() - at.stiffness.len();
     for (patch, factor) in at.stiffness.iter().enumerate() {

@@ -1,15 +1,18 @@
 //! Samples and operating points of a finite element brake.
 
+use std::sync::Arc;
+
 use friction::Tangent;
 use linsys::{ChannelGain, DofMap, Lag, OperatingPoint};
 use montecarlo::StreamRng;
+use nalgebra_sparse::CscMatrix;
 use sparse::SparseSecondOrder;
 
 use super::FiniteElementSample;
 use crate::Error;
 use crate::LatticeSample;
 use crate::case::{
-    CaseError, Draws, Expression, FiniteElementCase, LOAD_FACTOR, Law, OWN_SPEED, PatchContact, STIFFNESS_FACTOR,
+    Acting, CaseError, ContactBalance, ContactState, Draws, EQUILIBRIUM, Expression, FiniteElementCase, LOAD_FACTOR, Law, OWN_SPEED, PatchContact, STIFFNESS_FACTOR,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
@@ -60,6 +63,18 @@ pub(super) fn scene_point(
     friction: Option<(Law, f64)>,
     sample: &FiniteElementSample,
 ) -> Result<OperatingPoint, Error> {
+    scaled_point(case, closed, friction, sample, UNSCALED)
+}
+
+/// The operating point of a configuration as [`scene_point`], with loads multiplied, and in equilibrium with that of patches whose stiffness is
+/// multiplied; that itself is not, which [`of_brake`] takes apart.
+pub(super) fn scaled_point(
+    case: &FiniteElementCase,
+    closed: &[usize],
+    friction: Option<(Law, f64)>,
+    sample: &FiniteElementSample,
+    scales: Scales<'_>,
+) -> Result<OperatingPoint, Error> {
     let named = |name: &str, source| CaseError::Expression {
         path: case.header.path.clone(),
         field: format!("terms {name:?}.coefficient"),
@@ -74,31 +89,127 @@ pub(super) fn scene_point(
         ConstantTerm::Contact => factor,
         ConstantTerm::Holders | ConstantTerm::HoldersAndContact => 1.0,
     }));
-    let mut gains = Vec::new();
-    let values = sample;
-    if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
-        let speed = own_speed(case, values)?.unwrap_or(speed);
-        let load_factor = load_factor(case, contact, values)?;
-        for &number in closed {
-            let patch = &contact.patches[number];
-            let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(patch.pairs.len());
-            for own in patch.speeds.iter().map(|part| part * speed) {
-                // Pairs of one speed have one tangent.
-                let known = tangents.last().filter(|(of, _)| *of == own).map(|(_, tangent)| *tangent);
-                let tangent =
-                    known.map_or_else(|| sample.contact(number).tangent(law, own, contact.bristle_damping), Ok)?;
-                tangents.push((own, tangent));
-            }
-            let loaded = || {
-                tangents.iter().zip(&patch.shares).map(|(tangent, share)| (tangent, patch.load * share * load_factor))
+    let gains = match (&case.contact, friction) {
+        (Some(contact), Some((law, speed))) => {
+            let speed = own_speed(case, sample)?.unwrap_or(speed);
+            let scene = Sliding { case, contact, closed, law, speed, sample, scales };
+            scene.gains(&coefficients, factor)?
+        }
+        _ => Vec::new(),
+    };
+    Ok(OperatingPoint { coefficients, channels: gains })
+}
+
+/// Factors of the load of all pairs and of the stiffness of each patch, beside those of a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scales<'a> {
+    pub load: f64,
+    /// One of each patch; without any they are 1.
+    pub stiffness: &'a [f64],
+}
+
+/// Factors that change nothing.
+pub(super) const UNSCALED: Scales<'static> = Scales { load: 1.0, stiffness: &[] };
+
+impl Scales<'_> {
+    fn of_patch(&self, patch: usize) -> f64 {
+        self.stiffness.get(patch).copied().unwrap_or(1.0)
+    }
+}
+
+/// Contacts that slide: some patches closed, under a law at a speed.
+struct Sliding<'a> {
+    case: &'a FiniteElementCase,
+    contact: &'a PatchContact,
+    closed: &'a [usize],
+    law: Law,
+    speed: f64,
+    sample: &'a FiniteElementSample,
+    scales: Scales<'a>,
+}
+
+impl Sliding<'_> {
+    /// The gains of the closed patches, with the factor of the stiffness of all of them. Of a patch with a scale those are of its pairs without it.
+    fn gains(&self, coefficients: &[f64], factor: f64) -> Result<Vec<ChannelGain>, Error> {
+        let tangents = self.closed.iter().map(|&patch| self.tangents(patch)).collect::<Result<Vec<_>, Error>>()?;
+        let load_factor = load_factor(self.case, self.contact, self.sample)? * self.scales.load;
+        let balance = self.contact.balance.as_deref();
+        let state = balance.map(|balance| self.state(balance, &tangents, coefficients, factor, load_factor));
+        let state = balance.zip(state.transpose()?);
+        let mut gains = Vec::new();
+        for (&number, tangents) in self.closed.iter().zip(&tangents) {
+            let patch = &self.contact.patches[number];
+            // The load of each pair, and what its spring is of the one that its channel reads.
+            let pairs: Vec<[f64; 2]> = match &state {
+                None => patch.shares.iter().map(|share| [patch.load * share * load_factor, factor]).collect(),
+                Some((_, state)) => {
+                    let scale = self.scales.of_patch(number);
+                    patch.points.iter().map(|&point| [state.forces[point], state.stiffness[point] / scale]).collect()
+                }
             };
-            gains.extend(loaded().map(|((_, tangent), load)| along(tangent, load, factor)));
-            if contact.is_lateral {
-                gains.extend(loaded().map(|((speed, tangent), load)| across(tangent, load, *speed)));
+            let loaded = || tangents.iter().zip(&pairs);
+            gains.extend(loaded().map(|((_, tangent), [load, spring])| along(tangent, *load, *spring)));
+            if self.contact.is_lateral {
+                gains.extend(loaded().map(|((speed, tangent), [load, _])| across(tangent, *load, *speed)));
+            }
+            if let Some((balance, _)) = state {
+                let opening = |(&point, [_, spring]): (&usize, &[f64; 2])| ChannelGain {
+                    mu: spring - factor * balance.at_medians(point),
+                    ..ChannelGain::default()
+                };
+                gains.extend(patch.points.iter().zip(&pairs).map(opening));
             }
         }
+        Ok(gains)
     }
-    Ok(OperatingPoint { coefficients, channels: gains })
+
+    /// The speed of each pair of a patch, and the tangent of the law there.
+    fn tangents(&self, patch: usize) -> Result<Vec<(f64, Tangent)>, Error> {
+        let Some(contacts) = &self.sample.contacts else { return Ok(Vec::new()) };
+        let pairs = &self.contact.patches[patch];
+        let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(pairs.speeds.len());
+        for own in pairs.speeds.iter().map(|part| part * self.speed) {
+            // Pairs of one speed have one tangent.
+            let known = tangents.last().filter(|(of, _)| *of == own).map(|(_, tangent)| *tangent);
+            let found = || contacts.contact(patch).tangent(self.law, own, self.contact.bristle_damping);
+            tangents.push((own, known.map_or_else(found, Ok)?));
+        }
+        Ok(tangents)
+    }
+
+    /// The equilibrium of the closed patches, whose loads are multiplied.
+    fn state(
+        &self,
+        balance: &ContactBalance,
+        tangents: &[Vec<(f64, Tangent)>],
+        coefficients: &[f64],
+        factor: f64,
+        load_factor: f64,
+    ) -> Result<Arc<ContactState>, Error> {
+        let Self { case, contact, closed, .. } = *self;
+        let (mut mu, mut stiffness) = (vec![0.0; balance.points()], vec![0.0; balance.points()]);
+        for (&number, tangents) in closed.iter().zip(tangents) {
+            for (&point, (_, tangent)) in contact.patches[number].points.iter().zip(tangents) {
+                (mu[point], stiffness[point]) = (tangent.mu, factor * self.scales.of_patch(number));
+            }
+        }
+        let path = || case.header.path.clone();
+        let of_load = |(field, expression): (String, &Expression)| match expression.value(&self.sample.values) {
+            Ok(value) => Ok(load_factor * value),
+            Err(source) => Err(CaseError::Expression { path: path(), field, source: Box::new(source) }),
+        };
+        let loads = balance.factors().map(of_load).collect::<Result<Vec<_>, _>>()?;
+        let own = case.coefficients.len();
+        let structure = || {
+            let holders = own..case.system.terms().len() - contact.patches.len();
+            let factors = coefficients[..own].iter().copied().chain(holders.map(|_| 1.0));
+            let parts = case.system.terms().iter().zip(factors).map(|(term, theta)| &term.matrices.k * theta);
+            parts.reduce(|sum, part| sum + part).unwrap_or_else(|| CscMatrix::zeros(case.dofs.len(), case.dofs.len()))
+        };
+        let acting = Acting { coefficients, loads: &loads, mu: &mu, stiffness: &stiffness };
+        let failed = |source| CaseError::Contact { path: path(), field: EQUILIBRIUM.into(), source: Box::new(source) };
+        Ok(balance.state(&acting, &structure).map_err(failed)?)
+    }
 }
 
 /// Friction along the sliding of a pair under a load. A channel reads the normal force of its spring, whose stiffness is multiplied.

@@ -138,7 +138,7 @@ impl Patches {
         let speeds = pairs.iter().map(|pair| pair.speed).collect();
         let pairs: Vec<[i64; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
         let (channels, shares) = (first..self.channels.len(), vec![1.0; pairs.len()]);
-        self.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares });
+        self.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points: Vec::new() });
         Ok(())
     }
 }

@@ -1,5 +1,7 @@
 //! The contact of a case, whatever it is between: its patches, and what they share.
 
+use std::sync::Arc;
+
 use montecarlo::Distribution;
 
 use super::contact::Patches;
@@ -8,11 +10,11 @@ use super::nodes::Model;
 use super::schema::{ContactTable, FrictionTable, LateralEntry};
 use super::structure::Structure;
 use super::surface_contact::{SurfaceContact, Surfaces};
-use super::surface_loads::balanced;
+use super::surface_loads::{Pressing, balanced};
 use super::surface_schema::{AllContactsTable, ContactEntry, FacesTable, ForceTable};
-use super::{LOAD_FACTOR, OWN_SPEED, OwnSpeed, Patch, PatchContact, STIFFNESS_FACTOR};
+use super::{ContactBalance, LOAD_FACTOR, OWN_SPEED, OwnSpeed, Patch, PatchContact, STIFFNESS_FACTOR};
 use crate::case::arrangements::arrangements_by_number;
-use crate::case::check::Check;
+use crate::case::check::{Check, field};
 use crate::case::matrices::formulas::Formulas;
 use crate::case::matrices::schema::Formula;
 use crate::case::schema::BristleDampingEntry;
@@ -92,6 +94,7 @@ fn of_nodes(
         load_factor: None,
         load_exponent: 0.0,
         own_speed: None,
+        balance: None,
         is_of_faces: false,
     };
     Ok((patches, shared))
@@ -119,10 +122,30 @@ fn of_faces(
     if !forces.is_empty() && !tables.iter().any(FacesTable::is_in_equilibrium) {
         return Err(check.value("forces", "given", "contacts in equilibrium, load = \"equilibrium\""));
     }
+    let factor_of_force = |table: &ForceTable| {
+        let key = field("forces", &table.name, "coefficient");
+        let factor = formulas.expression(&key, table.coefficient.clone(), 1.0)?;
+        Ok((structure.value(key, &factor)?, factor))
+    };
+    let at_medians = forces.iter().map(factor_of_force).collect::<Result<Vec<_>, CaseError>>()?;
+    let median = |field: &str, factor: Option<&Expression>| match factor {
+        None => Ok(1.0),
+        Some(factor) => match structure.value(field.to_owned(), factor)? {
+            value if value > 0.0 => Ok(value),
+            value => Err(check.value(field, value, "> 0")),
+        },
+    };
+    let load = median(LOAD_FACTOR, load_factor.as_ref())?;
+    let pressing = Pressing {
+        forces,
+        at_medians: at_medians.iter().map(|(value, _)| load * value).collect(),
+        factors: at_medians.into_iter().map(|(_, factor)| factor).collect(),
+        mu,
+        stiffness: median(STIFFNESS_FACTOR, stiffness_factor.as_ref())?,
+    };
     let solids = Solids::new(model, "[[contact]]")?;
-    let in_equilibrium =
-        |contacts: &[SurfaceContact<'_>]| balanced(&solids, contacts, &structure.at_medians(0.0)?, forces, mu);
-    let Surfaces { patches, mean_speed } = Surfaces::new(&solids, tables, is_lateral, &in_equilibrium)?;
+    let in_equilibrium = |contacts: &[SurfaceContact<'_>]| balanced(&solids, contacts, structure, &pressing);
+    let Surfaces { patches, mean_speed, balance } = Surfaces::new(&solids, tables, is_lateral, &in_equilibrium)?;
     let in_contact = match (all.in_contact.is_empty(), all.arrangements.is_empty()) {
         (true, true) => vec![patches.patches.len()],
         _ => all.in_contact,
@@ -133,7 +156,11 @@ fn of_faces(
         bristle_damping: all.bristle_damping.unwrap_or(BristleDampingEntry::Constant),
         is_lateral,
         stiffness_factor,
-        load_exponent: load_exponent(check, tables, load_factor.is_some())?,
+        load_exponent: match balance {
+            None => load_exponent(check, tables, load_factor.is_some())?,
+            Some(_) => 0.0,
+        },
+        balance,
         load_factor,
         own_speed: speed.map(|speed| OwnSpeed { speed, factor: mean_speed }),
         is_of_faces: true,
@@ -151,6 +178,7 @@ struct Shared {
     load_factor: Option<Expression>,
     load_exponent: f64,
     own_speed: Option<OwnSpeed>,
+    balance: Option<ContactBalance>,
     is_of_faces: bool,
 }
 
@@ -160,10 +188,6 @@ fn load_exponent(check: &Check<'_>, tables: &[FacesTable], is_drawn: bool) -> Re
     let first = exponents.next().unwrap_or_default();
     if is_drawn && exponents.any(|other| other != first) {
         let allowed = "contacts of one law: { c, m } with the same m in all, or in none";
-        return Err(check.value(LOAD_FACTOR, "given", allowed));
-    }
-    if is_drawn && first != 0.0 && tables.iter().any(FacesTable::is_in_equilibrium) {
-        let allowed = "contacts in equilibrium of a constant stiffness, or loads that are given: which points are open depends on it here";
         return Err(check.value(LOAD_FACTOR, "given", allowed));
     }
     Ok(first)
@@ -210,6 +234,7 @@ fn patch_contact(
         load_factor: shared.load_factor,
         load_exponent: shared.load_exponent,
         own_speed,
+        balance: shared.balance.map(Arc::new),
         is_of_faces: shared.is_of_faces,
     })
 }

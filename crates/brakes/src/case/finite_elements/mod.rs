@@ -1,6 +1,7 @@
 //! A brake from the export of a finite element program: sparse matrices with names of their rows, a mesh with node sets, and
 //! contact in patches that are in or out of contact: between matching nodes, or between faces that need not match.
 
+mod balance;
 mod contact;
 mod contacts;
 mod faces;
@@ -16,11 +17,15 @@ mod surface_schema;
 mod terms;
 mod turning;
 
+pub use balance::ContactBalance;
+pub(crate) use balance::{Acting, ContactState};
+pub(crate) use surface_loads::EQUILIBRIUM;
 pub use missing::{MissingRows, NamesOnMesh};
 pub use side::Side;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use formats::{Dof, Mesh};
 use friction::BristleDamping;
@@ -57,7 +62,7 @@ pub struct FiniteElementCase {
     pub held: Vec<Dof>,
     /// The terms of the file, then its springs, then two of each body that turns, then the holders as one term, where there are any, then one term
     /// for each patch; patch by patch one channel for each pair in contact, along the sliding, then one for each across it, where friction
-    /// acts there.
+    /// acts there, then one for what opening adds to the spring of each, where loads are in equilibrium.
     pub system: SparseAffineSystem,
     /// The coefficients of the terms of the file, of springs and of what turns.
     pub coefficients: Vec<Expression>,
@@ -72,7 +77,7 @@ pub struct FiniteElementCase {
 }
 
 /// Contact in patches, each of pairs: of nodes, or of points between faces.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct PatchContact {
     /// The patches.
     pub patches: Vec<Patch>,
@@ -94,10 +99,12 @@ pub struct PatchContact {
     pub stiffness_factor: Option<Expression>,
     /// Factor of the load of all pairs, where it depends on parameters.
     pub load_factor: Option<Expression>,
-    /// By which power of that the stiffness of all pairs grows: `1 - 1/m` of faces whose pressure is `c g^m`, else 0.
+    /// By which power of that the stiffness of all pairs grows: `1 - 1/m` of faces whose pressure is `c g^m` and given, else 0.
     pub load_exponent: f64,
     /// The speed, where the parameters say it and no range of speeds.
     pub own_speed: Option<OwnSpeed>,
+    /// Equilibrium from which the loads of all pairs follow; `None` where they are given.
+    pub balance: Option<Arc<ContactBalance>>,
     /// True if pairs are points between faces, of which there are many more than of nodes.
     pub is_of_faces: bool,
 }
@@ -136,12 +143,14 @@ pub struct Patch {
     /// mean radius of all pairs of the contact where the disc turns about its normal; of points between faces that turn about an axis, the speed at
     /// 1 rad/s over the mean of all such points by their areas.
     pub speeds: Vec<f64>,
-    /// Indices of its channels in the system: of friction along the sliding of each pair, then across it.
+    /// Indices of its channels in the system: of friction along the sliding of each pair, then across it, then in equilibrium of its opening.
     pub channels: Range<usize>,
-    /// Mean normal load of its pairs while it is closed, N.
+    /// Mean normal load of its pairs while it is closed, N; of an equilibrium that at the medians.
     pub load: f64,
     /// Ratios of the load of each pair to that mean: 1 where they share it equally.
     pub shares: Vec<f64>,
+    /// Number of each pair in [`PatchContact::balance`]; none where loads are given.
+    pub points: Vec<usize>,
 }
 
 /// Goal of a reduction: the modes that the reduced brake shall hold, and how well.

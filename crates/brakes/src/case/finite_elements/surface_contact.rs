@@ -10,6 +10,7 @@ use sparse::{SparseSecondOrder, SparseTerm};
 
 use super::Patch;
 use super::contact::Patches;
+use super::balance::ContactBalance;
 use super::faces::Solids;
 use super::missing::MissingRows;
 use super::schema::SlidingEntry;
@@ -122,6 +123,8 @@ pub(super) struct Surfaces {
     pub patches: Patches,
     /// The mean of the speeds of all points by their areas, at 1 rad/s, or 1 of a direction.
     pub mean_speed: f64,
+    /// Equilibrium from which the loads follow; `None` where they are given.
+    pub balance: Option<ContactBalance>,
 }
 
 impl Surfaces {
@@ -143,12 +146,12 @@ impl Surfaces {
         if count != 0 && count != contacts.len() {
             return Err(check.value("contact.load", "\"equilibrium\" in some", "\"equilibrium\" in all or in none"));
         }
-        let forces: Vec<Vec<f64>> = match count {
-            0 => contacts.iter().map(|contact| given_forces(solids, contact)).collect::<Result<_, _>>()?,
+        let (forces, balance): (Vec<Vec<f64>>, _) = match count {
+            0 => (contacts.iter().map(|contact| given_forces(solids, contact)).collect::<Result<_, _>>()?, None),
             _ => {
-                let Balanced { forces, note } = balanced(&contacts)?;
+                let Balanced { forces, note, balance } = balanced(&contacts)?;
                 check.note(note);
-                forces
+                (forces, Some(balance))
             }
         };
         let mean_speed = mean_speed(&contacts);
@@ -156,14 +159,19 @@ impl Surfaces {
         let sides = [count(&|contact| contact.slave.len()), count(&|contact| contact.master.len())];
         let missing = contacts.iter().map(|contact| contact.missing(solids)).collect::<Result<Vec<_>, _>>()?.concat();
         let mut out = Patches { patches: Vec::new(), terms: Vec::new(), channels: Vec::new(), sides, missing };
+        let mut first = 0;
         for (contact, forces) in contacts.iter().zip(&forces) {
             let (names, of) = contact.patches(solids)?;
             let of_contact = check.contact::<ContactError>(&contact.field());
             let stiffness = contact.interface.tangents(&contact.law, forces).map_err(&of_contact)?;
             report_gaps(solids, contact);
             for (at, name) in names.iter().enumerate() {
-                let own: Vec<usize> = (0..of.len()).filter(|&point| of[point] == at && forces[point] > 0.0).collect();
-                if own.is_empty() {
+                let mut own: Vec<usize> = (0..of.len()).filter(|&point| of[point] == at).collect();
+                let is_pressed = own.iter().any(|&point| forces[point] > 0.0);
+                if balance.is_none() {
+                    own.retain(|&point| forces[point] > 0.0);
+                }
+                if !is_pressed {
                     let found = format!("{name:?}, of whose points none is closed");
                     return Err(check.value(
                         &field("contact", &contact.table.name, "patches"),
@@ -171,12 +179,14 @@ impl Surfaces {
                         "patches that are pressed on",
                     ));
                 }
-                let made = Made { solids, contact, forces, stiffness: &stiffness, is_lateral, mean_speed };
+                let balance = balance.as_ref().map(|balance| (balance, first));
+                let made = Made { solids, contact, forces, stiffness: &stiffness, is_lateral, mean_speed, balance };
                 made.patch(name, &own, &mut out)?;
             }
+            first += of.len();
         }
         check.names("contact.patches", out.patches.iter().map(|patch| &patch.name))?;
-        Ok(Self { patches: out, mean_speed })
+        Ok(Self { patches: out, mean_speed, balance })
     }
 }
 
@@ -212,24 +222,36 @@ struct Made<'a> {
     stiffness: &'a [f64],
     is_lateral: bool,
     mean_speed: f64,
+    /// The equilibrium, and the number of the contact's first point in it.
+    balance: Option<(&'a ContactBalance, usize)>,
 }
 
 impl Made<'_> {
-    /// Adds a patch of these points: its springs as a term, friction in each of them along the sliding and then across it.
+    /// Adds a patch of these points: its springs as a term, friction in each of them along the sliding and then across it, and in equilibrium what
+    /// opening and closing adds to each spring. The springs of a patch in equilibrium are those that are closed at the medians.
     fn patch(&self, name: &str, own: &[usize], out: &mut Patches) -> Result<(), CaseError> {
-        let Self { solids, contact, forces, stiffness, is_lateral, mean_speed } = self;
+        let Self { solids, contact, forces, stiffness, is_lateral, mean_speed, balance } = self;
         let (mesh, rows) = (&solids.mesh, &solids.rows);
         let first = out.channels.len();
         let mut k = CooMatrix::new(rows.order(), rows.order());
-        let (mut along, mut across, mut pairs, mut speeds) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut along, mut across, mut opening) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut pairs, mut speeds, mut points) = (Vec::new(), Vec::new(), Vec::new());
         for &at in own {
             let point = &contact.interface.points()[at];
             let gap: Row = point.gap_row(rows);
+            // The spring at the medians, and the one that is read.
+            let (closed, read) = balance.map_or((stiffness[at], stiffness[at]), |(balance, first)| {
+                points.push(first + at);
+                (balance.at_medians(first + at) * balance.springs[first + at], balance.springs[first + at])
+            });
             for &(i, a) in &gap {
-                gap.iter().for_each(|&(j, b)| k.push(i, j, stiffness[at] * (a * b)));
+                gap.iter().for_each(|&(j, b)| k.push(i, j, closed * (a * b)));
             }
-            let reading = gap.iter().map(|&(dof, value)| (dof, stiffness[at] * value)).collect();
+            let reading: Row = gap.iter().map(|&(dof, value)| (dof, read * value)).collect();
             let named = format!("{}/{}", contact.table.name, contact.interface.name(mesh, at));
+            if balance.is_some() {
+                opening.push(Channel::new(format!("{named} opening"), "contact", gap, reading.clone()));
+            }
             along.push(Channel::new(&named, format!("friction {name}"), point.slip_row(rows), reading));
             if *is_lateral {
                 let family = format!("lateral friction {name}");
@@ -248,10 +270,11 @@ impl Made<'_> {
         out.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
         out.channels.extend(along);
         out.channels.extend(across);
+        out.channels.extend(opening);
         let load = own.iter().map(|&at| forces[at]).sum::<f64>() / own.len() as f64;
         let shares = own.iter().map(|&at| forces[at] / load).collect();
         let channels = first..out.channels.len();
-        out.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares });
+        out.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points });
         Ok(())
     }
 }

@@ -1,19 +1,32 @@
 //! Normal forces of contacts between faces: given, or in equilibrium with the forces of the case.
 
-use contact::{Balance, Condensed, ContactError, Row, Stiffness};
+use contact::{ContactError, Stiffness};
 use nalgebra::{DMatrix, Vector3};
-use nalgebra_sparse::CscMatrix;
 
+use super::balance::{Acting, ContactBalance, Recent};
 use super::faces::Solids;
+use super::structure::Structure;
 use super::surface_contact::SurfaceContact;
 use super::surface_schema::{ForceTable, LoadEntry};
-use crate::case::CaseError;
 use crate::case::check::field;
+use crate::case::{CaseError, Expression};
 
-/// Normal forces of the points of each contact, and a sentence on how they came about.
+/// Normal forces of the points of each contact at the medians, a sentence on how they came about, and what they follow from elsewhere.
 pub(super) struct Balanced {
     pub forces: Vec<Vec<f64>>,
     pub note: String,
+    pub balance: ContactBalance,
+}
+
+/// What presses on contacts in equilibrium.
+pub(super) struct Pressing<'a> {
+    pub forces: &'a [ForceTable],
+    /// Factor of each of the forces, and their values at the medians.
+    pub factors: Vec<Expression>,
+    pub at_medians: Vec<f64>,
+    /// Coefficient of friction, and the factor of the stiffness, at the medians.
+    pub mu: f64,
+    pub stiffness: f64,
 }
 
 /// The normal force of each point of a contact whose load is given.
@@ -62,46 +75,59 @@ fn pressures(text: &str) -> Result<Vec<(i64, f64)>, (usize, String)> {
     Ok(all)
 }
 
-/// The forces of contacts in equilibrium: what acts on the structure of stiffness K (holders and springs in it, contacts not), and friction
+/// The forces of contacts in equilibrium at the medians: what acts on the structure (holders and springs in it, contacts not), and friction
 /// mu along the sliding.
 pub(super) fn balanced(
     solids: &Solids<'_>,
     contacts: &[SurfaceContact<'_>],
-    structure: &CscMatrix<f64>,
-    forces: &[ForceTable],
-    mu: f64,
+    structure: &Structure<'_>,
+    pressing: &Pressing<'_>,
 ) -> Result<Balanced, CaseError> {
     let check = solids.model.check;
-    let of_contact = check.contact::<ContactError>("contact.load = \"equilibrium\"");
-    let load = acting(solids, forces)?;
+    let of_contact = check.contact::<ContactError>(EQUILIBRIUM);
+    let loads = acting(solids, pressing.forces)?;
     let area: f64 = contacts.iter().map(|contact| contact.interface.area()).sum();
+    let law = contacts[0].law;
+    let is_power = |contact: &SurfaceContact<'_>| matches!(contact.law, Stiffness::Power { .. });
+    if contacts.iter().any(is_power) && contacts.iter().any(|contact| contact.law != law) {
+        let allowed = "one law p = c g^m for all contacts that are in equilibrium, or none";
+        return Err(check.value("contact.stiffness", "several laws", allowed));
+    }
     // Springs to begin with, which a law replaces: as stiff as it is under the mean pressure.
+    let load = &loads * DMatrix::from_column_slice(loads.ncols(), 1, &pressing.at_medians);
     let pressure = load.iter().map(|force| force.abs()).sum::<f64>() / area;
-    let (mut gaps, mut slips, mut stiffness): (Vec<Row>, Vec<Row>, Vec<f64>) = Default::default();
+    let mut balance = ContactBalance {
+        gaps: Vec::new(),
+        slips: Vec::new(),
+        areas: Vec::new(),
+        springs: Vec::new(),
+        law: is_power(&contacts[0]).then_some(law),
+        loads,
+        factors: pressing.forces.iter().map(|table| table.name.clone()).zip(pressing.factors.clone()).collect(),
+        stiff: structure.stiff(),
+        at_medians: Vec::new(),
+        structures: Recent::default(),
+        states: Recent::default(),
+    };
     for contact in contacts {
         let points = contact.interface.points();
         let at_mean: Vec<f64> = points.iter().map(|point| pressure * point.area).collect();
-        stiffness.extend(contact.interface.tangents(&contact.law, &at_mean).map_err(&of_contact)?);
-        gaps.extend(points.iter().map(|point| point.gap_row(&solids.rows)));
-        slips.extend(points.iter().map(|point| point.slip_row(&solids.rows)));
+        balance.springs.extend(contact.interface.tangents(&contact.law, &at_mean).map_err(&of_contact)?);
+        balance.areas.extend(points.iter().map(|point| point.area));
+        balance.gaps.extend(points.iter().map(|point| point.gap_row(&solids.rows)));
+        balance.slips.extend(points.iter().map(|point| point.slip_row(&solids.rows)));
     }
-    let condensed = Condensed::new(structure, &gaps, &slips, &stiffness, &load).map_err(&of_contact)?;
-    let balance = Balance { gaps: vec![0.0; gaps.len()], mu: vec![mu; gaps.len()], loads: vec![1.0] };
-    let laws: Vec<Stiffness> = contacts.iter().map(|contact| contact.law).collect();
-    let found = match laws.iter().any(|law| matches!(law, Stiffness::Power { .. })) {
-        false => condensed.equilibrium(&balance),
-        true if laws.iter().all(|law| *law == laws[0]) => {
-            let areas: Vec<f64> =
-                contacts.iter().flat_map(|contact| contact.interface.points()).map(|point| point.area).collect();
-            condensed.equilibrium_of_law(&balance, &laws[0], &areas)
-        }
-        true => {
-            let allowed = "one law p = c g^m for all contacts that are in equilibrium, or none";
-            return Err(check.value("contact.stiffness", "several laws", allowed));
-        }
+    let points = balance.points();
+    let (coefficients, k) = (structure.coefficients_at_medians()?, structure.at_medians(0.0)?);
+    let at_medians = Acting {
+        coefficients: &coefficients,
+        loads: &pressing.at_medians,
+        mu: &vec![pressing.mu; points],
+        stiffness: &vec![pressing.stiffness; points],
     };
-    let found = found.map_err(&of_contact)?;
-    let closed = found.closed().iter().filter(|closed| **closed).count();
+    let found = balance.state(&at_medians, &|| k.clone()).map_err(&of_contact)?;
+    balance.at_medians = found.stiffness.iter().map(|stiffness| stiffness / pressing.stiffness).collect();
+    let closed = found.forces.iter().filter(|force| **force > 0.0).count();
     let mut rest = found.forces.as_slice();
     let mut of_contacts = Vec::new();
     let mut words = Vec::new();
@@ -112,23 +138,25 @@ pub(super) fn balanced(
         of_contacts.push(own.to_vec());
     }
     let note = format!(
-        "contacts in equilibrium: {closed} of {} points are closed, {}; {}",
-        found.forces.len(),
+        "contacts in equilibrium, at the medians: {closed} of {points} points are closed, {}; {}",
         words.join(", "),
         found.uniqueness
     );
-    Ok(Balanced { forces: of_contacts, note })
+    Ok(Balanced { forces: of_contacts, note, balance })
 }
 
-/// The forces of a case on its rows, one column.
+/// The field of contacts whose load is that of an equilibrium.
+pub(crate) const EQUILIBRIUM: &str = "contact.load = \"equilibrium\"";
+
+/// The forces of a case on its rows, a column each.
 fn acting(solids: &Solids<'_>, forces: &[ForceTable]) -> Result<DMatrix<f64>, CaseError> {
     let (check, model) = (solids.model.check, solids.model);
     if forces.is_empty() {
         return Err(check.value("forces", "missing", "tables of what presses, as contacts are in equilibrium"));
     }
     check.names("forces.name", forces.iter().map(|table| &table.name))?;
-    let mut load = DMatrix::zeros(solids.rows.order(), 1);
-    for table in forces {
+    let mut loads = DMatrix::zeros(solids.rows.order(), forces.len());
+    for (table, mut load) in forces.iter().zip(loads.column_iter_mut()) {
         let key = |key: &str| field("forces", &table.name, key);
         match (&table.nodes, table.force, &table.faces, table.pressure) {
             (Some(nodes), Some(force), None, None) => {
@@ -136,7 +164,7 @@ fn acting(solids: &Solids<'_>, forces: &[ForceTable]) -> Result<DMatrix<f64>, Ca
                 for (x, force) in force.into_iter().enumerate() {
                     let force = check.finite(&key("force"), force)? / nodes.len() as f64;
                     for &node in &nodes {
-                        model.row(node, x as u32 + 1).into_iter().for_each(|row| load[(row, 0)] += force);
+                        model.row(node, x as u32 + 1).into_iter().for_each(|row| load[row] += force);
                     }
                 }
             }
@@ -150,7 +178,7 @@ fn acting(solids: &Solids<'_>, forces: &[ForceTable]) -> Result<DMatrix<f64>, Ca
                         let force: Vector3<f64> = at.area * (-pressure * weight);
                         for (&node, n) in face.nodes.iter().zip(at.shape.values()) {
                             for x in 0..3 {
-                                solids.rows.row(node, x).into_iter().for_each(|row| load[(row, 0)] += n * force[x]);
+                                solids.rows.row(node, x).into_iter().for_each(|row| load[row] += n * force[x]);
                             }
                         }
                     }
@@ -162,7 +190,7 @@ fn acting(solids: &Solids<'_>, forces: &[ForceTable]) -> Result<DMatrix<f64>, Ca
             }
         }
     }
-    Ok(load)
+    Ok(loads)
 }
 
 #[cfg(test)]

@@ -166,6 +166,7 @@ pub(super) struct ForceTable {
     pub force: Option<[f64; 3]>,
     pub faces: Option<Nodes>,
     pub pressure: Option<f64>,
+    pub coefficient: Option<Formula>,
 }
 
 /// A body that turns.
