@@ -12,6 +12,7 @@
 //! | [`read_market`] | Matrix Market alone |
 //! | [`read_deck`] | nodes, elements and node sets of an Abaqus or CalculiX input deck |
 //! | [`write_unv`], [`write_vtu`] | a [`Mesh`] with complex [`ModeShape`]s |
+//! | [`write_fields_vtu`] | a [`Mesh`] with numbers and vectors at its nodes, [`MeshField`]s |
 //! | [`Surface`] | the outside of a [`Mesh`], for a picture |
 //! | [`FormatsError`] | one line: the [`Place`] in the file, and the [`Problem`] there |
 //!
@@ -62,14 +63,14 @@ pub use error::{FormatsError, Place};
 pub use limits::{Limits, Options, Progress};
 pub use market::read_market;
 pub use matrix::{Entry, Kind, Matrix, common_labels};
-pub use mesh::{Cell, CellKind, Mesh, ModeShape, Node};
+pub use mesh::{Cell, CellKind, Mesh, MeshField, ModeShape, Node};
 pub use problem::Problem;
 pub use read::{File, Wanted, read, read_bytes, read_labels, read_one, read_with, split_name};
 pub use rows::on_common_rows;
 pub use surface::Surface;
 pub use symmetry::{Doubt, KnownBy, Stored, Symmetry};
 pub use unv::write_unv;
-pub use vtu::write_vtu;
+pub use vtu::{write_fields_vtu, write_vtu};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

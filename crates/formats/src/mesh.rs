@@ -132,6 +132,29 @@ impl ModeShape {
     }
 }
 
+/// Numbers or vectors at the nodes of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshField {
+    /// A name in one line.
+    pub name: String,
+    /// Values at each node of the mesh: a list of numbers, or of vectors three lists, of x, y and z.
+    pub values: Vec<Vec<f64>>,
+}
+
+impl MeshField {
+    /// Checks that the field can be written.
+    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), FormatsError> {
+        let of_each = |values: &Vec<f64>| values.len() == mesh.nodes.len() && values.iter().all(|x| x.is_finite());
+        let is_one = matches!(self.values.len(), 1 | 3) && self.values.iter().all(of_each);
+        if is_one && !self.name.chars().any(char::is_control) {
+            return Ok(());
+        }
+        let found = format!("{:?}", crate::shortened::cut(&self.name));
+        let allowed = "one or three lists with a finite number for each node, a name of one line".to_owned();
+        Err(FormatsError::Shape { what: "the field", found, allowed })
+    }
+}
+
 /// Checks that a mesh and shapes on it can be written.
 pub(crate) fn check(mesh: &Mesh, shapes: &[ModeShape]) -> Result<(), FormatsError> {
     let refused =

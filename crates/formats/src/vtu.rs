@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use num_complex::Complex;
 
 use crate::FormatsError;
+use crate::mesh::MeshField;
 use crate::mesh::{CellKind, Mesh, ModeShape, check};
 
 impl CellKind {
@@ -35,10 +36,46 @@ pub fn write_vtu(out: &mut dyn Write, mesh: &Mesh, shapes: &[ModeShape]) -> Resu
         let (what, allowed) = ("two shapes have the name", "a name for each".to_owned());
         return Err(FormatsError::Shape { what, found: crate::shortened::cut(&shape.name), allowed });
     }
-    write_all(out, mesh, shapes).map_err(FormatsError::Write)
+    let of_shapes = |out: &mut dyn Write| shapes.iter().try_for_each(|shape| write_shape(out, shape));
+    write_all(out, mesh, shapes, &of_shapes).map_err(FormatsError::Write)
 }
 
-fn write_all(out: &mut dyn Write, mesh: &Mesh, shapes: &[ModeShape]) -> io::Result<()> {
+/// Writes a mesh with numbers and vectors at its nodes, and the array `node` with their numbers.
+///
+/// # Errors
+/// [`FormatsError::Shape`] for what cannot be written, such as not a number for each node, and [`FormatsError::Write`].
+pub fn write_fields_vtu(out: &mut dyn Write, mesh: &Mesh, fields: &[MeshField]) -> Result<(), FormatsError> {
+    check(mesh, &[])?;
+    fields.iter().try_for_each(|field| field.check(mesh))?;
+    let of_field = |out: &mut dyn Write, MeshField { name, values }: &MeshField| match values.as_slice() {
+        [x] => array(out, "Float64", name, "", x.iter().map(|&x| reals([x]))),
+        [x, y, z] => {
+            let rows = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| reals([x, y, z]));
+            array(out, "Float64", name, VECTOR, rows)
+        }
+        _ => Ok(()),
+    };
+    let of_fields = |out: &mut dyn Write| fields.iter().try_for_each(|field| of_field(out, field));
+    write_all(out, mesh, &[], &of_fields).map_err(FormatsError::Write)
+}
+
+/// Writes the three vectors of a mode.
+fn write_shape(out: &mut dyn Write, shape: &ModeShape) -> io::Result<()> {
+    let mut part = |what: &str, of: fn(Complex<f64>) -> f64| {
+        let rows = shape.displacements.iter().map(|u| reals(u.map(of)));
+        array(out, "Float64", &format!("{} {what}", shape.name), VECTOR, rows)
+    };
+    part("real", |z| z.re)?;
+    part("imaginary", |z| z.im)?;
+    part("amplitude", |z| z.norm())
+}
+
+fn write_all(
+    out: &mut dyn Write,
+    mesh: &Mesh,
+    shapes: &[ModeShape],
+    point_data: &dyn Fn(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let (points, cells) = (mesh.nodes.len(), mesh.cells.len());
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     writeln!(
@@ -53,15 +90,7 @@ fn write_all(out: &mut dyn Write, mesh: &Mesh, shapes: &[ModeShape]) -> io::Resu
     }
     writeln!(out, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>")?;
     array(out, "Int64", "node", "", mesh.nodes.iter().map(|node| node.label.to_string()))?;
-    for shape in shapes {
-        let mut part = |what: &str, of: fn(Complex<f64>) -> f64| {
-            let rows = shape.displacements.iter().map(|u| reals(u.map(of)));
-            array(out, "Float64", &format!("{} {what}", shape.name), VECTOR, rows)
-        };
-        part("real", |z| z.re)?;
-        part("imaginary", |z| z.im)?;
-        part("amplitude", |z| z.norm())?;
-    }
+    point_data(out)?;
     writeln!(out, "</PointData>\n<Points>")?;
     array(out, "Float64", "Points", VECTOR, mesh.nodes.iter().map(|node| reals(node.position)))?;
     writeln!(out, "</Points>\n<Cells>")?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use formats::num_complex::Complex;
-use formats::{Cell, CellKind, Dof, Mesh, ModeShape, Node, write_unv, write_vtu};
+use formats::{Cell, CellKind, Dof, Mesh, MeshField, ModeShape, Node, write_fields_vtu, write_unv, write_vtu};
 
 /// A cube with one cell of each kind, and two modes on it.
 fn example() -> (Mesh, Vec<ModeShape>) {
@@ -51,6 +51,32 @@ fn python(module: &str, script: &str, arguments: &[&Path]) {
     let output = Command::new("python3").arg("-c").arg(script).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     print!("{}", String::from_utf8_lossy(&output.stdout));
+}
+
+/// Fields have a number or a vector for each node; others are refused.
+#[test]
+fn fields_are_written_with_all_digits() {
+    let (mesh, _) = example();
+    let count = mesh.nodes.len();
+    let third: Vec<f64> = (0..count).map(|at| at as f64 / 3.0).collect();
+    let field = |values: Vec<Vec<f64>>| MeshField { name: "a < b".into(), values };
+    let mut text = Vec::new();
+    let fields = [field(vec![third.clone()]), field(vec![third.clone(), vec![0.0; count], vec![-1.0; count]])];
+    write_fields_vtu(&mut text, &mesh, &fields).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    let array = |head: &str| {
+        let (_, after) = text.split_once(head).unwrap();
+        let (rows, _) = after.split_once("</DataArray>").unwrap();
+        let words = rows.lines().skip(1).flat_map(|line| line.split(' ').map(|word| word.parse::<f64>().unwrap()));
+        words.collect::<Vec<f64>>()
+    };
+    assert_eq!(array("Name=\"a &lt; b\" format"), third);
+    let vectors = array("Name=\"a &lt; b\" NumberOfComponents=\"3\"");
+    assert_eq!(vectors, third.iter().flat_map(|&x| [x, 0.0, -1.0]).collect::<Vec<_>>());
+    for wrong in [vec![third[1..].to_vec()], vec![third.clone(); 2], vec![vec![f64::NAN; count]], vec![]] {
+        let error = write_fields_vtu(&mut Vec::new(), &mesh, &[field(wrong)]).unwrap_err().to_string();
+        assert!(error.contains("the field \"a < b\"; allowed: one or three lists"), "{error}");
+    }
 }
 
 /// The numbers that the scripts compare with, one a line: labels and positions, then lambda and displacements of each mode.
