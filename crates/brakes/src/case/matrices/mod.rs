@@ -5,6 +5,7 @@ mod brake;
 mod contacts;
 mod dofs;
 pub(super) mod formulas;
+mod loss;
 mod motion;
 pub(super) mod read;
 pub(super) mod schema;

@@ -9,12 +9,13 @@ use nalgebra::DMatrix;
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::formulas::Formulas;
+use super::loss::add_losses;
 use super::schema::{self, MatricesFile};
 use super::terms::{Terms, read_terms};
 use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::case::check::{Check, field, syntax};
 use crate::case::correlation::Correlated;
-use crate::case::{CaseError, is_parameter_name};
+use crate::case::{CaseError, Expression, is_parameter_name};
 use crate::held::held_rows;
 
 impl MatricesCase {
@@ -51,13 +52,26 @@ impl MatricesCase {
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);
-        let Terms { terms, coefficients, files, rows } = read_terms(&check, &mut formulas, terms)?;
+        let Terms { mut terms, coefficients, losses, files, rows } = read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
         let all_used = formulas.all_used();
         let constraints = constraint_sets(&check, &dofs, constraints)?;
         refuse_held(&check, &dofs, &terms, &constraints)?;
+        if losses.iter().any(Option::is_some) {
+            let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
+            let at_medians = |(term, own): (&Term, &Expression)| {
+                let named = |source| CaseError::Expression {
+                    path: path.to_owned(),
+                    field: field("terms", &term.name, "coefficient"),
+                    source: Box::new(source),
+                };
+                own.value(&medians).map_err(named)
+            };
+            let at_medians = terms.iter().zip(&coefficients).map(at_medians).collect::<Result<Vec<_>, _>>()?;
+            add_losses(&check, &mut terms, &at_medians, &losses, &constraints)?;
+        }
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
         let correlated = Correlated { parameters: named.collect(), contacts: &[[0.0; 3]] };

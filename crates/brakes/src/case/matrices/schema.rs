@@ -71,6 +71,7 @@ pub(super) struct TermTable {
     pub mass: Option<MatrixEntry>,
     pub damping: Option<MatrixEntry>,
     pub stiffness: Option<MatrixEntry>,
+    pub loss_factor: Option<f64>,
 }
 
 /// A number, or an expression in the parameters.

@@ -17,6 +17,8 @@ use crate::input::{LARGEST_MATRIX, LARGEST_ORDER, check_size};
 pub(super) struct Terms {
     pub terms: Vec<Term>,
     pub coefficients: Vec<Expression>,
+    /// Loss factor of each term, where it has one.
+    pub losses: Vec<Option<f64>>,
     /// Files of matrices, and how each was taken.
     pub files: Vec<TakenMatrix>,
     /// The rows of the matrices, where files name them.
@@ -57,8 +59,8 @@ pub(super) fn read_terms(
         return Err(check.value("terms", "[]", "one term or more"));
     }
     let (mut all, mut fields, mut files) = (Vec::new(), Vec::new(), Vec::new());
-    let mut tables = Vec::new();
-    for TermTable { name, family, coefficient, symmetry, mass, damping, stiffness } in given {
+    let (mut tables, mut losses) = (Vec::new(), Vec::new());
+    for TermTable { name, family, coefficient, symmetry, mass, damping, stiffness, loss_factor } in given {
         let parts = [(Kind::Mass, mass), (Kind::Damping, damping), (Kind::Stiffness, stiffness)];
         let has = parts.each_ref().map(|(_, entry)| entry.is_some());
         if has == [false; 3] {
@@ -77,6 +79,7 @@ pub(super) fn read_terms(
             });
             fields.push(field);
         }
+        losses.push(loss_factor);
         tables.push((name, family, coefficient, has));
     }
     if !tables.iter().any(|(.., has)| has[0]) {
@@ -105,7 +108,7 @@ pub(super) fn read_terms(
         let family = family.unwrap_or_else(|| name.clone());
         terms.push(SecondOrder::new(m, c, k).and_then(|system| Term::new(name, family, system)).map_err(refused)?);
     }
-    Ok(Terms { terms, coefficients, files, rows })
+    Ok(Terms { terms, coefficients, losses, files, rows })
 }
 
 /// Reads a matrix from a file of any format, small enough to be a full one.
