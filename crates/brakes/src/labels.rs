@@ -1,7 +1,7 @@
 //! Labels of laws, ranges of speed and arrangements in tables and figures.
 
 use osc_model::ContactArrangement;
-use study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel};
+use study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel, Units};
 
 use crate::case::{Law, SpeedRange};
 
@@ -10,10 +10,11 @@ pub(super) fn friction_labels(
     laws: &[Law],
     speeds: &[SpeedRange],
     panels: &[(usize, Vec<ContactArrangement>)],
+    units: Units,
 ) -> SceneLabels {
     let speed = |range: &SpeedRange| SpeedLabel {
         name: range.name.clone(),
-        description: format!("{} speed, {} to {} m/s", range.name, range.from, range.to),
+        description: format!("{} speed, {} to {} {}", range.name, range.from, range.to, units.of("m/s")),
     };
     let panel = |(number, list): &(usize, Vec<ContactArrangement>)| PanelLabel {
         in_contact: *number,

@@ -43,6 +43,7 @@ pub use any::{AnyBrake, CaseBrake, Purpose};
 pub use error::Error;
 pub use finite_elements::{
     BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, at_medians, frictionless,
+    loads_at_medians,
 };
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};
 pub use matrices::MatricesBrake;

@@ -11,6 +11,7 @@ use serde_json::json;
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use squeal::study::Units;
 use squeal::workers;
 
 use super::mesh_shapes::geometry;
@@ -86,13 +87,13 @@ impl ScreenArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
-        self.options(&case.constraint_sets())?;
+        self.options(&case.constraint_sets(), case.header().units)?;
         let text = self.screen(&sized::brake(case, Purpose::Screen, self.memory, self.threads)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
     /// The options of the screening of a brake with these sets of constraints.
-    fn options(&self, sets: &[&str]) -> Result<ScreenOptions, Error> {
+    fn options(&self, sets: &[&str], units: Units) -> Result<ScreenOptions, Error> {
         let within = |option, given: Option<u64>, default: u64, allowed: std::ops::RangeInclusive<u64>| {
             let value = given.unwrap_or(default);
             let refused = || {
@@ -120,9 +121,9 @@ impl ScreenArgs {
         }
         options.constraints = chosen("--constraints", self.constraints.as_deref(), sets)?;
         options.sizes = Sizes {
-            mass: size("--mass", self.mass, "kg")?,
-            spring: size("--spring", self.spring, "N/m")?,
-            dashpot: size("--dashpot", self.dashpot, "Ns/m")?,
+            mass: size("--mass", self.mass, units.of("kg"))?,
+            spring: size("--spring", self.spring, units.of("N/m"))?,
+            dashpot: size("--dashpot", self.dashpot, units.of("Ns/m"))?,
         };
         options.up_to = within("--up-to", self.up_to, options.up_to as u64, 1..=MOST_PLACES)? as usize;
         options.draws = within("--draws", self.draws, options.draws, 1..=MOST_DRAWS)?;
@@ -138,7 +139,7 @@ impl ScreenArgs {
     pub fn screen<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let sets: Vec<&str> = plan.labels.constraints.iter().map(String::as_str).collect();
-        let options = self.options(&sets)?;
+        let options = self.options(&sets, plan.units)?;
         if plan.samples < 2 {
             let (value, allowed) = (plan.samples.to_string(), "2 or more, for an interval".into());
             return Err(Error::Option { option: "--samples", value, allowed });

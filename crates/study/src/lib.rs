@@ -42,6 +42,7 @@ mod set_links;
 mod sliding_contacts;
 mod strength;
 mod tally;
+mod units;
 
 pub use brake::UncertainBrake;
 pub use certificate::Certificate;
@@ -77,6 +78,7 @@ pub use sliding_contacts::SlidingContacts;
 pub use strength::Strength;
 pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally, TwiceNamedTally};
+pub use units::Units;
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

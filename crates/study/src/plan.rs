@@ -10,7 +10,7 @@ use num_complex::Complex;
 use osc_model::Brake;
 use serde::{Deserialize, Serialize};
 
-use super::{Contradiction, ModeLabel};
+use super::{Contradiction, ModeLabel, Units};
 
 /// Key that tells scenes apart: indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -261,6 +261,8 @@ pub struct Plan {
     /// Naming points are the operating points of the medians, for each configuration in one of its scenes; a study checks it where this is
     /// set. [`Plan::add_constraint_set`] sets it.
     pub is_named_at_medians: bool,
+    /// Units in which numbers are printed; no number depends on it.
+    pub units: Units,
     /// Labels for the keys of the scenes.
     pub labels: SceneLabels,
     /// Origins of the names of modes.
@@ -294,6 +296,7 @@ impl Plan {
             band: None,
             threshold: Threshold::AXIS,
             is_named_at_medians: false,
+            units: Units::Si,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),

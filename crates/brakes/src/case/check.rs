@@ -7,6 +7,7 @@ use formats::{Limits, Matrix, Options, Wanted, read_one};
 use osc_model::OscModelError;
 use output::moves_others;
 use serde::Deserialize;
+use study::Units;
 
 use super::CaseError;
 
@@ -75,12 +76,14 @@ fn beginning(text: &str, characters: usize) -> String {
 /// Makes errors that name the file, and collects what its user should know besides.
 pub(super) struct Check<'a> {
     pub path: &'a Path,
+    /// Units of the numbers of the case.
+    pub units: Units,
     notes: RefCell<Vec<String>>,
 }
 
 impl<'a> Check<'a> {
     pub fn new(path: &'a Path) -> Self {
-        Self { path, notes: RefCell::default() }
+        Self { path, units: Units::default(), notes: RefCell::default() }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use osc_model::ContactArrangement;
 use output::significant;
+use study::Units;
 
 use super::{CaseError, CaseFile, FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
 
@@ -67,8 +68,8 @@ fn lattice(mut case: LatticeCase, choice: &SceneChoice) -> Result<LatticeCase, C
         Some(numbers) => in_contact(case.lattice.grid.oscillators(), numbers, "oscillators")?,
     };
     case.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
-    let median = fixed(case.speeds[0].quantile(0.5));
-    case.speeds = vec![speeds(&choice.speed, &case.speeds)?.unwrap_or(median)];
+    let median = fixed(case.speeds[0].quantile(0.5), Units::Si);
+    case.speeds = vec![speeds(&choice.speed, &case.speeds, Units::Si)?.unwrap_or(median)];
     Ok(case)
 }
 
@@ -96,18 +97,20 @@ fn finite_elements(mut case: FiniteElementCase, choice: &SceneChoice) -> Result<
     };
     contact.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
     // The first scene is at the median of the first range.
-    if let Some(range) = speeds(&choice.speed, &contact.speeds)? {
+    if let Some(range) = speeds(&choice.speed, &contact.speeds, case.header.units)? {
         contact.speeds = vec![range];
     }
     Ok(case)
 }
 
 /// The range of speeds that is chosen; `None` for the median of the first.
-fn speeds(choice: &ChosenSpeed, ranges: &[SpeedRange]) -> Result<Option<SpeedRange>, CaseError> {
+fn speeds(choice: &ChosenSpeed, ranges: &[SpeedRange], units: Units) -> Result<Option<SpeedRange>, CaseError> {
     match choice {
         ChosenSpeed::Median => Ok(None),
-        ChosenSpeed::Fixed(speed) if speed.is_finite() && *speed > 0.0 => Ok(Some(fixed(*speed))),
-        ChosenSpeed::Fixed(speed) => Err(refused("speed", &speed.to_string(), "a speed in m/s, > 0".into())),
+        ChosenSpeed::Fixed(speed) if speed.is_finite() && *speed > 0.0 => Ok(Some(fixed(*speed, units))),
+        ChosenSpeed::Fixed(speed) => {
+            Err(refused("speed", &speed.to_string(), format!("a speed in {}, > 0", units.of("m/s"))))
+        }
         ChosenSpeed::Range(Some(name)) if ranges.is_empty() => {
             Err(refused("range", name, "cases with ranges of speed".into()))
         }
@@ -125,7 +128,7 @@ fn nothing_of_contact(choice: &SceneChoice, allowed: &str) -> Result<(), CaseErr
         [("law", law.is_some()), ("contact", contact.is_some()), ("speed", matches!(speed, ChosenSpeed::Fixed(_)))];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((what, _)) => Err(refused(what, "given", allowed.into())),
-        None => speeds(speed, &[]).map(drop),
+        None => speeds(speed, &[], Units::Si).map(drop),
     }
 }
 
@@ -137,9 +140,9 @@ fn in_contact(contacts: usize, numbers: &[usize], what: &str) -> Result<ContactA
     })
 }
 
-/// The range of one speed, m/s.
-fn fixed(speed: f64) -> SpeedRange {
-    SpeedRange { name: format!("{} m/s", significant(speed, 4)), from: speed, to: speed }
+/// The range of one speed.
+fn fixed(speed: f64, units: Units) -> SpeedRange {
+    SpeedRange { name: format!("{} {}", significant(speed, 4), units.of("m/s")), from: speed, to: speed }
 }
 
 /// Index of a name in a list; 0 where none is given.

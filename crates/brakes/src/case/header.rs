@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use cea::Threshold;
-use study::{Plan, StudySource};
+use study::{Plan, StudySource, Units};
 
 use super::CaseError;
 use super::check::{Accuracy, Check};
@@ -28,6 +28,8 @@ pub struct CaseHeader {
     pub half_width: Option<f64>,
     /// Threshold from where on a growing mode counts as unstable.
     pub threshold: Threshold,
+    /// Units of the numbers of the case.
+    pub units: Units,
     /// Commit of the program that reads the case, for manifest and pages; `None` unless the program says it.
     pub commit: Option<&'static str>,
     /// Sentences on what reading the case leaves to be known: matrices that may be meant otherwise, what was left out.
@@ -43,7 +45,7 @@ impl CaseHeader {
         let mut plan = Plan::without_scenes(&self.name, identity, self.samples, self.seed);
         plan.source_file =
             Some(StudySource { path: self.path.clone(), text: self.text.clone(), set: self.set.clone() });
-        (plan.threshold, plan.commit) = (self.threshold, self.commit);
+        (plan.threshold, plan.units, plan.commit) = (self.threshold, self.units, self.commit);
         plan
     }
 
@@ -77,6 +79,7 @@ impl Check<'_> {
             seed,
             half_width,
             threshold,
+            units: self.units,
             commit: None,
             notes: Vec::new(),
         })

@@ -270,7 +270,7 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
         balance,
         is_of_faces: _,
     } = contact;
-    to.list(patches, |to, Patch { name, pairs, speeds, channels, load, shares, points: _ }| {
+    to.list(patches, |to, Patch { name, pairs, speeds, channels, load, shares, points: _, places: _ }| {
         to.text(name);
         to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
         numbers(to, speeds);

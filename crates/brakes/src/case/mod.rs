@@ -31,10 +31,11 @@ pub use correlation::Correlation;
 pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
-pub use finite_elements::{
-    ContactBalance, FiniteElementCase, MissingRows, NamesOnMesh, OwnSpeed, Patch, PatchContact, ReductionGoal, Side,
-};
 pub(crate) use finite_elements::{Acting, ContactState, EQUILIBRIUM, LOAD_FACTOR, OWN_SPEED, STIFFNESS_FACTOR};
+pub use finite_elements::{
+    ContactBalance, FiniteElementCase, MissingRows, NamesOnMesh, OwnSpeed, PairPlace, Patch, PatchContact,
+    ReductionGoal, Side,
+};
 pub use header::CaseHeader;
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

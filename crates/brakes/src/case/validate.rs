@@ -230,13 +230,18 @@ pub(super) fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) 
     if speeds.is_empty() {
         return Err(check.value("speeds", "[]", "one range or more"));
     }
+    let speed = check.units.of("m/s");
     check.names("speeds.name", speeds.iter().map(|range| &range.name))?;
     for range in &speeds {
         if !(range.from.is_finite() && range.from > 0.0) {
-            return Err(check.value(&format!("speeds \"{}\".from", range.name), range.from, "a speed in m/s, > 0"));
+            return Err(check.value(
+                &format!("speeds \"{}\".from", range.name),
+                range.from,
+                &format!("a speed in {speed}, > 0"),
+            ));
         }
         if !(range.to.is_finite() && range.to >= range.from) {
-            let allowed = format!("a finite speed in m/s, at least from = {}", range.from);
+            let allowed = format!("a finite speed in {speed}, at least from = {}", range.from);
             return Err(check.value(&format!("speeds \"{}\".to", range.name), range.to, &allowed));
         }
     }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
 use reduction::Reduced;
-use study::{Configuration, Origin, Plan, SceneLabels};
+use study::{Configuration, Origin, Plan, SceneLabels, Units};
 
 use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};
 use crate::Error;
@@ -23,7 +23,7 @@ pub(super) fn plan(
     let mut plan = case.header.plan(case.identity());
     plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
     if let Some(contact) = &case.contact {
-        plan.labels = labels(contact);
+        plan.labels = labels(contact, case.header.units);
     }
     let mut closed = Vec::new();
     for (set, constraints) in origins.iter().zip(&case.constraints) {
@@ -109,9 +109,9 @@ fn brake(case: &FiniteElementCase, on: &Reduced, closed: &[usize]) -> Result<Bra
     })
 }
 
-fn labels(contact: &PatchContact) -> SceneLabels {
+fn labels(contact: &PatchContact, units: Units) -> SceneLabels {
     SceneLabels {
         named_at: "with all patches in contact, Amontons-Coulomb, median parameters".into(),
-        ..friction_labels(&contact.laws, &contact.speeds, &contact.panels)
+        ..friction_labels(&contact.laws, &contact.speeds, &contact.panels, units)
     }
 }

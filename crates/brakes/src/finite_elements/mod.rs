@@ -12,7 +12,7 @@ mod swept;
 mod training;
 mod whole;
 
-pub use points::{at_medians, frictionless};
+pub use points::{at_medians, frictionless, loads_at_medians};
 pub use reduce::{BESIDE, Bases, Part, ReducedSet};
 
 use std::f64::consts::TAU;
@@ -305,6 +305,9 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
     fn inputs(&self, scene: &Scene) -> Vec<Input> {
         let of_contact = self.drawn(scene).map(|drawn| drawn.inputs(self.closed(scene), self.speed_is_drawn(scene)));
         let mut inputs = of_contact.unwrap_or_default();
+        for input in &mut inputs {
+            input.unit = self.case.header.units.of(&input.unit).to_owned();
+        }
         inputs.extend(self.varying().map(|(at, parameter)| Input {
             name: parameter.name.clone(),
             unit: parameter.unit.clone(),

@@ -62,7 +62,7 @@ fn of_scene(scene: &SceneOf<'_>) -> Vec<Choice> {
 }
 
 pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
-    let at = medians(scene);
+    let (at, units) = (medians(scene), scene.case.header.units);
     let patches = scene.case.contact.as_ref().map_or(&[][..], |contact: &PatchContact| &contact.patches);
     let named = |choice: Choice| {
         let (name, unit, median) = match choice {
@@ -72,9 +72,9 @@ pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
             }
             Choice::Friction(parameter) => {
                 let draw = at.sample.contacts.as_ref()?.contact(0);
-                (parameter.name.into(), parameter.unit.into(), (parameter.get)(draw))
+                (parameter.name.into(), units.of(parameter.unit).into(), (parameter.get)(draw))
             }
-            Choice::Speed => ("v".into(), "m/s".into(), at.friction?.1),
+            Choice::Speed => ("v".into(), units.of("m/s").into(), at.friction?.1),
             Choice::Load => ("load".into(), "times the load".into(), 1.0),
             Choice::Stiffness(patch) => {
                 (format!("contact_stiffness.{}", patches[patch].name), "times the stiffness".into(), 1.0)

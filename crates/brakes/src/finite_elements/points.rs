@@ -12,7 +12,8 @@ use super::FiniteElementSample;
 use crate::Error;
 use crate::LatticeSample;
 use crate::case::{
-    Acting, CaseError, ContactBalance, ContactState, Draws, EQUILIBRIUM, Expression, FiniteElementCase, LOAD_FACTOR, Law, OWN_SPEED, PatchContact, STIFFNESS_FACTOR,
+    Acting, CaseError, ContactBalance, ContactState, Draws, EQUILIBRIUM, Expression, FiniteElementCase, LOAD_FACTOR,
+    Law, OWN_SPEED, Patch, PatchContact, STIFFNESS_FACTOR,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
@@ -332,6 +333,18 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
 pub fn at_medians(case: &FiniteElementCase) -> Result<OperatingPoint, Error> {
     let all = all_patches(case);
     Ok(of_brake(case, &all, &naming_point(case, &all)?))
+}
+
+/// The normal load of each pair of each patch at the medians with all patches closed, N; none without a contact.
+///
+/// # Errors
+/// A factor of the load that is not > 0 there.
+pub fn loads_at_medians(case: &FiniteElementCase) -> Result<Vec<Vec<f64>>, Error> {
+    let Some(contact) = &case.contact else { return Ok(Vec::new()) };
+    // That of an equilibrium is in it.
+    let factor = if contact.balance.is_some() { 1.0 } else { load_factor(case, contact, &median(case))? };
+    let of_patch = |patch: &Patch| patch.shares.iter().map(|share| patch.load * share * factor).collect();
+    Ok(contact.patches.iter().map(of_patch).collect())
 }
 
 /// The whole brake at the medians with all patches closed and without friction, on the rows that a set of constraints leaves free.

@@ -373,7 +373,7 @@ fn labels(case: &LatticeCase) -> SceneLabels {
         constraints: case.constraints.iter().map(|set| set.name.clone()).collect(),
         named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
         dofs: dof_names(case.lattice.grid.oscillators()),
-        ..friction_labels(&case.laws, &case.speeds, &case.panels)
+        ..friction_labels(&case.laws, &case.speeds, &case.panels, case.header.units)
     }
 }
 

@@ -135,7 +135,7 @@ fn what_it_is(health: &MatrixHealth, order: usize) -> String {
     format!("{} entries, {symmetry}, {of}{signs}; nearest to zero {:.1e} of its norm", health.entries, health.smallest)
 }
 
-/// Line on the mass, kg, that a translation of all free rows in x, y or z moves, for matrices with names of their rows; else empty.
+/// Line on the mass that a translation of all free rows in x, y or z moves, for matrices with names of their rows; else empty.
 fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -> String {
     let direction = |row: usize| case.dofs[free[row]].direction;
     let mut sums = [0.0; 3];
@@ -148,7 +148,7 @@ fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -
         return String::new();
     }
     let [x, y, z] = sums;
-    line("", &format!("moved by a translation in x, y and z: {x:.4}, {y:.4} and {z:.4} kg"))
+    line("", &format!("moved by a translation in x, y and z: {x:.4}, {y:.4} and {z:.4} {}", case.header.units.of("kg")))
 }
 
 /// Names in a line, the first of many.

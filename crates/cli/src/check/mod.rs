@@ -1,5 +1,6 @@
 //! `squeal check`: is the case valid, what would run, and how long would it take?
 
+mod contact_points;
 mod health;
 mod names;
 
@@ -33,6 +34,9 @@ pub struct CheckArgs {
     /// Also what so many shards of the study take, and how much of that is done by each of them anew
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub shards: Option<u64>,
+    /// Folder for contact.vtu and mesh.vtu, pictures for ParaView of the contact of finite elements: normal, sliding, gap and load of each pair
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Memory that may be taken
     #[command(flatten)]
     pub memory: MemoryArgs,
@@ -47,6 +51,13 @@ impl CheckArgs {
         let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, None, None)?;
         // Said first, because a reduction of an unsound model may fail or take long; that the case is valid is not known before.
+        if let Some(dir) = &self.out {
+            let contact = if let CaseFile::FiniteElements(case) = &case { case.contact.as_ref() } else { None };
+            if contact.is_none() {
+                let (value, allowed) = (dir.display().to_string(), "cases of finite elements with a contact".into());
+                return Err(Error::Option { option: "--out", value, allowed });
+            }
+        }
         let model = if let CaseFile::FiniteElements(case) = &case { Some(self.model(case)?) } else { None };
         out.write_all(model.unwrap_or_default().as_bytes()).map_err(Error::StandardOutput)?;
         let text = self.check(&sized::brake(case, Purpose::Analysis, self.memory, None)?)?;
@@ -104,6 +115,9 @@ impl CheckArgs {
             checked.advance(1);
         }
         checked.end();
+        if let Some((dir, contact)) = self.out.as_ref().zip(case.contact.as_ref()) {
+            text += &contact_points::write_pictures(case, contact, dir)?;
+        }
         Ok(text)
     }
 

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use study::{Direction, Modifiable, ModifiablePlan, OwnSize, Place, Plan, Symmetry, UncertainBrake, origin_of_set};
+use study::{
+    Direction, Modifiable, ModifiablePlan, OwnSize, Place, Plan, Symmetry, UncertainBrake, Units, origin_of_set,
+};
 
 use super::change::{Attached, Change};
 use super::modified::modifiable_of;
@@ -42,11 +44,11 @@ impl ChangeKind {
     }
 
     /// Unit of the size of a change; empty where it has none.
-    pub fn unit(self) -> &'static str {
+    pub fn unit(self, units: Units) -> &'static str {
         match self {
-            Self::Mass => "kg",
-            Self::Spring => "N/m",
-            Self::Dashpot => "Ns/m",
+            Self::Mass => units.of("kg"),
+            Self::Spring => units.of("N/m"),
+            Self::Dashpot => units.of("Ns/m"),
             Self::Constraint | Self::Contact => "",
         }
     }

@@ -22,7 +22,9 @@ pub struct ScreenedSet {
     pub places: String,
     /// Number of places; of sets of constraints, degrees of freedom held more than in the first.
     pub count: usize,
-    /// Sizes, in the unit of the kind; one where all are equal.
+    /// Unit of the sizes; empty where there are none.
+    pub unit: &'static str,
+    /// Sizes, in that unit; one where all are equal.
     pub sizes: Vec<f64>,
     /// Prediction by a few analyses.
     pub prediction: Option<Prediction>,
@@ -73,10 +75,10 @@ impl ScreenedSet {
     /// Words for the changes, for people.
     pub fn name(&self) -> String {
         let sizes = match (self.kind, self.sizes.as_slice()) {
-            (Some(kind), [size]) => format!(", {size:.3e} {}", kind.unit()),
-            (Some(kind), [_, ..]) => {
+            (Some(_), [size]) => format!(", {size:.3e} {}", self.unit),
+            (Some(_), [_, ..]) => {
                 let (least, most) = self.sizes.iter().fold((f64::INFINITY, 0.0), |(a, b), &s| (s.min(a), s.max(b)));
-                format!(", {least:.3e} to {most:.3e} {}", kind.unit())
+                format!(", {least:.3e} to {most:.3e} {}", self.unit)
             }
             _ => String::new(),
         };
@@ -151,7 +153,7 @@ impl Screen {
             set.places.clone(),
             set.count.to_string(),
             sizes.join(" "),
-            set.kind.map_or("", ChangeKind::unit).to_owned(),
+            set.unit.to_owned(),
             text(set.prediction.map(|prediction| prediction.unstable)),
             text(set.predicted_drop(&self.unchanged)),
             text(set.prediction.map(|prediction| prediction.growth)),
@@ -180,7 +182,7 @@ impl Screen {
                     "places": set.places,
                     "count": set.count,
                     "sizes": set.sizes,
-                    "unit": set.kind.map(ChangeKind::unit),
+                    "unit": set.kind.map(|_| set.unit),
                     "predicted": set.prediction,
                     "predicted_drop": set.predicted_drop(&self.unchanged),
                     "confirmed": set.confirmed,

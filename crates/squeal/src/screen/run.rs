@@ -208,6 +208,7 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
     for (place, of) in [options.constraints].into_iter().chain(others).enumerate() {
         sets.push(ScreenedSet {
             kind: None,
+            unit: "",
             places: names[of].clone(),
             count: held(brake, of).saturating_sub(held(brake, options.constraints)),
             sizes: Vec::new(),
@@ -225,6 +226,7 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
             confirmed += usize::from(is_confirmed);
             sets.push(ScreenedSet {
                 kind: Some(candidates.kind),
+                unit: candidates.kind.unit(plan.units),
                 count: ranked.singles.len(),
                 sizes: candidates.sizes(&ranked.singles),
                 prediction: Some(ranked.prediction),

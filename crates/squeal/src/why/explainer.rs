@@ -113,9 +113,9 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
                 continue;
             }
             let expansion = Expansion::new(&self.system, triple, work)?;
-            let model = self.model();
+            let (model, units) = (self.model(), self.brake.plan().units);
             found[mode].influences = of_terms(model, &self.at, triple, &expansion)?;
-            found[mode].influences.extend(of_friction(model, &self.at, triple, &expansion)?);
+            found[mode].influences.extend(of_friction(model, &self.at, triple, &expansion, units)?);
             expansions.push((mode, triple, expansion));
         }
         self.vary(|parameter, systems, half_step| {

@@ -5,6 +5,7 @@ use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use num_complex::Complex;
 use osc_model::Brake;
 use serde::Serialize;
+use study::Units;
 
 use crate::Error;
 
@@ -117,6 +118,7 @@ pub(super) fn of_friction(
     at: &OperatingPoint,
     triple: &Eigentriple,
     expansion: &Expansion<'_>,
+    units: Units,
 ) -> Result<Vec<Influence>, Error> {
     let (channels, lambda) = (brake.system.channels(), triple.lambda);
     let pairs = channels.iter().zip(&at.channels);
@@ -130,7 +132,7 @@ pub(super) fn of_friction(
                 }
                 let rates = expansion.rates(&Perturbation::product(triple, gain, &channel.force, reading))?;
                 let name = format!("{what} of contact {}", channel.name);
-                found.push(Influence::new(InfluenceKind::Contact, &name, unit, value, &rates));
+                found.push(Influence::new(InfluenceKind::Contact, &name, units.of(unit), value, &rates));
             }
         }
         return Ok(found);

@@ -5,11 +5,11 @@ use nalgebra::Vector3;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
-use super::Patch;
 use super::missing::MissingRows;
 use super::nodes::Model;
 use super::schema::{ContactTable, LateralEntry, SlidingEntry};
 use super::side::{Side, sides};
+use super::{PairPlace, Patch};
 use crate::case::CaseError;
 
 /// The directions x, y and z.
@@ -32,6 +32,8 @@ pub(super) struct Patches {
 /// multiple of the speed of a scene.
 struct Pair {
     nodes: [i64; 2],
+    position: Vector3<f64>,
+    gap: f64,
     normal: Vector3<f64>,
     sliding: Vector3<f64>,
     speed: f64,
@@ -44,8 +46,10 @@ impl Patches {
             true => Ok(value),
             false => Err(check.value(field, value, what)),
         };
-        let stiffness =
-            positive("contact.stiffness", contact.stiffness, "a stiffness in N/m, > 0, of all pairs together")?;
+        let stiffness = {
+            let allowed = format!("a stiffness in {}, > 0, of all pairs together", check.units.of("N/m"));
+            positive("contact.stiffness", contact.stiffness, &allowed)?
+        };
         let load = positive("contact.load", contact.load, "a force in N, > 0, on each closed patch")?;
         positive("contact.tolerance", contact.tolerance, "a distance, > 0")?;
         if contact.patches.is_empty() {
@@ -136,9 +140,25 @@ impl Patches {
         self.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
         let load = load / pairs.len() as f64;
         let speeds = pairs.iter().map(|pair| pair.speed).collect();
+        let place = |pair: &&Pair| PairPlace {
+            position: pair.position.into(),
+            normal: pair.normal.into(),
+            sliding: pair.sliding.into(),
+            gap: pair.gap,
+        };
+        let places = pairs.iter().map(place).collect();
         let pairs: Vec<[i64; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
         let (channels, shares) = (first..self.channels.len(), vec![1.0; pairs.len()]);
-        self.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points: Vec::new() });
+        self.patches.push(Patch {
+            name: name.into(),
+            pairs,
+            speeds,
+            channels,
+            load,
+            shares,
+            places,
+            points: Vec::new(),
+        });
         Ok(())
     }
 }
@@ -184,7 +204,15 @@ fn matched(model: &Model<'_>, contact: &ContactTable) -> Result<Vec<Pair>, CaseE
         // Friction acts in the plane of the contact.
         let velocity = velocity - normal * normal.dot(&velocity);
         let sliding = unit("contact.sliding", velocity.into())?;
-        pairs.push(Pair { nodes: [node, disc[nearest]], normal, sliding, speed: velocity.norm() });
+        let gap = normal.dot(&(place - positions[nearest]));
+        pairs.push(Pair {
+            nodes: [node, disc[nearest]],
+            position: place,
+            gap,
+            normal,
+            sliding,
+            speed: velocity.norm(),
+        });
     }
     // A direction has one speed, up to rounding.
     let is_direction = matches!(contact.sliding, SlidingEntry::Direction(_));

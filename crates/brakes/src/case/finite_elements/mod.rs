@@ -16,12 +16,13 @@ mod surface_loads;
 mod surface_schema;
 mod terms;
 mod turning;
+mod units;
 
 pub use balance::ContactBalance;
 pub(crate) use balance::{Acting, ContactState};
-pub(crate) use surface_loads::EQUILIBRIUM;
 pub use missing::{MissingRows, NamesOnMesh};
 pub use side::Side;
+pub(crate) use surface_loads::EQUILIBRIUM;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -149,8 +150,23 @@ pub struct Patch {
     pub load: f64,
     /// Ratios of the load of each pair to that mean: 1 where they share it equally.
     pub shares: Vec<f64>,
+    /// Where each pair is, and which way it looks.
+    pub places: Vec<PairPlace>,
     /// Number of each pair in [`PatchContact::balance`]; none where loads are given.
     pub points: Vec<usize>,
+}
+
+/// Place of a pair and its directions, of length 1, in global axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairPlace {
+    /// Position on the pad.
+    pub position: [f64; 3],
+    /// Normal n, from the disc into the pad.
+    pub normal: [f64; 3],
+    /// Direction of sliding t, in which the disc slides under the pad.
+    pub sliding: [f64; 3],
+    /// Distance of the meshes along n, negative where they overlap.
+    pub gap: f64,
 }
 
 /// Goal of a reduction: the modes that the reduced brake shall hold, and how well.

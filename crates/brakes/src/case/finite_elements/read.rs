@@ -11,8 +11,10 @@ use super::missing::{MissingRows, NamesOnMesh};
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, FiniteElementsFile, ReductionTable};
 use super::structure::Structure;
+use super::surface_schema::RotationTable;
 use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
 use super::turning::{rotation_terms, spring_term};
+use super::units::{mean_density, possible_density};
 use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal};
 use crate::case::check::{Check, field, syntax};
 use crate::case::correlation::Correlated;
@@ -36,10 +38,11 @@ impl FiniteElementCase {
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: FiniteElementsFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
-        let check = Check::new(path);
+        let mut check = Check::new(path);
         let FiniteElementsFile {
             study,
             brake,
+            units,
             parameters,
             terms,
             holders,
@@ -56,6 +59,9 @@ impl FiniteElementCase {
             squeal,
             correlation,
         } = file;
+        check.units = super::units::units(&check, units.as_ref())?;
+        let check = check;
+        let reduction = goal(&check, &reduction)?;
         let mut header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal)?;
         let parameters = parameters
             .into_iter()
@@ -69,7 +75,8 @@ impl FiniteElementCase {
         let Terms { parts, dofs, files, held } = read_terms(&check, terms)?;
         let model = Model::new(&check, deck, dofs);
         let mut formulas = Formulas::new(&check, &parameters);
-        let (terms, coefficients) = terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len())?;
+        let (terms, coefficients) =
+            terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len(), reduction.frequencies)?;
         let names = NamesOnMesh::new(&model)?;
         let mut missing_rows = Vec::new();
         let holders = holders_term(&model, &holders, &mut missing_rows)?;
@@ -78,6 +85,12 @@ impl FiniteElementCase {
         check.names("springs.name", springs.iter().map(|table| &table.name))?;
         for table in &springs {
             structure.add(spring_term(&model, &mut formulas, table, &mut missing_rows)?);
+        }
+        if units.is_some() {
+            mean_density(&model, &structure, check.units)?;
+            for RotationTable { name, density, .. } in &rotation {
+                possible_density(&check, check.units, &field("rotation", name, "density"), "", *density)?;
+            }
         }
         check.names("rotation.name", rotation.iter().map(|table| &table.name))?;
         if !rotation.is_empty() {
@@ -129,7 +142,7 @@ impl FiniteElementCase {
             coefficients,
             contact,
             constraints,
-            reduction: goal(&check, &reduction)?,
+            reduction,
             names,
             missing_rows,
             sides,

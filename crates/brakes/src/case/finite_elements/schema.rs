@@ -7,6 +7,7 @@ use montecarlo::Distribution;
 use serde::Deserialize;
 
 use super::surface_schema::{AllContactsTable, ContactEntry, ForceTable, RotationTable, SpringTable};
+use super::units::UnitsTable;
 
 use crate::case::check::Accuracy;
 use crate::case::correlation::CorrelationTable;
@@ -21,6 +22,7 @@ use crate::case::{Draws, Law};
 pub(super) struct FiniteElementsFile {
     pub study: StudyTable,
     pub brake: BrakeTable,
+    pub units: Option<UnitsTable>,
     #[serde(default)]
     pub parameters: BTreeMap<String, ParameterTable>,
     pub terms: Vec<TermTable>,
@@ -81,7 +83,15 @@ pub(super) struct TermTable {
     pub stiffness: Option<PathBuf>,
     pub symmetry: Option<SymmetryEntry>,
     pub rayleigh: Option<RayleighTable>,
-    pub loss_factor: Option<LossTable>,
+    pub loss_factor: Option<LossEntry>,
+}
+
+/// Structural damping: a loss factor in the middle of the band, or at a frequency.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "expected a number, or { value = number, at_hz = Hz }")]
+pub(super) enum LossEntry {
+    Number(f64),
+    At(LossTable),
 }
 
 /// Structural damping of the stiffness of the term as a dashpot that has it at one frequency.

@@ -8,15 +8,15 @@ use linsys::Channel;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
-use super::Patch;
-use super::contact::Patches;
 use super::balance::ContactBalance;
+use super::contact::Patches;
 use super::faces::Solids;
 use super::missing::MissingRows;
 use super::schema::SlidingEntry;
 use super::side::Side;
 use super::surface_loads::{Balanced, given_forces};
 use super::surface_schema::{FacesTable, IntegrationEntry, StiffnessEntry};
+use super::{PairPlace, Patch};
 use crate::case::CaseError;
 use crate::case::check::field;
 
@@ -235,7 +235,7 @@ impl Made<'_> {
         let first = out.channels.len();
         let mut k = CooMatrix::new(rows.order(), rows.order());
         let (mut along, mut across, mut opening) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut pairs, mut speeds, mut points) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut pairs, mut speeds, mut points, mut places) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for &at in own {
             let point = &contact.interface.points()[at];
             let gap: Row = point.gap_row(rows);
@@ -259,6 +259,12 @@ impl Made<'_> {
             }
             let of_master = point.master.iter().max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| *node);
             pairs.push([point.node(), of_master].map(|node| mesh.labels()[node]));
+            places.push(PairPlace {
+                position: point.position.into(),
+                normal: point.normal.into(),
+                sliding: point.sliding.into(),
+                gap: point.gap,
+            });
             let turns = matches!(contact.table.sliding, SlidingEntry::About(_));
             speeds.push(if turns { point.speed / mean_speed } else { 1.0 });
         }
@@ -274,7 +280,7 @@ impl Made<'_> {
         let load = own.iter().map(|&at| forces[at]).sum::<f64>() / own.len() as f64;
         let shares = own.iter().map(|&at| forces[at] / load).collect();
         let channels = first..out.channels.len();
-        out.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points });
+        out.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points, places });
         Ok(())
     }
 }

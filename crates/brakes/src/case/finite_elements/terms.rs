@@ -9,7 +9,7 @@ use sparse::{SparseSecondOrder, SparseTerm};
 
 use super::missing::MissingRows;
 use super::nodes::Model;
-use super::schema::{HolderTable, TermTable};
+use super::schema::{HolderTable, LossEntry, LossTable, TermTable};
 use crate::case::check::{Check, TakenMatrix, field};
 use crate::case::matrices::formulas::Formulas;
 use crate::case::symmetry::wanted;
@@ -129,12 +129,13 @@ fn common_rows(check: &Check<'_>, all: &mut [Parts]) -> Result<Vec<Dof>, CaseErr
     Ok(labels.unwrap_or_else(|| (1..=order as i64).map(|node| Dof { node, direction: 0 }).collect()))
 }
 
-/// The terms with their coefficients.
+/// The terms with their coefficients, for a band of frequencies in Hz.
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
     all: Vec<Parts>,
     order: usize,
+    [lowest, highest]: [f64; 2],
 ) -> Result<(Vec<SparseTerm>, Vec<Expression>), CaseError> {
     let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
     for Parts { table, matrices } in all {
@@ -147,13 +148,24 @@ pub(super) fn terms_with_coefficients(
             c = c + &m * of_mass + &k * of_stiffness;
         }
         if let Some(loss) = table.loss_factor {
-            let named = |key: &str| field("terms", &table.name, &format!("loss_factor.{key}"));
+            let named = |key: &str| field("terms", &table.name, &format!("loss_factor{key}"));
+            let (loss, key) = match loss {
+                LossEntry::At(loss) => (loss, ".value"),
+                LossEntry::Number(value) => (LossTable { value, at_hz: (lowest * highest).sqrt() }, ""),
+            };
             if !(loss.value.is_finite() && loss.value >= 0.0) {
-                return Err(check.value(&named("value"), loss.value, "a finite number >= 0"));
+                return Err(check.value(&named(key), loss.value, "a finite number >= 0"));
             }
             if !(loss.at_hz.is_finite() && loss.at_hz > 0.0) {
-                return Err(check.value(&named("at_hz"), loss.at_hz, "a frequency in Hz, > 0"));
+                return Err(check.value(&named(".at_hz"), loss.at_hz, "a frequency in Hz, > 0"));
             }
+            let [least, most] = [lowest, highest].map(|hz| hz / loss.at_hz);
+            check.note(format!(
+                "{} = {} is that of dashpots at {:.1} Hz: at the ends of the band they lose {least:.3} and {most:.3} times as much",
+                named(""),
+                loss.value,
+                loss.at_hz
+            ));
             // At this frequency i omega C is i eta K.
             c = c + &k * (loss.value / (std::f64::consts::TAU * loss.at_hz));
         }
