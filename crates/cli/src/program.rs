@@ -7,8 +7,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
-    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RareArgs, RunArgs, ScreenArgs,
-    SweepArgs, finish, refuse,
+    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RareArgs, RunArgs,
+    ScreenArgs, SweepArgs, finish, refuse,
 };
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?

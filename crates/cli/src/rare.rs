@@ -21,7 +21,7 @@ use super::scene::SceneArgs;
 use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, PREPARED};
-use crate::case_file;
+use crate::case_file::CaseArgs;
 
 /// Say how probable squeal is where it is rare, mode by mode, down to 1e-9, and which brakes are the likeliest to squeal.
 ///
@@ -30,8 +30,9 @@ use crate::case_file;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: squeal rare CASE --relative 0.1 --out results")]
 pub struct RareArgs {
-    /// The case file (TOML)
-    pub case: PathBuf,
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
     /// The scene
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -72,7 +73,7 @@ impl RareArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
         self.options(0)?;
-        let mut case = case_file::read(&self.case)?;
+        let mut case = self.case.read()?;
         override_run(case.header_mut(), None, self.seed, self.threads)?;
         let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
         let text = self.rare(&sized::brake(case, Purpose::Analysis, self.memory, self.threads)?)?;
@@ -151,10 +152,12 @@ impl RareArgs {
     /// The likeliest squealing brake as a case; `None` where no squeal was found, and where inputs have no field of a case of their own.
     fn likeliest(&self, found: &Rare) -> Result<Option<String>, Error> {
         // A brake of a user's own type has no case file.
-        let Some(point) = found.design_points.first().filter(|_| self.case.is_file()) else { return Ok(None) };
+        let Some(point) = found.design_points.first().filter(|_| self.case.case.is_file()) else { return Ok(None) };
         let names = found.inputs.iter().map(|input| input.name.clone());
         let values: Vec<(String, f64)> = names.zip(point.squealing.iter().copied()).collect();
-        let Some(case) = with_constants(&self.case, &values, self.range.as_deref())? else { return Ok(None) };
+        let Some(case) = with_constants((&self.case.case, &self.case.set), &values, self.range.as_deref())? else {
+            return Ok(None);
+        };
         let SceneArgs { law, contact, constraints, speed } = &self.scene;
         let mut command = "squeal cea likeliest.toml".to_owned();
         let contact = contact.as_ref().map(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>().join(","));
@@ -165,7 +168,7 @@ impl RareArgs {
         }
         Ok(Some(format!(
             "# The likeliest squealing brake of {}, just beyond its onset: {command}\n{case}",
-            self.case.display()
+            self.case.case.display()
         )))
     }
 }

@@ -6,16 +6,22 @@ use toml::{Table, Value};
 
 use super::CaseError;
 use super::check::syntax;
+use super::set::edited;
 use crate::input::{LARGEST_CASE, read_text};
 
-/// The text of a case file in which each input has its value, by its name, as a constant: of `[parameters]`, of `[friction]`, and the speed `v` in
+/// The text of a case file, edited by what is `set` in it, in which each input has its value, by its name, as a constant: of `[parameters]`, of `[friction]`, and the speed `v` in
 /// the range of a name. Files that it names by their places relative to it are named by where they are. `None` where an input has no field of
 /// its own, as one with a draw for each contact.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn with_constants(path: &Path, values: &[(String, f64)], range: Option<&str>) -> Result<Option<String>, CaseError> {
+pub fn with_constants(
+    (path, set): (&Path, &[String]),
+    values: &[(String, f64)],
+    range: Option<&str>,
+) -> Result<Option<String>, CaseError> {
     let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+    let text = edited(path, &text, set)?;
     let mut case: Table = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
     for (name, value) in values {
         let field = match holder(&case, name) {

@@ -243,6 +243,11 @@ impl FiniteElementBrake {
         OF_CONTACT * self.drawn_contacts() as u32
     }
 
+    /// Number of friction parameters, which are before those of coefficients in a correlation.
+    fn friction_parameters(&self) -> usize {
+        self.case.contact.as_ref().map_or(0, |contact| contact.friction.of_draw().len())
+    }
+
     fn speed_is_drawn(&self, scene: &Scene) -> bool {
         let range = self.case.contact.as_ref().zip(scene.key.speed).map(|(contact, range)| &contact.speeds[range]);
         range.is_some_and(|range| range.to > range.from)
@@ -312,7 +317,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
             name: parameter.name.clone(),
             unit: parameter.unit.clone(),
             coordinate: self.first_parameter() + at as u32,
-            is_correlated: false,
+            is_correlated: self.case.correlation.as_ref().is_some_and(|of| of.holds(self.friction_parameters() + at)),
             is_discrete: parameter.distribution.is_discrete(),
         }));
         inputs
@@ -331,10 +336,13 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
 
     fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> FiniteElementSample {
         let parameters = self.case.parameters.iter().zip(self.first_parameter()..);
-        FiniteElementSample {
+        let sample = FiniteElementSample {
             values: parameters.map(|(p, coordinate)| p.distribution.quantile(uniform(coordinate))).collect(),
-            contacts: self.drawn(scene).map(|drawn| drawn.sample(self.drawn_contacts(), uniform)),
-        }
+            contacts: self
+                .drawn(scene)
+                .map(|drawn| DrawnFriction { correlation: None, ..drawn }.sample(self.drawn_contacts(), uniform)),
+        };
+        points::correlated(&self.case, sample)
     }
 
     /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn, none acts across the sliding and no point opens.

@@ -39,14 +39,14 @@ pub struct FrictionDraw {
 
 impl FrictionDraw {
     /// A draw from values in the order of [`FrictionDistributions::of_draw`].
-    pub(super) fn from_values(values: [f64; FrictionDistributions::DRAWN.len()]) -> Self {
+    pub(crate) fn from_values(values: [f64; FrictionDistributions::DRAWN.len()]) -> Self {
         let [mu, lateral_mu, drawn_mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2] = values;
         let mu_s = drawn_mu_s.max(mu_k);
         Self { mu, lateral_mu, drawn_mu_s, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 }
     }
 
     /// The values as drawn, in the order of [`FrictionDistributions::of_draw`].
-    pub(super) fn values(&self) -> [f64; FrictionDistributions::DRAWN.len()] {
+    pub(crate) fn values(&self) -> [f64; FrictionDistributions::DRAWN.len()] {
         let Self { mu, lateral_mu, drawn_mu_s, mu_s: _, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = *self;
         [mu, lateral_mu, drawn_mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2]
     }
@@ -167,7 +167,7 @@ impl LatticeSample {
     }
 
     /// A draw for each contact, or one for all, from independent ones.
-    pub(super) fn correlated(mut self, friction: &FrictionDistributions, correlation: Option<&Correlation>) -> Self {
+    pub(crate) fn correlated(mut self, friction: &FrictionDistributions, correlation: Option<&Correlation>) -> Self {
         if let Some(correlation) = correlation {
             let mut values: Vec<_> = self.contacts.iter().map(FrictionDraw::values).collect();
             let mut contacts: Vec<&mut [f64]> = values.iter_mut().map(|values| &mut values[..]).collect();

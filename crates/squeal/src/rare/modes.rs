@@ -37,7 +37,7 @@ pub(super) fn named<B: UncertainBrake>(
         state.study.evaluate_block(scene, &samples, &mut Scratch::default(), &mut outcomes);
         let names = |outcome| {
             let kept = KeptSample::new(0, &outcome);
-            kept.map_or_else(Vec::new, |kept| kept.modes.into_iter().map(|(names, _)| names).collect())
+            kept.map_or_else(Vec::new, |kept| kept.modes.into_iter().map(|mode| mode.names).collect())
         };
         outcomes.into_iter().map(|outcome| Ok(names(outcome?))).collect()
     };

@@ -69,7 +69,8 @@ pub struct FiniteElementCase {
     pub coefficients: Vec<Expression>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
-    /// Correlation of the friction parameters; `None` where they are independent.
+    /// Correlation of what is drawn: of the friction parameters, then, where all patches share a draw of these, of [`Self::parameters`]; `None` where
+    /// all is independent.
     pub correlation: Option<Correlation>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,

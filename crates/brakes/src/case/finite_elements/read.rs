@@ -113,21 +113,14 @@ impl FiniteElementCase {
             terms.extend(of_contact.terms);
             channels = of_contact.channels;
         }
-        let correlation = match &contact {
-            None if correlation.is_some() => {
-                return Err(check.value(
-                    "correlation",
-                    "given",
-                    "cases with a contact: friction parameters are correlated",
-                ));
-            }
-            None => None,
-            Some(contact) => {
-                let places = draw_places(&model, contact)?;
-                let of = Correlated { parameters: friction_parameters(&contact.friction), contacts: &places };
-                check.correlation(correlation, &of)?
-            }
-        };
+        let places = contact.as_ref().map(|contact| draw_places(&model, contact)).transpose()?;
+        let mut correlated = contact.as_ref().map_or_else(Vec::new, |contact| friction_parameters(&contact.friction));
+        // What is drawn once for the whole brake cannot depend on one of many contacts.
+        if places.as_ref().is_none_or(|places| places.len() == 1) {
+            correlated.extend(parameters.iter().map(|own| (own.name.as_str(), &own.distribution)));
+        }
+        let of = Correlated { parameters: correlated, contacts: places.as_deref().unwrap_or(&[[0.0; 3]]) };
+        let correlation = check.correlation(correlation, &of)?;
         let constraints = constraint_sets(&model, constraints, &mut missing_rows)?;
         let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;
         for missing in missing_rows.iter().filter(|missing| missing.field.starts_with("contact.")) {
