@@ -60,7 +60,7 @@ fn modes_beyond_a_threshold_are_those_of_whole_spectra() {
         let (mut found, mut certified) = (0, 0);
         for (scene, outcomes) in outcomes(&brake, &samples).into_iter().enumerate() {
             for (sample, outcome) in samples.iter().zip(outcomes) {
-                let mut growths: Vec<f64> = outcome.unstable.iter().map(|mode| mode.growth).collect();
+                let mut growths: Vec<f64> = outcome.unstable.iter().map(|mode| mode.lambda.re).collect();
                 growths.sort_by(f64::total_cmp);
                 let expected = by_spectrum(&brake, scene, sample, threshold);
                 assert_eq!((growths.len(), outcome.undecided), (expected.len(), 0), "{text}: {growths:?} {expected:?}");
@@ -94,17 +94,17 @@ fn a_mode_on_the_threshold_is_undecided() {
     let samples = draws(&sign, 30);
     let outcomes_of_sign = outcomes(&sign, &samples);
     // The growth rate of a mode of the second scene, in which the secular equation finds the modes.
-    let grows = |of: &&Outcome| of.unstable.len() == 1 && of.unstable[0].growth > 10.0;
+    let grows = |of: &&Outcome| of.unstable.len() == 1 && of.unstable[0].lambda.re > 10.0;
     let (at, growth) = outcomes_of_sign
         .iter()
         .enumerate()
-        .find_map(|(at, of)| Some((at, of.iter().find(grows)?.unstable[0].growth)))
+        .find_map(|(at, of)| Some((at, of.iter().find(grows)?.unstable[0].lambda.re)))
         .unwrap();
     for (factor, undecided) in [(1.0, 1), (1.0 - 1e-7, 0), (1.0 + 1e-7, 0)] {
         let brake = brake(&format!("growth_above = {:?}", growth * factor), &[]);
         let found = &outcomes(&brake, &samples)[at];
         let of_sample =
-            outcomes_of_sign[at].iter().position(|of| grows(&of) && of.unstable[0].growth == growth).unwrap();
+            outcomes_of_sign[at].iter().position(|of| grows(&of) && of.unstable[0].lambda.re == growth).unwrap();
         assert_eq!(found[of_sample].undecided, undecided, "{factor}");
         assert_eq!(found[of_sample].unstable.len(), usize::from(factor < 1.0), "{factor}");
         assert_eq!(found.iter().map(|of| of.undecided).sum::<u32>(), undecided);

@@ -5,6 +5,7 @@ mod health;
 mod names;
 
 use std::io::Write;
+use std::path::PathBuf;
 
 use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
 use brakes::{CaseBrake, FiniteElementBrake, Part, Purpose};
