@@ -44,9 +44,10 @@ impl fmt::Display for Tied {
 /// # Errors
 /// [`Tied`].
 pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<Vec<usize>, Tied> {
-    let mut largest = vec![[0.0_f64; 2]; order];
+    let (mut largest, mut is_negative) = (vec![[0.0_f64; 2]; order], vec![false; order]);
     for Entry { row, column, value } in entries {
         let (row, column, size) = (row as usize, column as usize, value.abs());
+        is_negative[row] |= row == column && value < 0.0;
         for at in [row, column] {
             let which = usize::from(row != column);
             largest[at][which] = largest[at][which].max(size);
@@ -61,7 +62,8 @@ pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<V
     let is_tied = |[diagonal, beside]: &[f64; 2]| *beside > diagonal / GAP;
     match huge().find(|(_, row)| is_tied(row) && of_row(row) >= TIED * others) {
         Some((row, [_, entry])) => Err(Tied { row: row + 1, entry: *entry, others }),
-        None => Ok(huge().filter(|(_, row)| !is_tied(row)).map(|(row, _)| row).collect()),
+        // A negative spring holds nothing: it makes a brake diverge.
+        None => Ok(huge().filter(|(at, row)| !is_tied(row) && !is_negative[*at]).map(|(row, _)| row).collect()),
     }
 }
 
@@ -82,5 +84,22 @@ impl fmt::Display for Held<'_> {
             self.0.len(),
             names.join(", ")
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_spring_holds_nothing_however_huge_it_is() {
+        let diagonal = |values: &[f64]| {
+            let entry = |(at, &value): (usize, &f64)| Entry { row: at as u32, column: at as u32, value };
+            held_rows(values.len(), values.iter().enumerate().map(entry)).ok()
+        };
+        for huge in [1e20, 1e30, 1e36] {
+            assert_eq!(diagonal(&[1e4, huge, 2e4, -huge]), Some(vec![1]));
+            assert_eq!(diagonal(&[1e4, -huge]), Some(vec![]));
+        }
     }
 }

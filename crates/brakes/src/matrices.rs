@@ -111,7 +111,7 @@ impl DrawnInputs<Vec<f64>> for MatricesBrake {
             unit: parameter.unit.clone(),
             coordinate: at as u32,
             is_correlated: self.case.correlation.as_ref().is_some_and(|correlation| correlation.holds(at)),
-            is_discrete: parameter.distribution.is_discrete(),
+            has_atoms: parameter.distribution.has_atoms(),
         };
         self.varying().map(input).collect()
     }

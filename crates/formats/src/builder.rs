@@ -127,25 +127,29 @@ fn add_repeats(entries: &mut Vec<Entry>) -> Result<(), Problem> {
     }
 }
 
-/// Mirrors what the file says is a triangle. What it says nothing of is left as it is: a matrix with entries on both sides of the
-/// diagonal is whole, and of one with entries on one side nobody but its owner knows.
+/// Mirrors what the file says is a triangle. What it says nothing of is left as it is: a matrix with entries and mirror images of them is whole, and of
+/// one without any nobody but its owner knows.
 fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stored, KnownBy, Option<Doubt>), Problem> {
     let square = head.rows == head.columns;
     let sides = Sides::of(entries);
-    let by_contents = |doubt| match sides {
-        Sides { above: false, below: false } => Ok((Stored::Whole, KnownBy::Contents, None)),
-        Sides { above: true, below: true } => Ok((Stored::Whole, KnownBy::Contents, doubt)),
-        _ if !square => Ok((Stored::Whole, KnownBy::Contents, None)),
-        _ => Ok((Stored::OneSide, KnownBy::Contents, None)),
+    // Of a list of entries it counts whether any has a mirror image; an array lists all there are.
+    let by_contents = |is_list: bool| {
+        let is_whole = match sides {
+            Sides { above: false, below: false } => true,
+            Sides { above: true, below: true } => !is_list || Pairs::of(entries, &mirrored(entries)).given_twice > 0,
+            _ => false,
+        };
+        let stored = if is_whole || !square { Stored::Whole } else { Stored::OneSide };
+        Ok((stored, KnownBy::Contents, None))
     };
     match stated {
         Stated::General => {
             let doubt = if square { Doubt::of_whole(entries, head.rows, sides) } else { None };
             return Ok((Stored::Whole, KnownBy::File, doubt));
         }
-        Stated::Array => return by_contents(None),
-        Stated::Nothing => return by_contents(Doubt::of_list(entries, sides)),
-        Stated::Upper if sides.below => return by_contents(Doubt::of_list(entries, sides)),
+        Stated::Array => return by_contents(false),
+        Stated::Nothing => return by_contents(true),
+        Stated::Upper if sides.below => return by_contents(true),
         Stated::Symmetric | Stated::Skew | Stated::SymmetricOrWhole | Stated::SymmetricByDefault | Stated::Upper => {}
     }
     let images = mirrored(entries);

@@ -194,7 +194,7 @@ fn what_is_there(side: Option<Symmetry>) -> &'static str {
 fn ways_to_say(side: Option<Symmetry>) -> String {
     let triangle = match side {
         Some(side) => format!("symmetry = \"{side}\" to mirror them"),
-        None => "TYPE=SYMMETRIC in the file to mirror them".to_owned(),
+        None => "symmetry = \"triangle\" to mirror them".to_owned(),
     };
     format!("symmetry = \"whole\" to take them as they are, {triangle}")
 }

@@ -97,7 +97,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     let mut column = 0;
     let parts = if kind.field == b'C' { 2 } else { 1 };
     numbers(lines, (entries * parts, formats[2]), |at, text| {
-        let value = fortran(text)?;
+        let value = formats[2].value(text)?;
         if at % parts == 1 {
             return builder.imaginary(value);
         }
@@ -111,8 +111,40 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     Ok(found)
 }
 
-/// Layout of numbers: how many on a line, and the characters of each.
-type Format = (usize, usize);
+/// Most digits behind a point; chosen: numbers have no more.
+const MOST_DECIMALS: i32 = 99;
+
+/// Layout of numbers in Fortran.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Format {
+    /// Numbers on a line, and characters of each.
+    per_line: usize,
+    width: usize,
+    /// Digits behind the point of a number that is written without one.
+    decimals: i32,
+    /// Power of ten by which a number without an exponent is written too large.
+    scale: i32,
+}
+
+impl Format {
+    /// The number of a field.
+    fn value(self, field: &str) -> Result<f64, Problem> {
+        let text = field.to_uppercase().replace('D', "E");
+        let sign = text.char_indices().skip(1).find(|(_, letter)| matches!(letter, '+' | '-')).map(|(at, _)| at);
+        let (mantissa, exponent) = match (text.split_once('E'), sign) {
+            (Some((mantissa, exponent)), _) => (mantissa, Some(exponent)),
+            (None, Some(at)) => (&text[..at], Some(&text[at..])),
+            (None, None) => (text.as_str(), None),
+        };
+        let decimals = if mantissa.contains('.') { 0 } else { self.decimals };
+        let shift = decimals + if exponent.is_none() { self.scale } else { 0 };
+        let exponent = exponent.map_or(Some(0), |exponent| exponent.trim_start_matches('+').parse::<i32>().ok());
+        match (shift, exponent) {
+            (0, _) | (_, None) => fortran(field),
+            (_, Some(exponent)) => fortran(&format!("{mantissa}E{}", exponent.saturating_sub(shift))),
+        }
+    }
+}
 
 /// The formats of offsets, rows and values.
 fn formats(line: &str) -> Result<[Format; 3], Problem> {
@@ -125,21 +157,32 @@ fn formats(line: &str) -> Result<[Format; 3], Problem> {
 /// Layout of a Fortran format: `16I5`, `1P,3D25.16`, `1P4E20.12E3` and their like.
 fn format_of(text: &str) -> Option<Format> {
     let text = text.to_uppercase().replace(' ', "");
-    // A scale factor says how numbers are written, not read.
-    let text = match text.split_once('P') {
-        Some((scale, rest)) if scale.parse::<i32>().is_ok() => rest.trim_start_matches(',').to_owned(),
-        _ => text,
+    let (scale, text) = match text.split_once('P') {
+        Some((scale, rest)) => (scale.parse().ok()?, rest.trim_start_matches(',').to_owned()),
+        None => (0, text),
     };
     let letter = text.find(['I', 'E', 'D', 'F', 'G'])?;
     let count = if letter == 0 { 1 } else { text[..letter].parse().ok()? };
-    let width = text[letter + 1..].split('.').next()?.parse().ok()?;
-    (count > 0 && width > 0 && count * width <= MOST_ON_LINE).then_some((count, width))
+    let mut parts = text[letter + 1..].split('.');
+    let width = parts.next()?.parse().ok()?;
+    let decimals = match parts.next() {
+        Some(digits) => digits.split('E').next()?.parse().ok().filter(|digits| (0..=MOST_DECIMALS).contains(digits))?,
+        None => 0,
+    };
+    let is_whole = text[letter..].starts_with('I');
+    let (decimals, scale) = if is_whole { (0, 0) } else { (decimals, scale) };
+    (count > 0 && width > 0 && count * width <= MOST_ON_LINE).then_some(Format {
+        per_line: count,
+        width,
+        decimals,
+        scale,
+    })
 }
 
 /// Calls `take` with the index and text of each of so many numbers, in lines of a format.
 fn numbers(
     lines: &mut Lines<'_>,
-    (count, (per_line, width)): (usize, Format),
+    (count, Format { per_line, width, .. }): (usize, Format),
     mut take: impl FnMut(usize, &str) -> Result<(), Problem>,
 ) -> Result<(), Problem> {
     let mut at = 0;
@@ -187,16 +230,40 @@ mod tests {
     #[test]
     fn formats_of_fortran_are_understood() {
         for (text, format) in [
-            ("16I5", (16, 5)),
-            ("1P,3D25.16", (3, 25)),
-            ("1P4E20.12", (4, 20)),
-            ("3(E26.18)", (1, 1)),
-            ("E25.16E3", (1, 25)),
-            ("5 F 16.8", (5, 16)),
-            ("I8", (1, 8)),
+            ("16I5", Some((16, 5, 0, 0))),
+            ("1P,3D25.16", Some((3, 25, 16, 1))),
+            ("1P4E20.12", Some((4, 20, 12, 1))),
+            ("3(E26.18)", None),
+            ("E25.16E3", Some((1, 25, 16, 0))),
+            ("5 F 16.8", Some((5, 16, 8, 0))),
+            ("-2P,4F12.4", Some((4, 12, 4, -2))),
+            ("I8", Some((1, 8, 0, 0))),
         ] {
-            let found = format_of(text);
-            if text.starts_with("3(") { assert_eq!(found, None) } else { assert_eq!(found, Some(format), "{text}") }
+            let found =
+                format_of(text).map(|Format { per_line, width, decimals, scale }| (per_line, width, decimals, scale));
+            assert_eq!(found, format, "{text}");
         }
+    }
+
+    /// By the rules of Fortran 2018, 13.7.2.3.2 and 13.8.5: a point that is not there stands before the last digits, a scale factor counts where there is no
+    /// exponent.
+    #[test]
+    fn numbers_are_read_as_fortran_reads_them() {
+        for (format, text, expected) in [
+            ("4F12.4", "40000", 4.0),
+            ("4F12.4", "4.0000", 4.0),
+            ("4F12.4", "-12345", -1.2345),
+            ("2P,4F12.4", "400.0000", 4.0),
+            ("2P,4F12.4", "40000", 0.04),
+            ("1P,4E12.4", "4.0E+00", 4.0),
+            ("1P,4E12.4", "4.0+1", 40.0),
+            ("4E12.4", "40000D1", 40.0),
+            ("4E12.4", "-1.5D-2", -0.015),
+            ("4E12.4", "15-2", 1.5e-5),
+        ] {
+            let found = format_of(format).unwrap().value(text).unwrap();
+            assert!((found - expected).abs() <= 1e-15 * expected.abs(), "{format} {text}: {found}");
+        }
+        assert!(format_of("4F12.4").unwrap().value("x").is_err());
     }
 }

@@ -14,8 +14,9 @@ pub enum Stored {
     Triangle,
     /// The lower triangle of a skew-symmetric matrix; the reader has mirrored it with the other sign.
     SkewTriangle,
-    /// Entries on one side of the diagonal, of which nothing says whether they are a triangle of a symmetric matrix or an
-    /// unsymmetric matrix (such as friction forces); nothing has been mirrored. [`Matrix::with_symmetry`] decides.
+    /// Entries on one side of the diagonal, or on both of which none has a mirror image: nothing says whether they are a triangle of a symmetric matrix,
+    /// perhaps with its rows in another order, or an unsymmetric matrix (such as friction forces); nothing has been mirrored. [`Matrix::with_symmetry`]
+    /// decides.
     OneSide,
 }
 
@@ -39,12 +40,14 @@ pub enum Symmetry {
     Upper,
     /// The lower triangle of a symmetric matrix, to be mirrored.
     Lower,
+    /// Each entry of a symmetric matrix or its mirror image, to be mirrored: a triangle with its rows in any order.
+    Triangle,
 }
 
 impl Symmetry {
-    /// Names of the three, each with its value.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("whole", Self::Whole), ("upper", Self::Upper), ("lower", Self::Lower)];
+    /// Names of the four, each with its value.
+    pub const NAMES: [(&'static str, Self); 4] =
+        [("whole", Self::Whole), ("upper", Self::Upper), ("lower", Self::Lower), ("triangle", Self::Triangle)];
 }
 
 impl fmt::Display for Symmetry {
@@ -53,6 +56,7 @@ impl fmt::Display for Symmetry {
             Self::Whole => "whole",
             Self::Upper => "upper",
             Self::Lower => "lower",
+            Self::Triangle => "triangle",
         })
     }
 }
@@ -63,9 +67,6 @@ pub enum Doubt {
     /// The file says that it lists the whole matrix, but entries off the diagonal are on this side of it alone, and the diagonal has an
     /// entry in each of their rows and columns: probably a triangle that was written under the wrong word.
     Triangle(Symmetry),
-    /// The list has entries on both sides of the diagonal and is taken as whole, but no entry has a mirror image: a matrix of friction, or
-    /// a triangle whose rows were put into another order.
-    NoImages,
 }
 
 impl fmt::Display for Doubt {
@@ -79,10 +80,6 @@ impl fmt::Display for Doubt {
                      symmetric matrix, say symmetry = \"{side}\", else \"whole\""
                 )
             }
-            Self::NoImages => f.write_str(
-                "it is taken as whole, and none of its entries off the diagonal has a mirror image; if that is so, say symmetry = \
-                 \"whole\"",
-            ),
         }
     }
 }
@@ -115,12 +112,6 @@ impl Sides {
 }
 
 impl Doubt {
-    /// The doubt about a list of entries, without repeats.
-    pub(crate) fn of_list(entries: &[Entry], sides: Sides) -> Option<Self> {
-        let on_both = sides == Sides { above: true, below: true };
-        (on_both && Pairs::of(entries, &mirrored(entries)).given_twice == 0).then_some(Self::NoImages)
-    }
-
     /// The doubt about entries, without repeats, that a file calls all of a square matrix.
     pub(crate) fn of_whole(entries: &[Entry], order: usize, sides: Sides) -> Option<Self> {
         let side = sides.only()?;
@@ -177,7 +168,7 @@ impl Matrix {
             KnownBy::Request => ", as asked",
             KnownBy::Contents if self.rows != self.columns => "",
             KnownBy::Contents if self.entries.iter().any(|entry| entry.row != entry.column && entry.value != 0.0) => {
-                ", as it has entries on both sides of the diagonal"
+                ", as it has entries and their mirror images"
             }
             KnownBy::Contents => ", as it has no entry off the diagonal",
         };
@@ -185,7 +176,7 @@ impl Matrix {
             Stored::Whole => format!("whole{by}"),
             Stored::Triangle => format!("one triangle, mirrored{by}"),
             Stored::SkewTriangle => format!("one triangle, mirrored with the other sign{by}"),
-            Stored::OneSide => "not decided: entries on one side of the diagonal".to_owned(),
+            Stored::OneSide => "not decided: no entry has a mirror image".to_owned(),
         }
     }
 
@@ -229,6 +220,9 @@ impl Matrix {
             }
             (Symmetry::Lower, Sides { above: true, .. }) => {
                 return Err(refused(side, "with entries above the diagonal"));
+            }
+            (Symmetry::Triangle, _) if Pairs::of(&self.entries, &mirrored(&self.entries)).given_twice > 0 => {
+                return Err(refused(side, "with entries and their mirror images"));
             }
             _ => {}
         }

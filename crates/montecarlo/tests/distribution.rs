@@ -279,3 +279,24 @@ fn every_slip_is_named_with_its_key_and_what_is_allowed() {
         assert_eq!(distribution.check(), Ok(()), "{distribution:?}");
     }
 }
+
+/// A value has a probability of its own where the quantile function is flat.
+#[test]
+fn atoms_are_where_the_quantile_function_is_flat() {
+    let discrete = Distribution::Discrete { values: vec![1.0, 2.0], weights: Vec::new() };
+    let point = Distribution::Uniform { from: 1.0, to: 1.0 };
+    let all = [
+        measured(&[1.0, 2.0, 2.0, 3.0]),
+        measured(&[1.0, 2.0, 3.0]),
+        discrete,
+        point,
+        Distribution::Uniform { from: 1.0, to: 2.0 },
+        Distribution::Normal { mean: 0.0, deviation: 1.0, at_least: -1.0, at_most: Some(1.0) },
+    ];
+    for distribution in all {
+        let mut steps = (1..1000).map(|at| distribution.quantile(f64::from(at) / 1000.0));
+        let mut last = f64::NAN;
+        let is_flat = steps.any(|value| std::mem::replace(&mut last, value) == value);
+        assert_eq!(distribution.has_atoms(), is_flat, "{distribution:?}");
+    }
+}

@@ -159,7 +159,7 @@ impl DrawnInputs<Sample> for Slider {
             unit: (*unit).into(),
             coordinate,
             is_correlated: false,
-            is_discrete: false,
+            has_atoms: false,
         };
         (self.faults.inputs)(DRAWN.iter().zip(0..).map(input).collect())
     }

@@ -15,8 +15,8 @@ pub struct Input {
     pub coordinate: u32,
     /// The input depends on another one.
     pub is_correlated: bool,
-    /// The input takes a few values alone, and so is no smooth function of its coordinate.
-    pub is_discrete: bool,
+    /// The input has a value with a probability of its own, and so may keep it where its coordinate changes.
+    pub has_atoms: bool,
 }
 
 /// Samples as functions of numbers that are drawn: for influence, for samples that are kept, and for estimators that need fewer samples

@@ -192,7 +192,7 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> DrawnInputs<
             unit: parameter.unit.clone(),
             coordinate: place as u32,
             is_correlated: false,
-            is_discrete: parameter.distribution.is_discrete(),
+            has_atoms: parameter.distribution.has_atoms(),
         };
         self.varying().map(input).collect()
     }

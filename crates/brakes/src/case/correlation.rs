@@ -83,14 +83,17 @@ impl Check<'_> {
                 || self.value("correlation.parameters", format!("{name:?}"), &format!("what is drawn: {}", names()));
             places.push(*place.ok_or_else(refused)?);
         }
+        if places.is_empty() && matrix.is_none() {
+            places.clone_from(&drawn);
+        }
+        // A value with a probability of its own has no normal score: with any of its scores others would get other distributions.
+        if let Some(&at) = places.iter().find(|&&at| of.parameters[at].1.has_atoms()) {
+            let allowed = "parameters none of whose values has a probability of its own, as discrete and measured values that repeat have";
+            return Err(self.value("correlation.parameters", format!("{:?}", of.parameters[at].0), allowed));
+        }
         let between = match matrix {
             Some(rows) => self.correlation_matrix(&rows, parameters.len())?,
-            None => {
-                if places.is_empty() {
-                    places.clone_from(&drawn);
-                }
-                DMatrix::identity(places.len(), places.len())
-            }
+            None => DMatrix::identity(places.len(), places.len()),
         };
         let across = match field {
             Some(field) => self.field(field, of.contacts)?,

@@ -51,6 +51,9 @@ fn numbers(text: &str, column: Option<&str>) -> Result<Vec<f64>, (String, String
             return Err((format!("{} columns", heads.len()), "one column, or `column` with the heading of one".into()));
         }
         None => 0,
+        Some(name) if heads.iter().filter(|head| *head == name).count() > 1 => {
+            return Err((format!("several columns {name:?}"), "a heading that one column has".into()));
+        }
         Some(name) => heads
             .iter()
             .position(|head| head == name)
@@ -120,6 +123,7 @@ mod tests {
         }
         for (measured, said) in [
             ("t,c\n20,0.3\n", "d.csv: no column \"d\"; allowed: one of t, c"),
+            ("d,d\n20,0.3\n", "d.csv: several columns \"d\"; allowed: a heading that one column has"),
             ("t,d\n20,high\n", "d.csv: line 2: \"high\"; allowed: a finite number, with a decimal point"),
             ("t,d\n20,0.3\n", "values = a list of 1; allowed: two different numbers or more"),
         ] {

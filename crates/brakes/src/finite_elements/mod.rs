@@ -318,7 +318,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
             unit: parameter.unit.clone(),
             coordinate: self.first_parameter() + at as u32,
             is_correlated: self.case.correlation.as_ref().is_some_and(|of| of.holds(self.friction_parameters() + at)),
-            is_discrete: parameter.distribution.is_discrete(),
+            has_atoms: parameter.distribution.has_atoms(),
         }));
         inputs
     }

@@ -64,12 +64,12 @@ impl DrawnFriction<'_> {
                 unit: FrictionDistributions::UNITS[place].into(),
                 coordinate: OF_CONTACT * contact as u32 + COORDINATES[place],
                 is_correlated: self.correlation.is_some_and(|correlation| correlation.holds(place)),
-                is_discrete: self.from.of_draw()[place].is_discrete(),
+                has_atoms: self.from.of_draw()[place].has_atoms(),
             });
         }
         if speed {
             let (name, unit) = ("v".into(), "m/s".into());
-            inputs.push(Input { name, unit, coordinate: SPEED, is_correlated: false, is_discrete: false });
+            inputs.push(Input { name, unit, coordinate: SPEED, is_correlated: false, has_atoms: false });
         }
         inputs
     }

@@ -137,9 +137,7 @@ fn option(kind: Kind) -> &'static str {
 fn one_sided(path: &Path, kind: Kind, side: Option<formats::Symmetry>) -> Error {
     let (found, mirrored) = match side {
         Some(side) => ("on one side of the diagonal only", format!("{kind}={side} for a triangle to be mirrored")),
-        None => {
-            ("without mirror images", "write TYPE=SYMMETRIC into the file for a triangle to be mirrored".to_owned())
-        }
+        None => ("without mirror images", format!("{kind}=triangle for a triangle to be mirrored")),
     };
     Error::Option {
         option: option(kind),

@@ -80,11 +80,12 @@ fn entries_on_both_sides_are_a_whole_matrix_and_none_is_any() {
     let unsymmetric = "1 1 2.0\n1 2 -1.0\n2 1 5.0\n2 2 2.0\n";
     // Friction without a mirror image of any entry.
     let friction = "1 1 30\n1 3 400\n4 3 -400\n4 4 30\n3 3 30\n2 2 30\n";
+    let whole = list(unsymmetric).only().unwrap();
+    assert_eq!((whole.stored(), whole.known_by()), (Stored::Whole, KnownBy::Contents));
+    assert!(matches!(list(friction).only(), Err(FormatsError::OneSided { side: None, .. })));
     for text in [unsymmetric, friction] {
-        let whole = list(text).only().unwrap();
-        assert_eq!((whole.stored(), whole.known_by()), (Stored::Whole, KnownBy::Contents));
-        assert_eq!(whole.entries().len(), text.lines().count());
-        assert_eq!(whole.doubt().is_some(), text == friction);
+        let whole = list(text).take(&said(Symmetry::Whole)).unwrap();
+        assert_eq!((whole.entries().len(), whole.doubt()), (text.lines().count(), None));
         assert!(
             list(text).take(&said(Symmetry::Upper)).unwrap_err().to_string().contains("entries below the diagonal")
         );

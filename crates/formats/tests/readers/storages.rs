@@ -205,11 +205,14 @@ fn every_storage_of_every_shape_is_read_back_or_asked_about() {
             let matrix = matrix(&mut random, order, shape);
             let what = |format: &str| format!("round {round}, {shape:?}, {format}");
             let whole = entries(&matrix, Listed::Whole, &mut random);
-            // Whole in a file that does not say so: one side is asked about.
+            // Whole in a file that does not say so: one side is asked about, and of a list entries without any mirror image.
             let one_side = matches!(shape, Shape::Upper | Shape::Lower).then_some(Symmetry::Whole);
             let all = &matrix;
-            check(coordinates(&whole).as_bytes(), all, one_side, &what("a list"));
-            check(abaqus(&whole, "").as_bytes(), all, one_side, &what("MATRIX INPUT"));
+            let mut beside = whole.iter().filter(|(i, j, value)| i != j && *value != 0.0).peekable();
+            let has_none = beside.peek().is_some() && beside.all(|&(i, j, _)| all[(j, i)] == 0.0);
+            let unpaired = has_none.then_some(Symmetry::Whole);
+            check(coordinates(&whole).as_bytes(), all, unpaired, &what("a list"));
+            check(abaqus(&whole, "").as_bytes(), all, unpaired, &what("MATRIX INPUT"));
             check(&npy(all, false), all, one_side, &what("npy"));
             check(&npy(all, true), all, one_side, &what("complex npy"));
             // In one that does, not.
@@ -252,6 +255,15 @@ fn every_storage_of_every_shape_is_read_back_or_asked_about() {
                     assert_eq!((&mirrored.to_dense(), mirrored.doubt()), (all, None), "{}", what("general"));
                 }
             }
+            // A triangle with its rows in another order.
+            let mut part = entries(all, Listed::Lower, &mut random);
+            for (at, (i, j, _)) in part.iter_mut().enumerate().filter(|(at, _)| at % 2 == 0) {
+                (*i, *j) = if at % 4 == 0 { (*j, *i) } else { (*i, *j) };
+            }
+            let beside: Vec<_> = part.iter().filter(|(i, j, value)| i != j && *value != 0.0).collect();
+            if beside.iter().any(|(i, j, _)| i < j) && beside.iter().any(|(i, j, _)| i > j) {
+                check(coordinates(&part).as_bytes(), all, Some(Symmetry::Triangle), &what("a triangle in any order"));
+            }
             let lower = entries(all, Listed::Lower, &mut random);
             for [field, symmetry] in [["real", "symmetric"], ["complex", "symmetric"], ["complex", "hermitian"]] {
                 check(market(all, &lower, field, symmetry).as_bytes(), all, None, &what(symmetry));
@@ -268,8 +280,10 @@ fn rows_without_a_mirror_image_are_never_mirrored_unasked() {
         let matrix = matrix(&mut random, order, Shape::Friction);
         let listed = entries(&matrix, Listed::Whole, &mut random);
         for text in [coordinates(&listed), abaqus(&listed, "")] {
-            let read = read_bytes(text.as_bytes(), None, Options::default()).unwrap().only().unwrap();
-            assert_eq!(read.to_dense(), matrix);
+            let read = || read_bytes(text.as_bytes(), None, Options::default()).unwrap();
+            let whole = Wanted { symmetry: Some(Symmetry::Whole), ..Wanted::default() };
+            assert_eq!(read().take(&whole).unwrap().to_dense(), matrix);
+            assert!(matches!(read().only(), Err(FormatsError::OneSided { .. })));
         }
         // Abaqus would take this as symmetric; whoever wrote friction did not mean it.
         let untyped = abaqus(&listed, "*MATRIX INPUT, NAME=KF\n");

@@ -167,10 +167,20 @@ impl Distribution {
         }
     }
 
-    /// True if only a few values are drawn, so that the distribution function jumps.
+    /// True if some value has a probability of its own, so that the distribution function jumps: of a discrete distribution, of measured values that
+    /// repeat, of one value alone.
     #[must_use]
-    pub fn is_discrete(&self) -> bool {
-        matches!(self, Self::Discrete { .. })
+    pub fn has_atoms(&self) -> bool {
+        match self {
+            Self::Constant { .. } | Self::Discrete { .. } => true,
+            Self::Uniform { from, to } | Self::LogUniform { from, to } | Self::Triangular { from, to, .. } => {
+                from >= to
+            }
+            Self::Quantiles { values, .. } | Self::Empirical { values, .. } => {
+                values.len() < 2 || values.windows(2).any(|pair| pair[0] == pair[1])
+            }
+            Self::Normal { .. } | Self::LogNormal { .. } | Self::Weibull { .. } => false,
+        }
     }
 
     /// A value drawn from the distribution.

@@ -435,7 +435,7 @@ class Matrices:
 def read_matrices(path: str | os.PathLike[str], *, symmetry: str | None = None) -> Matrices:
     """The matrices of a file: Matrix Market, CalculiX, Abaqus, Nastran, MATLAB, NumPy, Harwell-Boeing, plain or compressed by gzip.
 
-    By the name in the file, or by "mass", "damping", "stiffness" where it says so. `symmetry`, "whole", "upper" or "lower", says how
+    By the name in the file, or by "mass", "damping", "stiffness" where it says so. `symmetry`, "whole", "upper", "lower" or "triangle", says how
     matrices are stored of which the file does not say it; without it a list on one side of the diagonal is refused.
     """
     found, left_out = _squeal.read_matrices(os.fspath(path), symmetry)

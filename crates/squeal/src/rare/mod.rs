@@ -106,7 +106,7 @@ pub fn rare<B: UncertainBrake>(
     if inputs.is_empty() {
         return Err(Error::NoInputs { scene: plan.describe(of_scene) });
     }
-    if let Some(discrete) = inputs.iter().find(|input| input.is_discrete) {
+    if let Some(discrete) = inputs.iter().find(|input| input.has_atoms) {
         let (value, allowed) = ("discrete".into(), "distributions that are continuous".into());
         return Err(Error::Input { input: discrete.name.clone(), value, allowed });
     }

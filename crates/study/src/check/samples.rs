@@ -84,7 +84,9 @@ fn inputs<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: 
         return Err(Contradiction::Differ { scene: plan.describe(scene), one, other, what, found, expected }.into());
     }
     let middle = of.input_values(scene, &middle);
-    for (at, Input { name, coordinate, is_correlated, .. }) in inputs.iter().enumerate() {
+    // One with atoms may keep its value wherever its coordinate is.
+    let smooth = inputs.iter().enumerate().filter(|(_, input)| !input.has_atoms);
+    for (at, Input { name, coordinate, is_correlated, .. }) in smooth {
         let moved = |u: f64| {
             let sample = of.quantile_sample(scene, &|d| if d == *coordinate { u } else { 0.5 });
             Some(of.input_values(scene, &sample)).filter(|values| values.get(at) != middle.get(at))
