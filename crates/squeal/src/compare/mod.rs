@@ -1,7 +1,7 @@
 //! Studies side by side: by how much each mode is unstable more or less often in one than in another.
 //!
 //! A study is the folder of a finished run. What has the same names of constraints, law, speed and contacts is compared; modes are linked by
-//! their shapes ([`links`]). How sure a difference is depends on what the folders hold: with kept samples it is taken sample by sample, so
+//! their shapes (`links.rs`). How sure a difference is depends on what the folders hold: with kept samples it is taken sample by sample, so
 //! that what the draws have in common cancels; without them the same seed still makes both depend on each other, in a way that nobody
 //! counted, and the limits allow for any.
 
