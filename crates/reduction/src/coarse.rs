@@ -21,6 +21,8 @@ use crate::ReductionError;
 
 /// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen.
 const WANTED_ERROR: f64 = 1e-5;
+/// Least distance that is assumed there; chosen: far above rounding, where the basis holds the modes as they are.
+const LEAST_ERROR: f64 = 1e-9;
 /// How many times the largest distance at these points that of a sample may be; chosen.
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
@@ -110,7 +112,7 @@ impl Coarse {
         };
         let most = (WORTH * columns_of(reduced)) as usize;
         let mut coarse = on(fewest(&empty, &found, most, WANTED_ERROR, error))?;
-        coarse.error = coarse.distance(reduced, points, &known)?;
+        coarse.error = coarse.distance(reduced, points, &known)?.max(LEAST_ERROR);
         if coarse.error > WANTED_ERROR {
             return Ok(None);
         }
