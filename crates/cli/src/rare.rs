@@ -161,7 +161,9 @@ impl RareArgs {
         let SceneArgs { law, contact, constraints, speed } = &self.scene;
         let mut command = "squeal cea likeliest.toml".to_owned();
         let contact = contact.as_ref().map(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>().join(","));
-        let speed = speed.map(|speed| speed.to_string());
+        // Of a range that is not the first one its draw has to be said.
+        let of_range = || values.iter().find(|(name, _)| self.range.is_some() && name == "v").map(|(_, value)| *value);
+        let speed = speed.or_else(of_range).map(|speed| speed.to_string());
         let given = [("law", law), ("contact", &contact), ("constraints", constraints), ("speed", &speed)];
         for (option, value) in given.into_iter().filter_map(|(option, value)| Some((option, value.as_ref()?))) {
             command += &format!(" --{option} {value}");

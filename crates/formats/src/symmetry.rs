@@ -168,7 +168,7 @@ impl Matrix {
             KnownBy::Request => ", as asked",
             KnownBy::Contents if self.rows != self.columns => "",
             KnownBy::Contents if self.entries.iter().any(|entry| entry.row != entry.column && entry.value != 0.0) => {
-                ", as it has entries and their mirror images"
+                ", as it has entries on both sides of the diagonal"
             }
             KnownBy::Contents => ", as it has no entry off the diagonal",
         };

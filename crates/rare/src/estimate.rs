@@ -132,7 +132,10 @@ pub fn estimate<L: LimitState>(of: &L, options: &Options) -> Result<Estimate, L:
     }
     // Ends of intervals and of lines, design points without lines, and what elsewhere is too little to contradict.
     let ends = PRECISION * nearest.beta.max(1.0) * value + 2.0 * tail(reach);
-    let without: f64 = without.iter().map(|point| tail(point.beta)).sum();
+    // Nor are design points none of whose lines fail anywhere.
+    let unseen = with_lines.iter().zip(&sampled.lines).filter(|(_, lines)| lines.iter().all(|line| line.weight <= 0.0));
+    let unseen = unseen.map(|(point, _)| *point);
+    let without: f64 = without.iter().copied().chain(unseen).map(|point| tail(point.beta)).sum();
     let unproven = contradicted(&looked, (value, error), options)? + ends + without;
     let witnesses = sampled.witnesses();
     Ok(Estimate {

@@ -41,7 +41,7 @@ pub struct Witness {
 
 /// A line: its weighted probability of failure, and a failing point with its weight.
 pub(crate) struct Line {
-    weight: f64,
+    pub weight: f64,
     witness: Option<(Vec<f64>, f64)>,
 }
 

@@ -129,11 +129,13 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
         // Just beyond the onset, where the mode that fails is the worst.
         let point = scaled(beta, &ray);
         let mode = of.worst(&point)?;
-        let Some((direction, slope)) = of.steepest(&point, &mode)? else { break };
-        let cosine = dot(&direction, &ray);
-        if cosine <= 0.0 {
+        let steepest = of.steepest(&point, &mode)?.filter(|(direction, _)| dot(direction, &ray) > 0.0);
+        let Some((direction, slope)) = steepest else {
+            // Failure without a gradient that leads to it: lines along the ray are as right, and need not be as good.
+            best = best.or(Some(DesignPoint { point, direction: ray, beta, slope: 0.0, mode, is_settled: false }));
             break;
-        }
+        };
+        let cosine = dot(&direction, &ray);
         let is_settled = cosine >= RIGHT_ANGLE;
         best = Some(DesignPoint { point, direction: direction.clone(), beta, slope, mode, is_settled });
         if is_settled {

@@ -33,6 +33,11 @@ const STATES: f64 = 1e-4;
 const WORTH: f64 = 0.8;
 /// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
 const MOST_ITERATIONS: usize = 4;
+/// What two modes next to each other may differ in without their coupling, as a part of |lambda|; chosen: an error of the coupling, times that, moves the
+/// square of half their distance, so that near a coalescence the error of each is the root of it.
+const DETUNING: f64 = 0.05;
+/// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen.
+const SETTLED: f64 = 1e-7;
 /// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one.
 const ONE_EIGENVALUE: f64 = 1e-7;
 const ONE_SHAPE: f64 = 0.9;
@@ -45,7 +50,7 @@ pub enum Doubt {
     Residual,
     /// The iteration for a mode did not converge, or ended far from its coarse one.
     Moved,
-    /// Two coarse modes became one.
+    /// Two coarse modes became one, or one became what is nearer to another.
     Merged,
 }
 
@@ -111,6 +116,9 @@ impl Coarse {
             measured.unwrap_or(f64::INFINITY)
         };
         let most = (WORTH * columns_of(reduced)) as usize;
+        if most == 0 {
+            return Ok(None);
+        }
         let mut coarse = on(fewest(&empty, &found, most, WANTED_ERROR, error))?;
         coarse.error = coarse.distance(reduced, points, &known)?.max(LEAST_ERROR);
         if coarse.error > WANTED_ERROR {
@@ -119,15 +127,23 @@ impl Coarse {
         coarse.residual = 0.0;
         for (at, (modes, system)) in points.iter().zip(coarse.modes(reduced, points).into_iter().zip(&systems)) {
             let (lambdas, shapes) = modes?;
-            coarse.residual =
-                residuals(reduced, at, system, &lambdas, &shapes).into_iter().fold(coarse.residual, f64::max);
+            let residuals = residuals(reduced, at, system, &lambdas, &shapes);
+            if residuals.iter().any(|residual| residual.is_nan()) {
+                return Ok(None);
+            }
+            coarse.residual = residuals.into_iter().fold(coarse.residual, f64::max);
         }
         Ok(Some(coarse))
     }
 
     /// Error, relative to |lambda|, that an eigenvalue on the coarse basis with a residual may have: it is quadratic in what is missing of both vectors.
-    fn error_of(&self, residual: f64) -> f64 {
-        MORE_DISTANCE * self.error * (residual / self.residual).max(1.0).powi(2)
+    /// Next to another mode, at a distance relative to |lambda|, it is larger.
+    fn error_of(&self, residual: f64, distance: f64) -> f64 {
+        if residual.is_nan() {
+            return f64::INFINITY;
+        }
+        let error = MORE_DISTANCE * self.error * (residual / self.residual).max(1.0).powi(2);
+        error * (DETUNING / distance.max((DETUNING * error).sqrt())).max(1.0)
     }
 
     /// W, k x w.
@@ -147,17 +163,24 @@ impl Coarse {
         let of_point = |(found, (at, system)): (Result<Polished, ReductionError>, (&OperatingPoint, &SecondOrder))| {
             let (lambdas, shapes) = found.map_err(|_| Doubt::Residual)?;
             let residuals = residuals(reduced, at, system, &lambdas, &shapes);
-            let errors: Vec<f64> = residuals.iter().map(|residual| self.error_of(*residual)).collect();
-            if !errors.iter().all(|&error| error <= MOST_ERROR) {
+            let alone = |mode: usize| self.error_of(residuals[mode], f64::INFINITY);
+            if !(0..lambdas.len()).all(|mode| alone(mode) <= MOST_ERROR) {
                 return Err(Some(Doubt::Residual));
             }
-            let wanted = (0..lambdas.len()).filter(|&mode| may_be_wanted(lambdas[mode], errors[mode]));
+            let error = |mode: usize| self.error_of(residuals[mode], nearest_other(&lambdas, mode));
+            let errors: Vec<f64> = (0..lambdas.len()).map(error).collect();
+            let wanted: Vec<usize> =
+                (0..lambdas.len()).filter(|&mode| may_be_wanted(lambdas[mode], errors[mode])).collect();
             let one = |mode: usize| {
                 let coarse = (lambdas[mode], split::vector(&shapes, mode));
                 next_to(reduced, at, system, coarse, errors[mode])
             };
-            let modes = wanted.map(one).collect::<Option<Vec<_>>>().ok_or(Doubt::Moved)?;
-            if have_merged(&modes) {
+            let modes = wanted.iter().map(|&mode| one(mode)).collect::<Option<Vec<_>>>().ok_or(Doubt::Moved)?;
+            let is_others = |(&own, (lambda, _)): (&usize, &(Complex<f64>, _))| {
+                let nearest = nearest(&lambdas, *lambda);
+                nearest.is_some_and(|nearest| nearest != own && !wanted.contains(&nearest))
+            };
+            if have_merged(&modes) || wanted.iter().zip(&modes).any(is_others) {
                 return Err(Some(Doubt::Merged));
             }
             let mut polished = split::zeros(system.order(), modes.len());
@@ -242,13 +265,15 @@ fn next_to(
         let q = dense::Factored::new(&system.dynamic_stiffness(lambda));
         right = q.solve(&system.derivative_times(lambda, &right)).ok()?.normalize();
         left = q.solve_adjoint(&left).ok()?.normalize();
-        lambda -= left.dotc(&image(system, lambda, &right)) / left.dotc(&system.derivative_times(lambda, &right));
+        let step = left.dotc(&image(system, lambda, &right)) / left.dotc(&system.derivative_times(lambda, &right));
+        lambda -= step;
         let moved = (lambda - coarse).norm();
         if moved.is_nan() || moved > error * coarse.norm() {
             return None;
         }
         let shape = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(&right)));
-        if residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged() {
+        let has_settled = step.norm() <= SETTLED * lambda.norm();
+        if has_settled && residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged() {
             return Some((lambda, right));
         }
     }
@@ -312,6 +337,18 @@ fn residuals(
     let norms = reduced.norms(at);
     let residuals = split::norms(&reduced_residual(system, lambdas, shapes)).into_iter().zip(split::norms(shapes));
     residuals.zip(lambdas).map(|((residual, size), &lambda)| residual / (size * norms.size(lambda))).collect()
+}
+
+/// Index of the eigenvalue that is nearest to a number.
+fn nearest(lambdas: &[Complex<f64>], to: Complex<f64>) -> Option<usize> {
+    let distance = |at: usize| (lambdas[at] - to).norm();
+    (0..lambdas.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+}
+
+/// Distance of an eigenvalue from the nearest other one, relative to its size; infinite where there is none.
+fn nearest_other(lambdas: &[Complex<f64>], own: usize) -> f64 {
+    let others = lambdas.iter().enumerate().filter(|(at, _)| *at != own);
+    others.map(|(_, other)| (other - lambdas[own]).norm() / lambdas[own].norm()).fold(f64::INFINITY, f64::min)
 }
 
 /// Columns of a reduced brake.

@@ -16,6 +16,9 @@ use super::shared::Smaller;
 use super::{Options, Wanted, dense};
 use crate::ReductionError;
 
+/// Most changes of a smaller basis for each training point; chosen: a residual that stays above the tolerance is not brought below it by more.
+const MOST_CHANGES: usize = 20;
+
 /// A smaller basis, and how it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Within {
@@ -57,7 +60,8 @@ pub fn within(
         search.known.first().map_or(&[][..], |known| &known.lambdas).iter().copied().filter(in_rectangle).collect();
     let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();
     let (mut small, mut next, mut passed, mut quiet) = (search.smaller()?, 0, 0, 0);
-    while !training.is_empty() && !search.is_exhausted(small.basis()) {
+    let mut left = MOST_CHANGES * training.len();
+    while !training.is_empty() && !search.is_exhausted(small.basis()) && left > 0 {
         if passed < training.len() {
             let at = training[next];
             if search.judged(&mut small, at)?.1 <= options.tolerance {
@@ -65,7 +69,7 @@ pub fn within(
                 continue;
             }
             search.improve(&mut small, at)?;
-            passed = 0;
+            (passed, left) = (0, left - 1);
         } else {
             if quiet >= options.probes {
                 break;

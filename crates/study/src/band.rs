@@ -2,11 +2,12 @@
 //! coordinates where the brake has some. Most samples need no matrices.
 
 use cea::{EigenSolver, Mode, Modes, Workspace, real_count};
-use linsys::{SecondOrder, real_times_complex};
+use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use tracking::{Path, PathEnd, PathStart, clear_matches};
 
+use super::reference::on_basis;
 use super::scratch::{Memory, timed};
 use super::sector_modes::{SectorModes, UnstableSectorMode};
 use super::{BandMode, CoarsePath, ModeIdentity, ModeLabel, Plan, Reference};
@@ -21,24 +22,18 @@ pub(super) struct BandNames<'a> {
     pub likeness_too: bool,
 }
 
-/// What modes in doubt are followed on, from a sample to its reference.
-pub(super) enum BandWay<'a> {
-    /// The system of the sample.
-    System(Box<SecondOrder>),
-    Coarse(Box<CoarsePath<'a>>),
-}
-
-impl<'a> BandNames<'a> {
+impl BandNames<'_> {
     /// The modes found in one sample, the unstable ones with names. `mass` is its mass matrix; `systems` makes the paths to the reference, where they are
     /// needed.
     ///
     /// # Errors
     /// A system that cannot be made; those of the solver.
-    pub fn sector_modes(
+    pub fn sector_modes<'p>(
         &self,
         found: Vec<BandMode>,
         mass: &DMatrix<f64>,
-        way: impl FnOnce() -> Result<BandWay<'a>, Error>,
+        coarse: impl FnOnce() -> Result<Option<CoarsePath<'p>>, Error>,
+        system: impl FnOnce() -> Result<SecondOrder, Error>,
         memory: &mut Memory,
     ) -> Result<SectorModes, Error> {
         let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
@@ -52,7 +47,7 @@ impl<'a> BandNames<'a> {
         let mode = |&at: &usize| Mode::weighted(mass, studied[at].lambda, studied[at].shape.clone());
         let (modes, weighted): (Vec<Mode>, Vec<_>) = unstable.iter().map(mode).unzip();
         let Memory { work, spent, .. } = memory;
-        let names = timed(&mut spent.names, || self.names((&modes, &weighted), way, work))?;
+        let names = timed(&mut spent.names, || self.names((&modes, &weighted), coarse, system, work))?;
         let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
         let mut by_likeness = by_likeness.into_iter().flatten();
         let named = unstable.iter().zip(modes).zip(names);
@@ -67,10 +62,11 @@ impl<'a> BandNames<'a> {
     }
 
     /// The names of some modes of a system, with M phi of each.
-    fn names(
+    fn names<'p>(
         &self,
         (modes, weighted): (&[Mode], &[DVector<Complex<f64>>]),
-        way: impl FnOnce() -> Result<BandWay<'a>, Error>,
+        coarse: impl FnOnce() -> Result<Option<CoarsePath<'p>>, Error>,
+        system: impl FnOnce() -> Result<SecondOrder, Error>,
         work: &mut Workspace,
     ) -> Result<Vec<Vec<ModeLabel>>, Error> {
         if self.plan.mode_identity == ModeIdentity::Mac {
@@ -81,22 +77,17 @@ impl<'a> BandNames<'a> {
         if let Some(clear) = clear {
             return Ok(clear.into_iter().map(|to| known.names_of([to])).collect());
         }
-        let named = |systems: [&SecondOrder; 2], [modes, known_modes]: [&[Mode]; 2], work: &mut Workspace| {
-            let end = PathEnd { system: systems[1], modes: known_modes };
-            let path = Path { start: PathStart::System(systems[0]), start_modes: modes, end };
-            Ok(known.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
+        let named = |from: &SecondOrder, modes: &[Mode], to: &Reference, work: &mut Workspace| {
+            let end = PathEnd { system: &to.system, modes: &to.modes };
+            let path = Path { start: PathStart::System(from), start_modes: modes, end };
+            Ok(to.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
         };
-        match way()? {
-            BandWay::System(system) => named([&system, &known.system], [modes, &known.modes], work),
-            BandWay::Coarse(path) => {
-                let CoarsePath { systems: [from, to], basis } = *path;
-                let onto = basis.transpose();
-                let [modes, known] = [(modes, &from), (&known.modes, &to)].map(|(modes, system)| -> Vec<Mode> {
-                    let shape = |mode: &Mode| real_times_complex(&onto, &mode.shape);
-                    modes.iter().map(|mode| Mode::normalised(&system.m, mode.lambda, shape(mode))).collect()
-                });
-                named([&from, &to], [&modes, &known], work)
+        if let Some(CoarsePath { systems: [from, to], basis }) = coarse()? {
+            let projected = modes.iter().map(|mode| on_basis(mode, &from, basis)).collect::<Option<Vec<Mode>>>();
+            if let Some(modes) = projected {
+                return named(&from, &modes, &known.on_basis(to, basis), work);
             }
         }
+        named(&system()?, modes, known, work)
     }
 }

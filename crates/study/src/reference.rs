@@ -14,7 +14,8 @@
 mod of_plan;
 
 use cea::{CeaError, EQUAL_BUT_FOR_ROUNDING, EigenSolver, Mode, Modes, Workspace, rank_order};
-use linsys::SecondOrder;
+use linsys::{SecondOrder, real_times_complex};
+use nalgebra::DMatrix;
 use num_complex::Complex;
 use osc_model::{OscModelError, Sector, Sectors};
 use tracking::{Links, OwnedPath, Path, PathEnd, PathStart, follow, identify, identify_all};
@@ -47,6 +48,16 @@ pub struct Reference {
     shapes: Option<NamedShapes>,
 }
 
+/// Part of the squared length of a shape that fewer coordinates have to hold; chosen: less is another shape.
+const HELD: f64 = 0.98;
+
+/// A mode in fewer coordinates, those of a system on a basis of orthonormal columns; `None` where these do not hold its shape.
+pub(crate) fn on_basis(mode: &Mode, system: &SecondOrder, basis: &DMatrix<f64>) -> Option<Mode> {
+    let shape = real_times_complex(&basis.transpose(), &mode.shape);
+    let is_held = shape.norm_squared() >= HELD * mode.shape.norm_squared();
+    is_held.then(|| Mode::normalised(&system.m, mode.lambda, shape))
+}
+
 /// The modes of one scene at median parameters, as a whole and by sectors.
 #[derive(Debug, Clone)]
 pub struct SectoredReference {
@@ -57,6 +68,14 @@ pub struct SectoredReference {
 }
 
 impl Reference {
+    /// The reference in fewer coordinates, those of its system on a basis of orthonormal columns: the modes that these hold.
+    pub(crate) fn on_basis(&self, system: SecondOrder, basis: &DMatrix<f64>) -> Self {
+        let held = self.modes.iter().zip(&self.names);
+        let held = held.filter_map(|(mode, names)| Some((on_basis(mode, &system, basis)?, names.clone())));
+        let (modes, names) = held.unzip();
+        Self { system, modes, names, shapes: None }
+    }
+
     /// The modes of `system` that a plan follows, without names.
     pub(super) fn unnamed(
         solver: &dyn EigenSolver,

@@ -291,6 +291,7 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
     to.option(*bristle_damping, of_bristle_damping);
     to.option(stiffness_factor.as_ref(), expression);
     if let Some(balance) = balance {
+        to.list(balance.loads().as_slice(), |to, load| to.number(*load));
         to.list(&balance.factors().collect::<Vec<_>>(), |to, (field, factor)| {
             to.text(field);
             expression(to, factor);

@@ -112,7 +112,7 @@ pub(super) fn scaled_point(
     let coefficients =
         terms.map(|(term, coefficient)| coefficient.value(&sample.values).map_err(|source| named(&term.name, source)));
     let mut coefficients = coefficients.collect::<Result<Vec<_>, _>>()?;
-    let factor = stiffness_factor(case, sample)?;
+    let factor = stiffness_factor(case, sample, scales)?;
     coefficients.extend(constant_terms(case).map(|term| match term {
         ConstantTerm::Contact => factor,
         ConstantTerm::Holders | ConstantTerm::HoldersAndContact => 1.0,
@@ -275,11 +275,15 @@ pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = C
 }
 
 /// Factor of the stiffness of all pairs in a sample; 1 where the case gives none.
-fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> Result<f64, CaseError> {
+fn stiffness_factor(
+    case: &FiniteElementCase,
+    sample: &FiniteElementSample,
+    scales: Scales<'_>,
+) -> Result<f64, CaseError> {
     let Some(contact) = &case.contact else { return Ok(1.0) };
     let own = positive(case, contact.stiffness_factor.as_ref(), STIFFNESS_FACTOR, sample)?.unwrap_or(1.0);
     // Rough faces are stiffer the more they are pressed on each other.
-    Ok(own * load_factor(case, contact, sample)?.powf(contact.load_exponent))
+    Ok(own * (load_factor(case, contact, sample)? * scales.load).powf(contact.load_exponent))
 }
 
 /// Factor of the load of all pairs in a sample.

@@ -15,8 +15,10 @@ use reduction::{
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{all_patches, naming_point, of_brake};
-use super::set_basis::{self, is_of_snapshots};
-use super::training::{AT_BORDER, Closed, HELD_OUT, MOST_ROUNDS, MOST_SOLUTIONS, arrangements, rectangle, training};
+use super::set_basis::{self, is_of_responses};
+use super::training::{
+    AT_BORDER, Closed, MOST_ROUNDS, MOST_SOLUTIONS, arrangements, held_out_draws, rectangle, training,
+};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
@@ -125,7 +127,8 @@ pub(super) fn all_bases(
     let mut round = 0;
     loop {
         let mut all = bases_of(case, bases, (swept, &trained), progress)?;
-        if !case.contact.as_ref().is_some_and(is_of_snapshots) {
+        // A basis of responses was taken for no draw.
+        if case.contact.as_ref().is_none_or(is_of_responses) {
             return Ok(all);
         }
         let of_set = |number| held_out(case, (number, round), &all);
@@ -284,16 +287,11 @@ fn held_out(
     all: &AllBases,
 ) -> Result<(f64, Vec<Trained>), Error> {
     let arrangements = arrangements(case);
-    let drawn = training(case, &arrangements, 0, &[])?;
-    let states = drawn.len() / arrangements.len();
     let (mut largest, mut open) = (0.0_f64, Vec::new());
-    for turn in 0..HELD_OUT {
-        // In each round others.
-        let at = ((2 * turn + 1) * drawn.len() / (2 * HELD_OUT) + round as usize) % drawn.len();
-        let closed = &arrangements[at / states];
-        let part = &all.parts[all.of_configurations[number * arrangements.len() + at / states]];
-        let reduced = part.reduced.modes(&drawn[at])?.lambdas;
-        let whole = whole_modes(case, &all.sets[number].system.assemble(&drawn[at])?, &reduced)?;
+    for (arrangement, at) in held_out_draws(case, round)? {
+        let part = &all.parts[all.of_configurations[number * arrangements.len() + arrangement]];
+        let reduced = part.reduced.modes(&at)?.lambdas;
+        let whole = whole_modes(case, &all.sets[number].system.assemble(&at)?, &reduced)?;
         let is_next_to = |lambda: &&Complex<f64>| {
             let size = lambda.norm();
             lambda.re.abs() <= NEXT_TO_AXIS * size && rectangle(case).contains_to_the_right(**lambda, -AT_BORDER * size)
@@ -302,7 +300,7 @@ fn held_out(
             .map(|(of, others)| compared(&of.iter().filter(is_next_to).copied().collect::<Vec<_>>(), others.clone()));
         largest = largest.max(of_whole.distance);
         if !(of_whole.missed.is_empty() && of_reduced.missed.is_empty()) {
-            open.push(Trained { set: number, closed: closed.clone(), at: drawn[at].clone() });
+            open.push(Trained { set: number, closed: arrangements[arrangement].clone(), at });
         }
     }
     Ok((largest, open))
@@ -328,8 +326,12 @@ fn part(
         ..Options::default()
     };
     let within = within(&set.system, &set.reduced, &wanted, &options)?;
-    let known: Vec<OperatingPoint> = within.solved.iter().chain(&training).cloned().collect();
-    let known = &known[..known.len().min(COARSE_POINTS.max(within.solved.len()))];
+    // Draws that did not agree before all others, and these thinned evenly.
+    let mut known: Vec<OperatingPoint> = within.solved.iter().chain(trained).cloned().collect();
+    let others = &training[..training.len() - trained.len()];
+    let step = others.len().div_ceil(COARSE_POINTS.saturating_sub(known.len()).max(1)).max(1);
+    known.extend(others.iter().step_by(step).cloned());
+    let known = &known;
     let basis = &set.basis * &within.basis;
     let reduced = Reduced::new(&set.system, basis, wanted.rectangle, known, &options)?.with_coarse(known)?;
     Ok(Part { set: asked.set, within, reduced, routes: Mutex::default() })

@@ -128,7 +128,7 @@ fn enriched(
     swept: &[OperatingPoint],
     trained: &[OperatingPoint],
 ) -> Result<DMatrix<f64>, Error> {
-    let mut training = training(case, &[all_patches(case)], case.reduction.training as u64, swept)?;
+    let mut training = training(case, &arrangements(case), case.reduction.training as u64, swept)?;
     training.extend_from_slice(trained);
     let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
     let tolerance = OF_MODES * case.reduction.residual;

@@ -19,6 +19,8 @@ pub(super) const MOST_SOLUTIONS: usize = 60;
 /// Draws of each set of constraints at which a basis of modes is compared with the whole brake; chosen: each is a complete solution of it.
 pub(super) const HELD_OUT: usize = 3;
 
+/// The first stream of draws that are held out, far from those of samples, of full checks and of training points.
+const HELD_OUT_STREAMS: u64 = u64::MAX / 4;
 /// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen.
 pub(super) const MOST_ROUNDS: u64 = 2;
 
@@ -58,6 +60,30 @@ pub(super) fn training(
     if !swept.is_empty() {
         return Ok(swept.to_vec());
     }
+    let scenes = scenes(case, arrangements);
+    let count = count.max(scenes.len() as u64);
+    let point = |(index, scene): (u64, &(&Closed, State))| {
+        // Streams from the other end than those of the samples.
+        drawn_at(case, *scene, u64::MAX - index, Some(spread(index / scenes.len() as u64)))
+    };
+    (0..count).zip(scenes.iter().cycle()).map(point).collect()
+}
+
+/// Draws that no basis is made of, each with its arrangement, by its index: some in each round, spread over all scenes.
+pub(super) fn held_out_draws(case: &FiniteElementCase, round: u64) -> Result<Vec<(usize, OperatingPoint)>, Error> {
+    let arrangements = arrangements(case);
+    let scenes = scenes(case, &arrangements);
+    let states = scenes.len() / arrangements.len();
+    let draw = |turn: usize| {
+        let at = ((2 * turn + 1) * scenes.len() / (2 * HELD_OUT) + round as usize) % scenes.len();
+        let number = HELD_OUT_STREAMS + round * HELD_OUT as u64 + turn as u64;
+        Ok((at / states, drawn_at(case, scenes[at], number, None)?))
+    };
+    (0..HELD_OUT).map(draw).collect()
+}
+
+/// Arrangements, each under each law and range of speed.
+fn scenes<'a>(case: &FiniteElementCase, arrangements: &'a [Closed]) -> Vec<(&'a Closed, State)> {
     let states: Vec<State> = match &case.contact {
         None => vec![None],
         Some(contact) => {
@@ -65,19 +91,22 @@ pub(super) fn training(
             contact.laws.iter().flat_map(of_law).collect()
         }
     };
-    let scenes: Vec<_> =
-        arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect();
-    let count = count.max(scenes.len() as u64);
-    let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
-        // Streams from the other end than those of the samples.
-        let mut sample = draw(case, &mut stream(case.header.seed, u64::MAX - index))?;
-        if let Some(contacts) = &mut sample.contacts {
-            contacts.speed_quantile = spread(index / scenes.len() as u64);
-        }
-        let friction = law_and_speed(case, state, &sample);
-        Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
-    };
-    (0..count).zip(scenes.iter().cycle()).map(point).collect()
+    arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect()
+}
+
+/// A draw of a random stream in a scene, at a quantile of its range of speed, or a drawn one.
+fn drawn_at(
+    case: &FiniteElementCase,
+    (closed, state): (&Closed, State),
+    number: u64,
+    speed: Option<f64>,
+) -> Result<OperatingPoint, Error> {
+    let mut sample = draw(case, &mut stream(case.header.seed, number))?;
+    if let Some((contacts, speed)) = sample.contacts.as_mut().zip(speed) {
+        contacts.speed_quantile = speed;
+    }
+    let friction = law_and_speed(case, state, &sample);
+    Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
 }
 
 /// Numbers from 0 to 1: both ends, then the middle, quarters and so on, by the radical inverse (van der Corput).

@@ -41,7 +41,15 @@ impl ComparedStudies {
 
 fn of_study(other: &Against, first: &str) -> String {
     let mut text = printable(&format!("{} against {first}: {}", other.path.display(), other.notes.join("; "))) + "\n";
-    let size = |row: &Compared| row.difference.and_then(|(difference, _)| difference.value).map_or(0.0, f64::abs);
+    // A mode that is linked to none differs by all that it has.
+    let of_one = |row: &Compared| {
+        let parts = row.occurrences.iter().flatten().filter_map(|of| of.estimate()).map(|part| part.lower);
+        parts.fold(0.0, f64::max)
+    };
+    let size = |row: &Compared| match row.difference {
+        Some((difference, _)) => difference.value.map_or(0.0, f64::abs),
+        None => of_one(row),
+    };
     let mut rows: Vec<&Compared> = other.rows.iter().filter(|row| is_ever(row)).collect();
     rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
     for row in rows.iter().take(MOST_LINES) {

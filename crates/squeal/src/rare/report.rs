@@ -48,7 +48,7 @@ impl Rare {
             text += &format!("  {}: {}{open}\n", of_label(mode.mode), in_words(&mode.probability));
         }
         text += &format!(
-            "  by {} lines; of {} points elsewhere {} squeal, and all of them lead to what is known; {:.1e} of the upper end is not proven\n",
+            "  by {} lines; of {} points elsewhere {} squeal, and none that was followed contradicts what is known; {:.1e} of the upper end is not proven\n",
             self.lines, self.elsewhere[0], self.elsewhere[1], self.unproven
         );
         if self.widened > 1.0 {

@@ -36,10 +36,15 @@ pub(super) fn by_third_octaves(
     caption: String,
 ) -> Option<Block> {
     let mut bands: BTreeMap<i32, Vec<InBand<'_>>> = BTreeMap::new();
+    // Unstable modes without a name may be in any band.
+    let mut has_unplaced = false;
     for (name, range) in &found.unstable {
         let strength = results.strength(set, *name);
         let median = strength.as_ref().and_then(|strength| strength.frequency_hz.median().ok());
-        let Some(hz) = median.or(results.frequency(set, *name)).filter(|hz| *hz > 0.0) else { continue };
+        let Some(hz) = median.or(results.frequency(set, *name)).filter(|hz| *hz > 0.0) else {
+            has_unplaced = true;
+            continue;
+        };
         let label = results.mode_label(set, *name);
         bands.entry(third_octave(hz)).or_default().push(InBand { label, range, strength });
     }
@@ -47,6 +52,7 @@ pub(super) fn by_third_octaves(
     let row = |number: i32| {
         let modes = bands.get(&number).map_or(&[][..], Vec::as_slice);
         let light = match modes {
+            [] if has_unplaced => "amber",
             [] => "green",
             _ if modes.iter().any(|of| of.range.is_likely_everywhere() || of.range.is_likely_somewhere()) => "red",
             _ => "amber",

@@ -17,6 +17,12 @@ impl Results {
         strengths.get(&name)
     }
 
+    /// True if modes have strengths: under the names that tracking gives them.
+    #[must_use]
+    pub fn has_strengths(&self) -> bool {
+        self.labels == ModeNaming::Tracked
+    }
+
     /// Strength of a mode under a set of constraints, over all laws that the results have; as [`Results::strength_under`].
     #[must_use]
     pub fn strength(&self, constraints: usize, name: ModeLabel) -> Option<Strength> {

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::{Outcome, Study, UnstableMode};
 use crate::Error;
-use crate::band::{BandNames, BandWay};
+use crate::band::BandNames;
 use crate::net_work::work_with;
 use crate::scratch::{Scratch, timed};
 use crate::sector_modes::{SectorModes, SecularAnswer, UnstableSectorMode};
@@ -50,11 +50,8 @@ impl<B: UncertainBrake> Study<'_, B> {
                 return Ok(Outcome::default());
             }
             let mass = self.mass(scene, at)?;
-            let way = || match source.coarse(of_scene, [at, reference])? {
-                Some(path) => Ok(BandWay::Coarse(Box::new(path))),
-                None => Ok(BandWay::System(Box::new(model.assemble(at)?))),
-            };
-            let modes = names.sector_modes(found, &mass, way, memory)?;
+            let coarse = || source.coarse(of_scene, [at, reference]);
+            let modes = names.sector_modes(found, &mass, coarse, || Ok(model.assemble(at)?), memory)?;
             timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))
         };
         points.iter().zip(found).map(outcome).collect()

@@ -63,6 +63,11 @@ pub(crate) struct ContactState {
 }
 
 impl ContactBalance {
+    /// Loads over all rows, N, a column for each of `[[forces]]`, without its factor.
+    pub(crate) fn loads(&self) -> &DMatrix<f64> {
+        &self.loads
+    }
+
     /// Loads of the case, each with the field of its factor.
     pub(crate) fn factors(&self) -> impl Iterator<Item = (String, &Expression)> {
         self.factors.iter().map(|(name, factor)| (format!("forces {name:?}.coefficient"), factor))
