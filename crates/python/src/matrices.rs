@@ -72,7 +72,8 @@ pub(crate) fn read_matrices<'py>(
         None => None,
         Some(text) => {
             let known = Symmetry::NAMES.into_iter().find(|(name, _)| *name == text).map(|(_, said)| said);
-            Some(known.ok_or_else(|| errors::argument(py, "symmetry", &format!("{text:?}"), "whole, upper or lower"))?)
+            let allowed = "whole, upper, lower or triangle";
+            Some(known.ok_or_else(|| errors::argument(py, "symmetry", &format!("{text:?}"), allowed))?)
         }
     };
     let read = move |path: &std::path::Path| -> Result<(Vec<Matrix>, LeftOut), FormatsError> {
