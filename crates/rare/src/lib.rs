@@ -14,14 +14,16 @@ mod estimate;
 mod limit_state;
 mod line;
 mod normal;
+mod options;
 mod sampled;
 mod search;
 mod vector;
 
 pub use error::Error;
-pub use estimate::{Estimate, Options, Probability, estimate};
+pub use estimate::{Estimate, Probability, estimate};
 pub use limit_state::{LimitState, Mode};
 pub use normal::{tail, tail_point};
+pub use options::Options;
 pub use sampled::Witness;
 pub use search::DesignPoint;
 

@@ -12,10 +12,10 @@
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 
-use crate::estimate::Options;
 use crate::limit_state::{Counted, LimitState};
 use crate::line::failing;
 use crate::normal::Interval;
+use crate::options::Options;
 use crate::search::DesignPoint;
 use crate::vector::{along, dot};
 
