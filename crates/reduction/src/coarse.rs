@@ -125,7 +125,8 @@ impl Coarse {
             return Ok(None);
         }
         coarse.residual = 0.0;
-        for (at, (modes, system)) in points.iter().zip(coarse.modes(reduced, points).into_iter().zip(&systems)) {
+        let modes = coarse.modes(reduced, &points.iter().collect::<Vec<_>>());
+        for ((at, modes), system) in points.iter().zip(modes).zip(&systems) {
             let (lambdas, shapes) = modes?;
             let residuals = residuals(reduced, at, system, &lambdas, &shapes);
             if residuals.iter().any(|residual| residual.is_nan()) {
@@ -156,10 +157,10 @@ impl Coarse {
     pub fn polished(
         &self,
         reduced: &Reduced,
-        (points, systems): (&[OperatingPoint], &[SecondOrder]),
+        (points, systems): (&[&OperatingPoint], &[&SecondOrder]),
         may_be_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> Vec<Result<Polished, Option<Doubt>>> {
-        let found = self.modes(reduced, points).into_iter().zip(points.iter().zip(systems));
+        let found = self.modes(reduced, points).into_iter().zip(points.iter().copied().zip(systems.iter().copied()));
         let of_point = |(found, (at, system)): (Result<Polished, ReductionError>, (&OperatingPoint, &SecondOrder))| {
             let (lambdas, shapes) = found.map_err(|_| Doubt::Residual)?;
             let residuals = residuals(reduced, at, system, &lambdas, &shapes);
@@ -191,7 +192,7 @@ impl Coarse {
     }
 
     /// The modes in and next to the rectangle on the coarse basis, with shapes of the reduced brake.
-    fn modes(&self, reduced: &Reduced, points: &[OperatingPoint]) -> Vec<Result<Polished, ReductionError>> {
+    fn modes(&self, reduced: &Reduced, points: &[&OperatingPoint]) -> Vec<Result<Polished, ReductionError>> {
         let made = points.iter().map(|point| self.at(point)).collect::<Vec<_>>();
         let systems: Vec<SecondOrder> = made.iter().flatten().cloned().collect();
         let found = spectra(&systems);

@@ -143,10 +143,8 @@ impl Reduced {
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> Vec<Result<ReducedModes, ReductionError>> {
         let made: Vec<_> = points.iter().map(|point| self.system.assemble(point)).collect();
-        let is_made: Vec<bool> = made.iter().map(Result::is_ok).collect();
-        let points: Vec<OperatingPoint> =
-            points.iter().zip(&is_made).filter(|(_, is_made)| **is_made).map(|(point, _)| point.clone()).collect();
-        let systems: Vec<SecondOrder> = made.iter().flatten().cloned().collect();
+        let are_made = points.iter().zip(&made).filter_map(|(point, made)| Some((point, made.as_ref().ok()?)));
+        let (points, systems): (Vec<&OperatingPoint>, Vec<&SecondOrder>) = are_made.unzip();
         let polished = match &self.coarse {
             Some(coarse) => coarse.polished(self, (&points, &systems), is_wanted),
             None => points.iter().map(|_| Err(None)).collect(),
@@ -154,9 +152,9 @@ impl Reduced {
         let open: Vec<usize> = (0..points.len()).filter(|&at| polished[at].is_err()).collect();
         let of_open: Vec<SecondOrder> = open.iter().map(|&at| systems[at].clone()).collect();
         let mut spectra = spectra(&of_open).into_iter();
-        let mut each = points.iter().zip(&systems).zip(polished);
-        let one = |made: Result<SecondOrder, linsys::LinsysError>| {
-            made?;
+        let mut each = points.into_iter().zip(systems).zip(polished);
+        let one = |made: &Result<SecondOrder, linsys::LinsysError>| {
+            made.as_ref().map_err(Clone::clone)?;
             let Some(((point, system), polished)) = each.next() else {
                 return Err(ReductionError::Decomposition { what: NO_SPECTRUM });
             };
@@ -168,7 +166,7 @@ impl Reduced {
                 }
             }
         };
-        made.into_iter().map(one).collect()
+        made.iter().map(one).collect()
     }
 
     /// [`Reduced::modes`] from the whole spectrum of the reduced system.
