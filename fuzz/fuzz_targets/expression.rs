@@ -1,7 +1,7 @@
 //! Any text is either an expression with a finite value or an error of one line.
 #![no_main]
 
-use brakes::case::Expression;
+use case::Expression;
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
     let parameters = ["w", "mu_s", "mu_k", "alpha", "v", "e"].map(String::from);

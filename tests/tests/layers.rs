@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 26] = [
+const LAYERS: [(&str, &str); 27] = [
     ("formats", "crates/formats"),
     ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
@@ -27,6 +27,7 @@ const LAYERS: [(&str, &str); 26] = [
     ("figures", "crates/figures"),
     ("study", "crates/study"),
     ("squeal", "crates/squeal"),
+    ("case", "crates/case"),
     ("brakes", "crates/brakes"),
     ("report", "crates/report"),
     ("squeal-cli", "crates/cli"),

@@ -148,31 +148,30 @@ pub enum Purpose<'a> {
     Screen,
 }
 
-impl CaseFile {
-    /// Memory and processor time of making the brake, roughly, before anything of it is made; `None` where that is nothing beside
-    /// preparing its study ([`Cost::of`]).
-    pub fn cost_of_making(&self) -> Option<Cost> {
-        match self {
-            Self::Lattice(case) => Some(LatticeBrake::least_cost(case)),
-            Self::Matrices(_) => None,
-            Self::FiniteElements(case) => Some(FiniteElementBrake::expected_cost(case)),
-        }
+/// Memory and processor time of making the brake of a case, roughly, before anything of it is made; `None` where that is nothing beside
+/// preparing its study ([`Cost::of`]).
+#[must_use]
+pub fn cost_of_making(case: &CaseFile) -> Option<Cost> {
+    match case {
+        CaseFile::Lattice(case) => Some(LatticeBrake::least_cost(case)),
+        CaseFile::Matrices(_) => None,
+        CaseFile::FiniteElements(case) => Some(FiniteElementBrake::expected_cost(case)),
     }
+}
 
-    /// The brake of the case. Only the reduction of finite elements takes time, and tells how far it has come.
-    ///
-    /// # Errors
-    /// Refusals of the model or of the reduction; [`study::Error::Median`] where the medians of the parameters have no operating point.
-    pub fn into_brake(self, purpose: Purpose<'_>, progress: &dyn Progress) -> Result<AnyBrake, Error> {
-        Ok(match self {
-            Self::Lattice(case) => Box::new(Erased(LatticeBrake::new(*case)?)),
-            Self::Matrices(case) => Box::new(Erased(MatricesBrake::new(*case)?)),
-            Self::FiniteElements(case) => Box::new(Erased(match purpose {
-                Purpose::Study => FiniteElementBrake::checked(*case, progress)?,
-                Purpose::Analysis => FiniteElementBrake::new(*case, progress)?,
-                Purpose::Sweep(over) => FiniteElementBrake::for_sweep(*case, over, progress)?,
-                Purpose::Screen => FiniteElementBrake::on(*case, Bases::OfEachSet, progress)?,
-            })),
-        })
-    }
+/// The brake of a case. Only the reduction of finite elements takes time, and tells how far it has come.
+///
+/// # Errors
+/// Refusals of the model or of the reduction; [`study::Error::Median`] where the medians of the parameters have no operating point.
+pub fn make(case: CaseFile, purpose: Purpose<'_>, progress: &dyn Progress) -> Result<AnyBrake, Error> {
+    Ok(match case {
+        CaseFile::Lattice(case) => Box::new(Erased(LatticeBrake::new(*case)?)),
+        CaseFile::Matrices(case) => Box::new(Erased(MatricesBrake::new(*case)?)),
+        CaseFile::FiniteElements(case) => Box::new(Erased(match purpose {
+            Purpose::Study => FiniteElementBrake::checked(*case, progress)?,
+            Purpose::Analysis => FiniteElementBrake::new(*case, progress)?,
+            Purpose::Sweep(over) => FiniteElementBrake::for_sweep(*case, over, progress)?,
+            Purpose::Screen => FiniteElementBrake::on(*case, Bases::OfEachSet, progress)?,
+        })),
+    })
 }

@@ -1,4 +1,4 @@
-//! Errors of case files and of the brakes that they make, each one line for its user.
+//! Errors of the brakes that case files make, each one line for its user.
 
 /// Error between a case file and its brake.
 #[non_exhaustive]
@@ -6,7 +6,7 @@
 pub enum Error {
     /// The case file.
     #[error(transparent)]
-    Case(#[from] crate::case::CaseError),
+    Case(#[from] case::CaseError),
     /// A large brake.
     #[error(transparent)]
     Sparse(#[from] sparse::SparseError),
@@ -68,18 +68,6 @@ impl From<Error> for squeal::Error {
             Error::Asked(error) => error,
             other => Self::Study(other.into()),
         }
-    }
-}
-
-impl From<crate::case::CaseError> for study::Error {
-    fn from(error: crate::case::CaseError) -> Self {
-        Error::Case(error).into()
-    }
-}
-
-impl From<crate::case::CaseError> for squeal::Error {
-    fn from(error: crate::case::CaseError) -> Self {
-        Self::Study(error.into())
     }
 }
 

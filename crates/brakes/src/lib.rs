@@ -1,9 +1,9 @@
-//! Case files, and the brakes that they make, as [`UncertainBrake`](study::UncertainBrake)s.
+//! The brakes that [case files](case) make, as [`UncertainBrake`](study::UncertainBrake)s.
 //!
 //! | to | see |
 //! | --- | --- |
 //! | read a case, of any kind | [`case::CaseFile`] |
-//! | make it a brake | [`CaseFile::into_brake`](case::CaseFile::into_brake); [`LatticeBrake`], [`MatricesBrake`], [`FiniteElementBrake`] |
+//! | make it a brake | [`make`]; [`LatticeBrake`], [`MatricesBrake`], [`FiniteElementBrake`] |
 //!
 //! A study, as `squeal run` runs it:
 //!
@@ -28,18 +28,16 @@
 //! ```
 
 mod any;
-pub mod case;
 mod error;
 mod finite_elements;
 mod friction_parameters;
-pub mod held;
-pub mod input;
 mod labels;
 mod lattice;
 mod matrices;
 mod motion;
 
-pub use any::{AnyBrake, CaseBrake, Purpose};
+pub use any::{AnyBrake, CaseBrake, Purpose, cost_of_making, make};
+pub use case;
 pub use error::Error;
 pub use finite_elements::{
     BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, at_medians, frictionless,

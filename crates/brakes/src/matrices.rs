@@ -10,6 +10,7 @@ use study::{
 
 use crate::any::{listed, with_family, with_unit};
 use crate::case::{MatricesCase, Parameter, TakenMatrix};
+use crate::motion::parts;
 use crate::{CaseBrake, Error};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
@@ -100,7 +101,10 @@ impl SlidingContacts for MatricesBrake {
         values: &[(usize, f64)],
         stick: f64,
     ) -> Result<ContactSystem, study::Error> {
-        Ok(self.case.contact_system(&self.plan.brake(scene).system, &self.with_values(values), stick)?)
+        let (system, values) = (&self.plan.brake(scene).system, self.with_values(values));
+        let at = self.case.operating_point(&values)?;
+        let contacts = self.case.sliding_contacts(system.channels(), &at.channels, &values, stick)?;
+        Ok(ContactSystem::new(parts(system, &at.coefficients), contacts).map_err(Error::from)?)
     }
 }
 

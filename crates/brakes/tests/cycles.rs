@@ -19,7 +19,8 @@ fn case(name: &str) -> PathBuf {
 /// The lattice of the paper with all in contact under a law at a speed.
 fn lattice(law: &str, speed: f64) -> AnyBrake {
     let choice = SceneChoice { law: Some(law.into()), speed: ChosenSpeed::Fixed(speed), ..SceneChoice::default() };
-    CaseFile::read(&case("paper.toml")).unwrap().only(&choice).unwrap().into_brake(Purpose::Analysis, &()).unwrap()
+    let case = CaseFile::read(&case("paper.toml")).unwrap().only(&choice).unwrap();
+    brakes::make(case, Purpose::Analysis, &()).unwrap()
 }
 
 fn shape_of(brake: &AnyBrake, lambda: Complex<f64>) -> Vec<Complex<f64>> {

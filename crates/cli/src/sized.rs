@@ -21,14 +21,14 @@ pub(super) fn brake(
     memory: MemoryArgs,
     threads: Option<usize>,
 ) -> Result<AnyBrake, Error> {
-    if let Some(cost) = case.cost_of_making() {
+    if let Some(cost) = brakes::cost_of_making(&case) {
         cost.check(&case.header().source(), memory.budget())?;
         if cost.seconds > ANNOUNCED && matches!(case, CaseFile::FiniteElements(_)) {
             let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
             note(&format!("bases for {} degrees of freedom: roughly {time} of processor time, {memory}", cost.order));
         }
     }
-    let brake = workers(threads)?.install(|| case.into_brake(purpose, &Bar::of("reductions")))?;
+    let brake = workers(threads)?.install(|| brakes::make(case, purpose, &Bar::of("reductions")))?;
     if brake.mode_source().is_none() {
         let cost = Cost::of(brake.plan());
         cost.check(&brake.plan().source(), memory.budget())?;

@@ -168,7 +168,7 @@ impl Source {
         watch: &Arc<Watch>,
     ) -> Result<AnyBrake, Error> {
         let budget = memory::of_machine();
-        if let Some(cost) = self.case.cost_of_making() {
+        if let Some(cost) = brakes::cost_of_making(&self.case) {
             cost.check(&self.case.header().source(), budget)?;
         }
         let Self { case, computed, design } = self;
@@ -176,7 +176,7 @@ impl Source {
             CaseFile::Matrices(case) if computed.is_some() || design.is_some() => {
                 Box::new(Erased(PythonBrake::new(*case, computed, design, Arc::clone(watch))?))
             }
-            case => squeal::workers(threads)?.install(|| case.into_brake(purpose, &*watch.stage("reductions")))?,
+            case => squeal::workers(threads)?.install(|| brakes::make(case, purpose, &*watch.stage("reductions")))?,
         };
         if brake.mode_source().is_none() {
             Cost::of(brake.plan()).check(&brake.plan().source(), budget)?;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use brakes::held::{Tied, held_rows};
+use brakes::case::held::{Tied, held_rows};
 use cea::certified::{ClusterKind, Counters, Verdict, certify, solve};
 use cea::{BatchSolver, CeaError, EigenSolver, Workspace};
 use formats::Entry;

@@ -90,9 +90,10 @@ fn of_inner(error: &squeal::study::Error) -> Kind {
     use squeal::study::Error as Of;
     match error {
         Of::Cea(error) => of_cea(error),
-        Of::Brake(error) => match error.downcast_ref() {
-            Some(error) => of_brake(error),
-            None => ("SquealError", Vec::new()),
+        Of::Brake(error) => match (error.downcast_ref(), error.downcast_ref()) {
+            (Some(error), _) => of_brake(error),
+            (None, Some(error)) => of_case(error),
+            (None, None) => ("SquealError", Vec::new()),
         },
         Of::Median { source, .. } | Of::Scene { source, .. } => of_inner(source),
         Of::TooLarge { .. } => ("TooLargeError", Vec::new()),

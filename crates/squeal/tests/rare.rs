@@ -289,7 +289,7 @@ fn a_reduced_brake_is_held_against_the_full_model_at_its_likeliest_squeal() {
     };
     let mu = Distribution::Normal { mean: 0.3, deviation: 0.03, at_least: 0.0, at_most: None };
     case.contact.as_mut().unwrap().friction.mu = mu;
-    let brake = CaseFile::FiniteElements(case).into_brake(Purpose::Analysis, &()).unwrap();
+    let brake = brakes::make(CaseFile::FiniteElements(case), Purpose::Analysis, &()).unwrap();
     let options = Options { budget: 100, directions: 0, relative: 0.5, ..Options::default() };
     let found = found(&brake, &options).unwrap();
     let moved = found.design_points[0].moved.unwrap();

@@ -1,6 +1,6 @@
 //! The whole certified spectrum, by dense matrices.
 
-use brakes::input::LARGEST_MATRIX;
+use brakes::case::input::LARGEST_MATRIX;
 use cea::CeaError;
 use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, Counters, GeneralSpectrum, certify, solve};
 use linsys::SecondOrder;

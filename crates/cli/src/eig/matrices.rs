@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use brakes::held::{Held, held_rows};
-use brakes::input::check_size;
+use brakes::case::held::{Held, held_rows};
+use brakes::case::input::check_size;
 use formats::{Dof, FormatsError, Kind, Limits, Matrix, Options, on_common_rows, read_with, split_name};
 
 use super::EigArgs;

@@ -1,6 +1,6 @@
 //! Numbers, vectors and names as both routes write them.
 
-use brakes::held::Held;
+use brakes::case::held::Held;
 use cea::{Verdict, damping_ratio, frequency_hz};
 use formats::Dof;
 use nalgebra::DVector;

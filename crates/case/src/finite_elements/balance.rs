@@ -1,0 +1,169 @@
+//! Static equilibrium of the contacts of a case, solved anew where what it depends on differs.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use contact::{Balance, Condensed, ContactError, Row, Stiffness, Uniqueness};
+use nalgebra::DMatrix;
+use nalgebra_sparse::CscMatrix;
+
+use crate::Expression;
+
+/// Condensed structures and states of equilibrium that are kept for what asks the same again, such as other scenes of a sample; chosen: a structure
+/// takes some megabytes.
+const STRUCTURES: usize = 8;
+const STATES: usize = 64;
+
+/// Contact points, loads and springs of contacts in static equilibrium.
+#[derive(Debug)]
+pub struct ContactBalance {
+    /// Row of the gap of each point, of all contacts in their order.
+    pub(super) gaps: Vec<Row>,
+    /// Row of the slip of each point.
+    pub(super) slips: Vec<Row>,
+    /// Area of each point.
+    pub(super) areas: Vec<f64>,
+    /// Stiffness of each point that its friction channel reads, N/m: of a law that under the mean pressure of the medians.
+    pub(super) springs: Vec<f64>,
+    /// Law `p = c g^m` of all points; `None` where their stiffness is constant.
+    pub(super) law: Option<Stiffness>,
+    /// Loads over all rows, a column for each of `[[forces]]`, N.
+    pub(super) loads: DMatrix<f64>,
+    /// Name and factor of each load.
+    pub(super) factors: Vec<(String, Expression)>,
+    /// Terms of the case that have a stiffness, by their indices.
+    pub(super) stiff: Vec<usize>,
+    /// Stiffness of each point at the medians over that which its channel reads, without the case's stiffness factor: 0 of an open one.
+    pub(super) at_medians: Vec<f64>,
+    pub(super) structures: Recent<Condensed>,
+    pub(super) states: Recent<ContactState>,
+}
+
+/// Numbers on which an equilibrium depends.
+#[derive(Debug)]
+pub struct Acting<'a> {
+    /// Coefficients of the terms of the case, as many as it has beside holders and contacts.
+    pub coefficients: &'a [f64],
+    /// Factor of each load.
+    pub loads: &'a [f64],
+    /// Coefficient of friction of each point.
+    pub mu: &'a [f64],
+    /// Factor of the stiffness of each point: 0 of one that is out of contact.
+    pub stiffness: &'a [f64],
+}
+
+/// State of all points in equilibrium; 0 where a point is open or out of contact.
+#[derive(Debug)]
+pub struct ContactState {
+    /// Normal force of each point, N.
+    pub forces: Vec<f64>,
+    /// Stiffness of each point over that which its channel reads.
+    pub stiffness: Vec<f64>,
+    /// Whether another state is in equilibrium too.
+    pub uniqueness: Uniqueness,
+}
+
+impl ContactBalance {
+    /// Loads over all rows, N, a column for each of `[[forces]]`, without its factor.
+    pub fn loads(&self) -> &DMatrix<f64> {
+        &self.loads
+    }
+
+    /// Loads of the case, each with the field of its factor.
+    pub fn factors(&self) -> impl Iterator<Item = (String, &Expression)> {
+        self.factors.iter().map(|(name, factor)| (format!("forces {name:?}.coefficient"), factor))
+    }
+
+    /// Stiffness of a point at the medians over that which its channel reads, without the case's stiffness factor.
+    pub fn at_medians(&self, point: usize) -> f64 {
+        self.at_medians[point]
+    }
+
+    /// Number of contact points.
+    pub fn points(&self) -> usize {
+        self.springs.len()
+    }
+
+    /// The equilibrium at these numbers; `structure` is asked for the stiffness K of the structure at the coefficients where it is not known.
+    ///
+    /// # Errors
+    /// Those of [`Condensed`]: bodies that nothing holds, no equilibrium, friction that locks.
+    pub fn state(
+        &self,
+        acting: &Acting<'_>,
+        structure: &dyn Fn() -> CscMatrix<f64>,
+    ) -> Result<Arc<ContactState>, ContactError> {
+        let of_structure: Vec<f64> = self.stiff.iter().map(|&term| acting.coefficients[term]).collect();
+        let key = [&of_structure, acting.loads, acting.mu, acting.stiffness].concat();
+        self.states.get(STATES, key, || {
+            let condensed = || Condensed::new(&structure(), &self.gaps, &self.slips, &self.springs, &self.loads);
+            let condensed = self.structures.get(STRUCTURES, of_structure.clone(), condensed)?;
+            let springs: Vec<f64> = self.springs.iter().zip(acting.stiffness).map(|(k, factor)| k * factor).collect();
+            let kept: Vec<usize> = (0..self.points()).filter(|&at| springs[at] > 0.0).collect();
+            let balance = Balance {
+                gaps: vec![0.0; kept.len()],
+                mu: kept.iter().map(|&at| acting.mu[at]).collect(),
+                loads: acting.loads.to_vec(),
+            };
+            let condensed = condensed.with_stiffness(&springs)?;
+            let found = match &self.law {
+                // c (f g)^m is a law of an area that is f^m as large.
+                Some(law @ Stiffness::Power { m, .. }) => {
+                    let areas = kept.iter().map(|&at| self.areas[at] * acting.stiffness[at].powf(*m));
+                    condensed.equilibrium_of_law(&balance, law, &areas.collect::<Vec<_>>())?
+                }
+                _ => condensed.equilibrium(&balance)?,
+            };
+            let mut forces = vec![0.0; self.points()];
+            kept.iter().zip(found.forces).for_each(|(&at, force)| forces[at] = force);
+            let stiffness = (0..self.points()).map(|at| self.stiffness(at, forces[at], acting.stiffness[at])).collect();
+            Ok(ContactState { forces, stiffness, uniqueness: found.uniqueness })
+        })
+    }
+
+    /// Tangent stiffness of a point under a force over that which its channel reads.
+    fn stiffness(&self, point: usize, force: f64, factor: f64) -> f64 {
+        match self.law {
+            _ if force <= 0.0 => 0.0,
+            Some(Stiffness::Power { c, m }) => {
+                let pressure = force / self.areas[point];
+                let by_area = m * c.powf(1.0 / m) * pressure.powf(1.0 - 1.0 / m);
+                factor * by_area * self.areas[point] / self.springs[point]
+            }
+            _ => factor,
+        }
+    }
+}
+
+/// Results of the last questions, by the numbers that were asked for.
+#[derive(Debug)]
+pub(super) struct Recent<T>(Mutex<VecDeque<(Vec<f64>, Arc<T>)>>);
+
+impl<T> Default for Recent<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> Recent<T> {
+    /// The result for some numbers, made if it is none of the last `most`.
+    fn get(
+        &self,
+        most: usize,
+        key: Vec<f64>,
+        make: impl FnOnce() -> Result<T, ContactError>,
+    ) -> Result<Arc<T>, ContactError> {
+        // What another thread kept before it panicked is right all the same.
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = known().iter().find(|(of, _)| *of == key) {
+            return Ok(Arc::clone(found));
+        }
+        let found = Arc::new(make()?);
+        let mut known = known();
+        known.push_back((key, Arc::clone(&found)));
+        if known.len() > most {
+            known.pop_front();
+        }
+        Ok(found)
+    }
+}

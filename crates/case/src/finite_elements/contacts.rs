@@ -1,0 +1,265 @@
+//! The contact of a case, whatever it is between: its patches, and what they share.
+
+use std::sync::Arc;
+
+use montecarlo::Distribution;
+
+use super::contact::Patches;
+use super::faces::Solids;
+use super::nodes::Model;
+use super::schema::{ContactTable, FrictionTable, LateralEntry};
+use super::structure::Structure;
+use super::surface_contact::{SurfaceContact, Surfaces};
+use super::surface_loads::{Pressing, balanced};
+use super::surface_schema::{AllContactsTable, ContactEntry, FacesTable, ForceTable};
+use super::{ContactBalance, LOAD_FACTOR, OWN_SPEED, OwnSpeed, Patch, PatchContact, STIFFNESS_FACTOR};
+use crate::arrangements::arrangements_by_number;
+use crate::check::{Check, field};
+use crate::matrices::formulas::Formulas;
+use crate::matrices::schema::Formula;
+use crate::schema::BristleDampingEntry;
+use crate::validate::{distributions, speed_ranges};
+use crate::{CaseError, Draws, Expression, FrictionDistributions, Law, schema};
+
+/// The tables of a case about contacts.
+pub(super) struct GivenContacts {
+    pub contact: Option<ContactEntry>,
+    pub all: Option<AllContactsTable>,
+    pub forces: Vec<ForceTable>,
+    pub laws: Vec<Law>,
+    pub speeds: Vec<schema::SpeedsTable>,
+    pub friction: Option<FrictionTable>,
+}
+
+/// The contact of a case with its terms and channels; `None` where it has none.
+///
+/// # Errors
+/// Tables that nothing uses, and what is wrong with those that there are.
+pub(super) fn read_contact(
+    model: &Model<'_>,
+    formulas: &mut Formulas<'_>,
+    structure: &Structure<'_>,
+    given: GivenContacts,
+) -> Result<Option<(PatchContact, Patches)>, CaseError> {
+    let check = model.check;
+    let GivenContacts { contact, all, forces, laws, speeds, friction } = given;
+    let unused = |allowed: &str, given: &[(&str, bool)]| match given.iter().find(|(_, is_given)| *is_given) {
+        Some((field, _)) => Err(check.value(field, "given", allowed)),
+        None => Ok(()),
+    };
+    if !matches!(contact, Some(ContactEntry::OfFaces(_))) {
+        let allowed = "cases with contacts between faces, [[contact]]";
+        unused(allowed, &[("all_contacts", all.is_some()), ("forces", !forces.is_empty())])?;
+    }
+    let (mut patches, shared) = match contact {
+        None => {
+            // A law that is named and used by nothing says nothing wrong; its parameters would be drawn for nothing.
+            let allowed = "cases with a contact: nothing else has friction by a law";
+            unused(allowed, &[("friction", friction.is_some()), ("speeds", !speeds.is_empty())])?;
+            return Ok(None);
+        }
+        Some(ContactEntry::OfNodes(table)) => of_nodes(model, formulas, *table, speeds.is_empty())?,
+        Some(ContactEntry::OfFaces(tables)) => {
+            let mu = friction.as_ref().map_or(0.0, |friction| friction.mu.median());
+            let given = (tables.as_slice(), all.unwrap_or_default(), forces.as_slice());
+            of_faces(model, formulas, given, structure, (speeds.is_empty(), mu))?
+        }
+    };
+    let friction = friction.ok_or_else(|| check.value("friction", "missing", "a table, as there is a contact"))?;
+    let own = std::mem::take(&mut patches.patches);
+    Ok(Some((patch_contact(check, shared, own, (laws, speeds, friction))?, patches)))
+}
+
+/// A contact between nodes at the same places.
+fn of_nodes(
+    model: &Model<'_>,
+    formulas: &mut Formulas<'_>,
+    mut table: ContactTable,
+    no_speed: bool,
+) -> Result<(Patches, Shared), CaseError> {
+    let factor = table.stiffness_factor.take();
+    let factor = factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
+    let is_lateral = lateral(model.check, "contact", table.lateral, no_speed);
+    if !is_lateral {
+        table.lateral = Some(LateralEntry::None);
+    }
+    let patches = Patches::new(model, &table)?;
+    let ContactTable { in_contact, arrangements, draws, bristle_damping, .. } = table;
+    let shared = Shared {
+        arranged: schema::ContactTable { in_contact, arrangements },
+        draws,
+        bristle_damping,
+        is_lateral,
+        stiffness_factor: factor,
+        load_factor: None,
+        load_exponent: 0.0,
+        own_speed: None,
+        balance: None,
+        is_of_faces: false,
+    };
+    Ok((patches, shared))
+}
+
+/// Contacts between faces.
+fn of_faces(
+    model: &Model<'_>,
+    formulas: &mut Formulas<'_>,
+    (tables, mut all, forces): (&[FacesTable], AllContactsTable, &[ForceTable]),
+    structure: &Structure<'_>,
+    (no_ranges, mu): (bool, f64),
+) -> Result<(Patches, Shared), CaseError> {
+    let check = model.check;
+    let mut taken = |field: &str, given: Option<Formula>| {
+        given.map(|given| formulas.expression(field, Some(given), 1.0)).transpose()
+    };
+    let stiffness_factor = taken(STIFFNESS_FACTOR, all.stiffness_factor.take())?;
+    let load_factor = taken(LOAD_FACTOR, all.load_factor.take())?;
+    let speed = taken(OWN_SPEED, all.speed.take())?;
+    if speed.is_some() && !no_ranges {
+        return Err(check.value("speeds", "given", "cases without all_contacts.speed, which says the speed"));
+    }
+    let is_lateral = lateral(check, "all_contacts", all.lateral, no_ranges && speed.is_none());
+    if !forces.is_empty() && !tables.iter().any(FacesTable::is_in_equilibrium) {
+        return Err(check.value("forces", "given", "contacts in equilibrium, load = \"equilibrium\""));
+    }
+    let factor_of_force = |table: &ForceTable| {
+        let key = field("forces", &table.name, "coefficient");
+        let factor = formulas.expression(&key, table.coefficient.clone(), 1.0)?;
+        Ok((structure.value(key, &factor)?, factor))
+    };
+    let at_medians = forces.iter().map(factor_of_force).collect::<Result<Vec<_>, CaseError>>()?;
+    let median = |field: &str, factor: Option<&Expression>| match factor {
+        None => Ok(1.0),
+        Some(factor) => match structure.value(field.to_owned(), factor)? {
+            value if value > 0.0 => Ok(value),
+            value => Err(check.value(field, value, "> 0")),
+        },
+    };
+    let load = median(LOAD_FACTOR, load_factor.as_ref())?;
+    let pressing = Pressing {
+        forces,
+        at_medians: at_medians.iter().map(|(value, _)| load * value).collect(),
+        factors: at_medians.into_iter().map(|(_, factor)| factor).collect(),
+        mu,
+        stiffness: median(STIFFNESS_FACTOR, stiffness_factor.as_ref())?,
+    };
+    let solids = Solids::new(model, "[[contact]]")?;
+    let in_equilibrium = |contacts: &[SurfaceContact<'_>]| balanced(&solids, contacts, structure, &pressing);
+    let Surfaces { patches, mean_speed, balance } = Surfaces::new(&solids, tables, is_lateral, &in_equilibrium)?;
+    let in_contact = match (all.in_contact.is_empty(), all.arrangements.is_empty()) {
+        (true, true) => vec![patches.patches.len()],
+        _ => all.in_contact,
+    };
+    let shared = Shared {
+        arranged: schema::ContactTable { in_contact, arrangements: all.arrangements },
+        draws: all.draws.unwrap_or(Draws::Shared),
+        bristle_damping: all.bristle_damping.unwrap_or(BristleDampingEntry::Constant),
+        is_lateral,
+        stiffness_factor,
+        load_exponent: match balance {
+            None => load_exponent(check, tables, load_factor.is_some())?,
+            Some(_) => 0.0,
+        },
+        balance,
+        load_factor,
+        own_speed: speed.map(|speed| OwnSpeed { speed, factor: mean_speed }),
+        is_of_faces: true,
+    };
+    Ok((patches, shared))
+}
+
+/// Numbers that the patches of a case share, whatever its contact is between.
+struct Shared {
+    arranged: schema::ContactTable,
+    draws: Draws,
+    bristle_damping: BristleDampingEntry,
+    is_lateral: bool,
+    stiffness_factor: Option<Expression>,
+    load_factor: Option<Expression>,
+    load_exponent: f64,
+    own_speed: Option<OwnSpeed>,
+    balance: Option<ContactBalance>,
+    is_of_faces: bool,
+}
+
+/// By which power of the load factor the contacts' stiffness grows, `1 - 1/m` of all of them.
+fn load_exponent(check: &Check<'_>, tables: &[FacesTable], is_drawn: bool) -> Result<f64, CaseError> {
+    let mut exponents = tables.iter().map(FacesTable::load_exponent);
+    let first = exponents.next().unwrap_or_default();
+    if is_drawn && exponents.any(|other| other != first) {
+        let allowed = "contacts of one law: { c, m } with the same m in all, or in none";
+        return Err(check.value(LOAD_FACTOR, "given", allowed));
+    }
+    Ok(first)
+}
+
+/// True if friction acts across the sliding too. That depends on a speed; where nobody says which there is none, and a line that says so.
+fn lateral(check: &Check<'_>, table: &str, given: Option<LateralEntry>, no_speed: bool) -> bool {
+    if given.is_none() && no_speed {
+        check.note(format!(
+            "no [[speeds]], so no friction across the sliding: its damping is left out ({table}.lateral)"
+        ));
+        return false;
+    }
+    given != Some(LateralEntry::None)
+}
+
+fn patch_contact(
+    check: &Check<'_>,
+    shared: Shared,
+    patches: Vec<Patch>,
+    (laws, speeds, friction): (Vec<Law>, Vec<schema::SpeedsTable>, FrictionTable),
+) -> Result<PatchContact, CaseError> {
+    if laws.is_empty() {
+        return Err(check.value("study.laws", "[]", "one law or more"));
+    }
+    check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
+    let Shared { is_lateral, own_speed, .. } = shared;
+    let depends_on_speed = is_lateral || laws.iter().any(|&law| law != Law::AmontonsCoulomb);
+    if is_lateral && speeds.is_empty() && own_speed.is_none() {
+        let allowed = "a range of speed or more, on which friction across the sliding depends; or contact.lateral = \"none\" without it";
+        return Err(check.value("speeds", "missing", allowed));
+    }
+    let needs_ranges = depends_on_speed && own_speed.is_none();
+    Ok(PatchContact {
+        panels: arrangements_by_number(check, &shared.arranged, patches.len())?,
+        patches,
+        friction: distributions(check, of_laws(check, &laws, friction)?)?,
+        laws,
+        speeds: if needs_ranges || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
+        draws: shared.draws,
+        bristle_damping: shared.bristle_damping.into(),
+        is_lateral,
+        stiffness_factor: shared.stiffness_factor,
+        load_factor: shared.load_factor,
+        load_exponent: shared.load_exponent,
+        own_speed,
+        balance: shared.balance.map(Arc::new),
+        is_of_faces: shared.is_of_faces,
+    })
+}
+
+/// The distributions of the parameters that some law has; one that none has does not matter, and is 1 where it is left out.
+fn of_laws(check: &Check<'_>, laws: &[Law], given: FrictionTable) -> Result<FrictionDistributions, CaseError> {
+    let FrictionTable { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = given;
+    let take =
+        |name: &str, given: Option<Distribution>, of: &[Law]| match (given, laws.iter().find(|law| of.contains(law))) {
+            (Some(given), _) => Ok(given),
+            (None, None) => Ok(Distribution::Constant { value: 1.0 }),
+            (None, Some(law)) => {
+                let allowed = format!("a distribution, as {law} friction has it");
+                Err(check.value(&format!("friction.{name}"), "missing", &allowed))
+            }
+        };
+    let (falling, stribeck) = ([Law::VelocityDependent, Law::Stribeck, Law::LuGre], [Law::Stribeck, Law::LuGre]);
+    Ok(FrictionDistributions {
+        mu,
+        mu_s: take("mu_s", mu_s, &falling)?,
+        mu_k: take("mu_k", mu_k, &falling)?,
+        alpha: take("alpha", alpha, &[Law::VelocityDependent])?,
+        v_s: take("v_s", v_s, &stribeck)?,
+        sigma0: take("sigma0", sigma0, &[Law::LuGre])?,
+        sigma1: take("sigma1", sigma1, &[Law::LuGre])?,
+        sigma2: take("sigma2", sigma2, &stribeck)?,
+    })
+}

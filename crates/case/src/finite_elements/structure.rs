@@ -1,0 +1,64 @@
+//! The structure of a case without its contact: terms with their coefficients, and holders.
+
+use nalgebra_sparse::CscMatrix;
+use sparse::SparseTerm;
+
+use crate::check::{Check, field};
+use crate::{CaseError, Expression};
+
+/// Terms with a coefficient each, then the holders, whose coefficient is 1.
+pub(super) struct Structure<'a> {
+    pub check: &'a Check<'a>,
+    pub terms: Vec<SparseTerm>,
+    pub coefficients: Vec<Expression>,
+    pub holders: Option<SparseTerm>,
+    /// The medians of the parameters.
+    pub medians: Vec<f64>,
+}
+
+impl Structure<'_> {
+    /// Adds a term.
+    pub fn add(&mut self, (term, coefficient): (SparseTerm, Expression)) {
+        self.terms.push(term);
+        self.coefficients.push(coefficient);
+    }
+
+    /// Terms that have a stiffness, by their indices.
+    pub fn stiff(&self) -> Vec<usize> {
+        let is_stiff = |term: &SparseTerm| term.matrices.k.values().iter().any(|value| *value != 0.0);
+        (0..self.terms.len()).filter(|&at| is_stiff(&self.terms[at])).collect()
+    }
+
+    /// The value of an expression of a field at the medians.
+    ///
+    /// # Errors
+    /// An expression without a value there.
+    pub fn value(&self, field: String, expression: &Expression) -> Result<f64, CaseError> {
+        let path = self.check.path.to_owned();
+        let named = |source| CaseError::Expression { path, field, source: Box::new(source) };
+        expression.value(&self.medians).map_err(named)
+    }
+
+    /// The coefficient of each term at the medians.
+    ///
+    /// # Errors
+    /// A coefficient without a value there.
+    pub fn coefficients_at_medians(&self) -> Result<Vec<f64>, CaseError> {
+        let all = self.terms.iter().zip(&self.coefficients);
+        all.map(|(term, own)| self.value(field("terms", &term.name, "coefficient"), own)).collect()
+    }
+
+    /// K at the medians, and a multiple of M.
+    ///
+    /// # Errors
+    /// A coefficient without a value there.
+    pub fn at_medians(&self, of_mass: f64) -> Result<CscMatrix<f64>, CaseError> {
+        let order = self.terms.first().map_or(0, |term| term.matrices.order());
+        let zero = || CscMatrix::zeros(order, order);
+        let mut sum = self.holders.as_ref().map_or_else(zero, |term| term.matrices.k.clone());
+        for (term, theta) in self.terms.iter().zip(self.coefficients_at_medians()?) {
+            sum = sum + &term.matrices.k * theta + &term.matrices.m * (theta * of_mass);
+        }
+        Ok(sum)
+    }
+}

@@ -1,0 +1,217 @@
+//! The terms of a finite element case: its sparse matrices on common rows.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use formats::{Dof, FormatsError, Kind, Limits, Matrix};
+use nalgebra_sparse::{CooMatrix, CscMatrix};
+use sparse::{SparseSecondOrder, SparseTerm};
+
+use super::missing::MissingRows;
+use super::nodes::Model;
+use super::schema::{HolderTable, LossEntry, LossTable, TermTable};
+use crate::check::{Check, TakenMatrix, field};
+use crate::held::{Held, held_rows};
+use crate::matrices::formulas::Formulas;
+use crate::symmetry::wanted;
+use crate::{CaseError, Expression};
+
+/// The mass, damping and stiffness matrix of a term, as far as it has them.
+pub(super) struct Parts {
+    table: TermTable,
+    matrices: [Option<Matrix>; 3],
+}
+
+/// The matrices of all terms on common rows.
+pub(super) struct Terms {
+    pub parts: Vec<Parts>,
+    /// The rows.
+    pub dofs: Vec<Dof>,
+    /// Files of matrices, and how each was taken.
+    pub files: Vec<TakenMatrix>,
+    /// The degrees of freedom that the files hold, which have no row.
+    pub held: Vec<Dof>,
+}
+
+/// Reads the matrices of all terms, and the names of the rows that they have in common.
+pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Terms, CaseError> {
+    check.names("terms.name", given.iter().map(|term| &term.name))?;
+    check.names_of_families("terms", given.iter().map(|term| (&term.name, &term.family)))?;
+    let (mut all, mut files) = (Vec::new(), Vec::new());
+    for table in given {
+        let mut read = |file: &Option<std::path::PathBuf>, kind: Kind| {
+            let of_field = field("terms", &table.name, &kind.to_string());
+            let Some(file) = file else { return Ok(None) };
+            let (matrix, taken) =
+                check.read_matrix(&of_field, file, &wanted(table.symmetry, kind), Limits::default())?;
+            files.push(taken);
+            Ok(Some(matrix))
+        };
+        let matrices = [
+            read(&table.mass, Kind::Mass)?,
+            read(&table.damping, Kind::Damping)?,
+            read(&table.stiffness, Kind::Stiffness)?,
+        ];
+        if matrices.iter().all(Option::is_none) {
+            let found = format!("terms {:?}", table.name);
+            return Err(check.value(&found, "no matrix", "mass, damping or stiffness, or several"));
+        }
+        all.push(Parts { table, matrices });
+    }
+    if all.is_empty() {
+        return Err(check.value("terms", "[]", "one term or more"));
+    }
+    if all.iter().all(|parts| parts.matrices[0].is_none()) {
+        return Err(check.value("terms", "no mass", "a mass in one term or more"));
+    }
+    let dofs = common_rows(check, &mut all)?;
+    let (dofs, held) = take_out_held(check, &mut all, dofs)?;
+    Ok(Terms { parts: all, dofs, files, held })
+}
+
+/// Takes out the rows that are held by entries huge against all others, and says so. Those that stay, and those that do not.
+fn take_out_held(check: &Check<'_>, all: &mut [Parts], dofs: Vec<Dof>) -> Result<(Vec<Dof>, Vec<Dof>), CaseError> {
+    let mut rows = BTreeSet::new();
+    for at in 0..3 {
+        let entries = all.iter().filter_map(|parts| parts.matrices[at].as_ref()).flat_map(Matrix::entries);
+        let held = held_rows(dofs.len(), entries.copied()).map_err(|tied| {
+            let found = format!("matrices whose row {} has a huge entry", dofs[tied.row - 1]);
+            check.value("terms", found, &tied.to_string())
+        })?;
+        rows.extend(held);
+    }
+    if rows.is_empty() {
+        return Ok((dofs, Vec::new()));
+    }
+    if rows.len() == dofs.len() {
+        return Err(check.value("terms", "all rows held by huge entries", "one row or more that is not"));
+    }
+    let is_held = |(row, dof): (usize, Dof)| if rows.contains(&row) { Err(dof) } else { Ok(dof) };
+    let (mut kept, mut held) = (Vec::new(), Vec::new());
+    for place in dofs.into_iter().enumerate().map(is_held) {
+        match place {
+            Ok(dof) => kept.push(dof),
+            Err(dof) => held.push(dof),
+        }
+    }
+    let names: Vec<_> = held.iter().map(Dof::to_string).collect();
+    check.note(Held(&names).to_string());
+    for matrix in all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()) {
+        *matrix = matrix.without(&rows);
+    }
+    Ok((kept, held))
+}
+
+/// The rows of all matrices, which are put on them. Matrices with labels may have some of the rows each; those without must have
+/// one order, that of the others where these have equal rows.
+fn common_rows(check: &Check<'_>, all: &mut [Parts]) -> Result<Vec<Dof>, CaseError> {
+    let named = |parts: &Parts| {
+        let name = parts.table.name.clone();
+        let keys = ["mass", "damping", "stiffness"].into_iter().zip(&parts.matrices);
+        keys.filter(|(_, matrix)| matrix.is_some()).map(move |(key, _)| field("terms", &name, key)).collect::<Vec<_>>()
+    };
+    let fields: Vec<String> = all.iter().flat_map(named).collect();
+    let mut matrices: Vec<&mut Matrix> = all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()).collect();
+    formats::on_common_rows(&mut matrices).map_err(|(at, source)| match source {
+        FormatsError::Unlabelled { .. } => {
+            let allowed = "names of its rows, as other matrices have that differ in their rows";
+            check.value(&fields[at], "a matrix without names of its rows", allowed)
+        }
+        source => check.matrix(&fields[at], Path::new("the matrices"), source),
+    })?;
+    let labels = matrices.iter().find_map(|matrix| matrix.row_labels().map(<[Dof]>::to_vec));
+    let order = labels.as_ref().map_or_else(|| matrices.first().map_or(0, |matrix| matrix.rows()), Vec::len);
+    if let Some(at) = matrices.iter().position(|matrix| (matrix.rows(), matrix.columns()) != (order, order)) {
+        let found = format!("a matrix {} x {}", matrices[at].rows(), matrices[at].columns());
+        let like = if labels.is_some() { "as the matrices with names of rows" } else { "as the first matrix" };
+        return Err(check.value(&fields[at], found, &format!("{order} x {order}, {like}")));
+    }
+    Ok(labels.unwrap_or_else(|| (1..=order as i64).map(|node| Dof { node, direction: 0 }).collect()))
+}
+
+/// The terms with their coefficients, for a band of frequencies in Hz.
+pub(super) fn terms_with_coefficients(
+    check: &Check<'_>,
+    formulas: &mut Formulas<'_>,
+    all: Vec<Parts>,
+    order: usize,
+    [lowest, highest]: [f64; 2],
+) -> Result<(Vec<SparseTerm>, Vec<Expression>), CaseError> {
+    let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
+    for Parts { table, matrices } in all {
+        let empty = || CscMatrix::zeros(order, order);
+        let [m, mut c, k] = matrices.map(|matrix| matrix.map_or_else(empty, |matrix| matrix.to_csc()));
+        if let Some(rayleigh) = table.rayleigh {
+            let named = |key: &str| field("terms", &table.name, &format!("rayleigh.{key}"));
+            let of_mass = check.finite(&named("mass"), rayleigh.mass)?;
+            let of_stiffness = check.finite(&named("stiffness"), rayleigh.stiffness)?;
+            c = c + &m * of_mass + &k * of_stiffness;
+        }
+        if let Some(loss) = table.loss_factor {
+            let named = |key: &str| field("terms", &table.name, &format!("loss_factor{key}"));
+            let (loss, key) = match loss {
+                LossEntry::At(loss) => (loss, ".value"),
+                LossEntry::Number(value) => (LossTable { value, at_hz: (lowest * highest).sqrt() }, ""),
+            };
+            if !(loss.value.is_finite() && loss.value >= 0.0) {
+                return Err(check.value(&named(key), loss.value, "a finite number >= 0"));
+            }
+            if !(loss.at_hz.is_finite() && loss.at_hz > 0.0) {
+                return Err(check.value(&named(".at_hz"), loss.at_hz, "a frequency in Hz, > 0"));
+            }
+            let [least, most] = [lowest, highest].map(|hz| hz / loss.at_hz);
+            check.note(format!(
+                "{} = {} is that of dashpots at {:.1} Hz: at the ends of the band they lose {least:.3} and {most:.3} times as much",
+                named(""),
+                loss.value,
+                loss.at_hz
+            ));
+            // At this frequency i omega C is i eta K.
+            c = c + &k * (loss.value / (std::f64::consts::TAU * loss.at_hz));
+        }
+        coefficients.push(formulas.expression(&field("terms", &table.name, "coefficient"), table.coefficient, 1.0)?);
+        let family = table.family.unwrap_or_else(|| table.name.clone());
+        let matrices = SparseSecondOrder::new(m, c, k).map_err(check.sparse(&format!("terms {:?}", table.name)))?;
+        terms.push(SparseTerm { name: table.name, family, matrices });
+    }
+    Ok((terms, coefficients))
+}
+
+/// Term of all holders together: springs and dashpots from nodes to ground. `None` where there are none.
+pub(super) fn holders_term(
+    model: &Model<'_>,
+    holders: &[HolderTable],
+    missing: &mut Vec<MissingRows>,
+) -> Result<Option<SparseTerm>, CaseError> {
+    if holders.is_empty() {
+        return Ok(None);
+    }
+    let (check, order) = (model.check, model.dofs.len());
+    check.names("holders.name", holders.iter().map(|holder| &holder.name))?;
+    let (mut c, mut k) = (CooMatrix::new(order, order), CooMatrix::new(order, order));
+    for holder in holders {
+        let of_nodes = field("holders", &holder.name, "nodes");
+        let nodes = model.nodes(&of_nodes, holder.nodes.items())?;
+        let acts = |direction: &u32| {
+            let at = *direction as usize - 1;
+            holder.stiffness[at] != 0.0 || holder.damping[at] != 0.0
+        };
+        let directions: Vec<u32> = (1..=3).filter(acts).collect();
+        if !directions.is_empty() {
+            missing.extend(MissingRows::of(model, &of_nodes, &nodes, &directions)?);
+        }
+        for (key, sum, values) in [("stiffness", &mut k, holder.stiffness), ("damping", &mut c, holder.damping)] {
+            let named = field("holders", &holder.name, key);
+            for (direction, value) in (1..).zip(values) {
+                if !(value.is_finite() && value >= 0.0) {
+                    return Err(check.value(&named, value, "a finite number >= 0 for each of x, y and z"));
+                }
+                let rows = nodes.iter().filter_map(|&node| model.row(node, direction));
+                rows.for_each(|row| sum.push(row, row, value / nodes.len() as f64));
+            }
+        }
+    }
+    let matrices = SparseSecondOrder::new(CscMatrix::zeros(order, order), (&c).into(), (&k).into());
+    let matrices = matrices.map_err(check.sparse("holders"))?;
+    Ok(Some(SparseTerm { name: "holders".into(), family: "holders".into(), matrices }))
+}

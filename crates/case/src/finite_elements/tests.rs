@@ -1,0 +1,150 @@
+use std::path::{Path, PathBuf};
+
+use formats::Dof;
+use linsys::{ChannelGain, OperatingPoint};
+
+use super::FiniteElementCase;
+use crate::CaseFile;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/disc-pad")
+}
+
+fn text() -> String {
+    std::fs::read_to_string(folder().join("disc-pad.toml")).unwrap()
+}
+
+fn parse(text: String) -> Result<FiniteElementCase, String> {
+    match CaseFile::parse(&folder().join("changed.toml"), text).map_err(|error| error.to_string())? {
+        CaseFile::FiniteElements(case) => Ok(*case),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_shipped_case_is_the_brake_that_its_readme_describes() {
+    let case = parse(text()).unwrap();
+    let contact = case.contact.as_ref().unwrap();
+    assert_eq!((case.dofs.len(), contact.patches.len(), case.system.channels().len()), (2349, 9, 54));
+    assert!(contact.patches.iter().all(|patch| patch.pairs.len() == 3 && patch.load == 156.0));
+    // Patches 1 to 3 at 100 mm, 4 to 6 at 119 mm and 7 to 9 at 138 mm.
+    for (at, patch) in contact.patches.iter().enumerate() {
+        let expected = [100.0, 119.0, 138.0][at / 3] / 119.0;
+        assert!(patch.speeds.iter().all(|speed| (speed - expected).abs() < 1e-7), "{:?}", patch.speeds);
+    }
+    assert_eq!(contact.panels.iter().map(|(n, all)| (*n, all.len())).collect::<Vec<_>>(), [(9, 1), (8, 9)]);
+    // Nine nodes at each end of the backplate.
+    assert_eq!(case.constraints[1].fixed.len(), 18);
+    assert!(case.constraints[1].fixed.iter().all(|&row| case.dofs[row].direction == 3));
+}
+
+#[test]
+fn friction_of_a_pair_is_the_matrix_of_the_textbook() {
+    // Force mu N t on the pad's node and -mu N t on the disc's, N = k (d_z - p_z), t = (-y, x) / r of that place.
+    let case = parse(text()).unwrap();
+    let patch = &case.contact.as_ref().unwrap().patches[4];
+    let [pad, disc] = patch.pairs[1];
+    let point = |mu: f64| {
+        let mut channels = vec![ChannelGain::default(); case.system.channels().len()];
+        channels[patch.channels.start + 1] = ChannelGain::proportional(mu);
+        let mut coefficients = vec![0.0; case.system.terms().len()];
+        coefficients[2 + 4] = 1.0;
+        OperatingPoint { coefficients, channels }
+    };
+    let k = nalgebra::DMatrix::from(&case.system.assemble(&point(0.3)).unwrap().k);
+    let row = |node: i64, direction: u32| case.dofs.iter().position(|dof| *dof == Dof { node, direction }).unwrap();
+    let mesh = case.mesh.as_ref().unwrap();
+    let [x, y, _] = mesh.nodes.iter().find(|node| node.label == pad).unwrap().position;
+    let (r, stiffness) = (x.hypot(y), 4.05e8 / 27.0);
+    for (direction, t) in [(1, -y / r), (2, x / r)] {
+        for (node, sign) in [(pad, 1.0), (disc, -1.0)] {
+            let found = [k[(row(node, direction), row(disc, 3))], k[(row(node, direction), row(pad, 3))]];
+            let expected = [-sign * 0.3 * stiffness * t, sign * 0.3 * stiffness * t];
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?} {expected:?}");
+        }
+    }
+    assert_eq!(k[(row(pad, 3), row(disc, 3))], -stiffness);
+}
+
+#[test]
+fn what_only_other_laws_depend_on_may_be_left_out() {
+    let (before, rest) = text().split_once("[friction]").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    let mu = rest.lines().find(|line| line.starts_with("mu =")).unwrap();
+    let laws = before.lines().find(|line| line.starts_with("laws =")).unwrap();
+    let before = before.replace(laws, "laws = [\"amontons-coulomb\"]");
+    let before = &before[..before.find("[[speeds]]").unwrap()];
+    let after = &rest[rest.find("[reduction]").unwrap()..];
+    let written = format!("{before}[friction]\n{mu}\n{after}");
+    let across = written.replace("load = 468.0", "load = 468.0\nlateral = \"vector\"");
+    let refused = parse(across).unwrap_err();
+    assert!(refused.contains("speeds = missing; allowed: a range of speed"), "{refused}");
+    // Without a speed nothing is said of friction across the sliding, and there is none.
+    let contact = parse(written).unwrap().contact.unwrap();
+    assert!(!contact.is_lateral);
+    assert_eq!(contact.friction.mu, parse(text()).unwrap().contact.unwrap().friction.mu);
+}
+
+#[test]
+fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
+    let faults = [
+        (
+            "nodes = \"PADBACK\"",
+            "nodes = \"PADBAK\"",
+            "holders \"caliper\".nodes = \"PADBAK\"; allowed: the number of a node",
+        ),
+        ("tolerance = 1e-6", "tolerance = -1.0", "contact.tolerance = -1; allowed: a distance, > 0"),
+        ("disc = \"DISCFACE\"", "disc = \"PADBACK\"", "contact.pad = node"),
+        (
+            "normal = [0.0, 0.0, 1.0]",
+            "normal = [0.0, 0.0, 0.0]",
+            "contact.normal = [0.0, 0.0, 0.0]; allowed: a direction",
+        ),
+        (
+            "normal = [0.0, 0.0, 1.0]",
+            "normal = [0.0, 0.0, -1.0]",
+            "contact.normal = [0.000, 0.000, -1.000], which by 16 of the 16 faces of the pad at the contact does not point into it; \
+             allowed: a direction from the disc into the pad, about [0.000, 0.000, 1.000]",
+        ),
+        ("\"PATCH8\", \"PATCH9\"]", "\"PATCH8\"]", "contact.patches = node"),
+        ("\"PATCH8\", \"PATCH9\"]", "\"PATCH8\", \"PADFACE\"]", "contact.patches = node"),
+        ("fixed = [\"BACKENDS.z\"]", "fixed = [\"BACKENDS.w\"]", "\"BACKENDS.w\"; allowed: SET, SET.z, 1042 or 1042.z"),
+        (
+            "fixed = [\"BACKENDS.z\"]",
+            "fixed = [\"DISCINNER.z\"]",
+            "allowed: a degree of freedom that the matrices have",
+        ),
+        ("mesh = \"disc-pad.inp\"", "mesh = \"disc-pad.sti.gz\"", "brake.mesh"),
+        (
+            "stiffness = \"disc-pad.sti.gz\"",
+            "stiffness = \"none.sti.gz\"",
+            "terms \"structure\".stiffness = \"none.sti.gz\": cannot be read",
+        ),
+        ("mass = \"disc-pad.mas.gz\"", "", "terms = no mass; allowed: a mass in one term or more"),
+        (
+            "frequencies = [500.0, 8000.0]",
+            "frequencies = [8000.0, 500.0]",
+            "reduction.frequencies = [8000.0, 500.0]; allowed",
+        ),
+        ("growth = [-500.0, 3000.0]", "growth = [10.0, 3000.0]", "reduction.growth"),
+        ("residual = 1e-8", "residual = 1.0", "reduction.residual = 1; allowed: 1e-12 to 1e-3"),
+        ("in_contact = [9, 8]", "in_contact = [10]", "contact.in_contact = 10; allowed: 1 to 9"),
+        (
+            "alpha = { distribution",
+            "# alpha = { distribution",
+            "friction.alpha = missing; allowed: a distribution, as velocity-dependent friction has it",
+        ),
+        ("load = 468.0", "load = nan", "contact.load = NaN; allowed: a force in N, > 0"),
+        ("load = 468.0", "load = 468.0\nlateral = \"coupled\"", "lateral"),
+        (
+            "sliding = { axis = [0.0, 0.0, 1.0] }",
+            "sliding = { axis = [0.0, 0.0, 1.0], through = [0.119, 0.0, 0.0] }",
+            "contact.sliding",
+        ),
+    ];
+    for (given, changed, expected) in faults {
+        let text = text();
+        assert!(text.contains(given), "{given}");
+        let found = parse(text.replace(given, changed)).unwrap_err();
+        assert!(found.contains(expected) && !found.contains('\n'), "{changed}: {found}");
+    }
+}

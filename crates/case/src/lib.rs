@@ -1,0 +1,54 @@
+//! Case files: a study of a brake as data, read and checked. `brakes` makes brakes of them.
+//!
+//! | to | see |
+//! | --- | --- |
+//! | read a case of any kind | [`CaseFile::read`] |
+//! | know its study | [`CaseHeader`] |
+//! | read a case of one kind | [`LatticeCase`], [`MatricesCase`], [`FiniteElementCase`] |
+//! | choose one scene | [`SceneChoice`], [`CaseFile::only`] |
+
+mod alternative;
+mod arrangements;
+mod check;
+mod choice;
+mod choices;
+mod constants;
+mod correlation;
+mod error;
+mod expression;
+mod file;
+mod finite_elements;
+mod header;
+pub mod held;
+mod identity;
+pub mod input;
+mod matrices;
+mod measured;
+mod schema;
+mod set;
+mod squeal;
+mod symmetry;
+mod types;
+mod validate;
+
+pub use alternative::Alternative;
+pub use check::{HALF_WIDTHS, TakenMatrix, is_half_width};
+pub use choice::{ChosenSpeed, SceneChoice};
+pub use choices::{Draws, Law};
+pub use constants::with_constants;
+pub use correlation::Correlation;
+pub use error::CaseError;
+pub use expression::{Expression, ExpressionError, is_parameter_name};
+pub use file::CaseFile;
+pub use finite_elements::{
+    Acting, ContactBalance, ContactState, EQUILIBRIUM, FiniteElementCase, LOAD_FACTOR, MissingRows, NamesOnMesh,
+    OWN_SPEED, OwnSpeed, PairPlace, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR, Side,
+};
+pub use header::CaseHeader;
+pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
+pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,200 @@
+//! Reading of a case with matrices: from the fields of its file to a checked case.
+
+use std::path::Path;
+
+use formats::Entry;
+use linsys::{AffineSystem, Term};
+use nalgebra::DMatrix;
+
+use super::contacts::channels_with_gains;
+use super::dofs::DofNames;
+use super::formulas::Formulas;
+use super::loss::add_losses;
+use super::schema::{self, MatricesFile};
+use super::terms::{Terms, read_terms};
+use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
+use crate::check::{Check, field, syntax};
+use crate::correlation::Correlated;
+use crate::held::held_rows;
+use crate::{CaseError, Expression, is_parameter_name};
+
+impl MatricesCase {
+    /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
+    ///
+    /// # Errors
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
+    pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
+        let (case, formulas_use_all) = Self::parse_open(path, text)?;
+        formulas_use_all.map(|()| case)
+    }
+
+    /// Checks the text of a case of which some coefficients are computed by the program that reads it: the case, and beside it the error
+    /// for a parameter that occurs in none of its own expressions.
+    ///
+    /// # Errors
+    /// As [`MatricesCase::parse`], for any other fault.
+    pub fn parse_open(path: &Path, text: String) -> Result<(Self, Result<(), CaseError>), CaseError> {
+        let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        let check = Check::new(path);
+        let MatricesFile {
+            study,
+            brake,
+            parameters,
+            terms,
+            contacts,
+            bodies,
+            constraints,
+            accuracy,
+            squeal,
+            correlation,
+        } = file;
+        let header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal)?;
+        let parameters: Vec<Parameter> =
+            parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
+        let mut formulas = Formulas::new(&check, &parameters);
+        let Terms { mut terms, coefficients, losses, files, rows } = read_terms(&check, &mut formulas, terms)?;
+        let order = terms.first().map_or(0, Term::order);
+        let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
+        let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
+        let all_used = formulas.all_used();
+        let constraints = constraint_sets(&check, &dofs, constraints)?;
+        refuse_held(&check, &dofs, &terms, &constraints)?;
+        if losses.iter().any(Option::is_some) {
+            let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
+            let at_medians = |(term, own): (&Term, &Expression)| {
+                let named = |source| CaseError::Expression {
+                    path: path.to_owned(),
+                    field: field("terms", &term.name, "coefficient"),
+                    source: Box::new(source),
+                };
+                own.value(&medians).map_err(named)
+            };
+            let at_medians = terms.iter().zip(&coefficients).map(at_medians).collect::<Result<Vec<_>, _>>()?;
+            add_losses(&check, &mut terms, &at_medians, &losses, &constraints)?;
+        }
+        let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
+        let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
+        let correlated = Correlated { parameters: named.collect(), contacts: &[[0.0; 3]] };
+        let mut case = Self {
+            header,
+            correlation: check.correlation(correlation, &correlated)?,
+            system,
+            coefficients,
+            files,
+            gains,
+            bodies: groups(&check, &dofs, bodies)?,
+            constraints,
+            dofs: dofs.into_names(),
+            parameters,
+        };
+        case.header.notes = check.notes();
+        // An expression without a value at the medians is an error of the case, found before a study starts.
+        case.operating_point(&case.medians())?;
+        Ok((case, all_used))
+    }
+}
+
+pub(crate) fn parameter(
+    check: &Check<'_>,
+    name: String,
+    given: schema::ParameterTable,
+) -> Result<Parameter, CaseError> {
+    if !is_parameter_name(&name) {
+        let allowed = "a letter or _, then letters, digits and _, no function and not pi";
+        return Err(check.value("parameters", format!("{name:?}"), allowed));
+    }
+    let schema::ParameterTable { unit, distribution } = given;
+    check.line(&format!("parameters.{name}.unit"), &unit)?;
+    let distribution = check.distribution(&format!("parameters.{name}"), distribution)?;
+    Ok(Parameter { name, unit, distribution })
+}
+
+/// Refuses rows that are held by huge entries, unless every set of constraints fixes them: no digits are left of the others.
+fn refuse_held(
+    check: &Check<'_>,
+    dofs: &DofNames<'_>,
+    terms: &[Term],
+    constraints: &[FixedDofs],
+) -> Result<(), CaseError> {
+    let parts: [fn(&Term) -> &DMatrix<f64>; 3] =
+        [|term| &term.matrices().m, |term| &term.matrices().c, |term| &term.matrices().k];
+    for part in parts {
+        let entry = |(at, &value): (usize, &f64)| Entry {
+            row: (at % dofs.order()) as u32,
+            column: (at / dofs.order()) as u32,
+            value,
+        };
+        let entries = terms.iter().flat_map(|term| part(term).iter().enumerate().map(entry));
+        let held = held_rows(dofs.order(), entries).map_err(|tied| {
+            let found = format!("matrices in which {:?} has a huge entry", dofs.name(tied.row - 1));
+            check.value("terms", found, &tied.to_string())
+        })?;
+        let free: Vec<_> = held
+            .iter()
+            .filter(|row| constraints.iter().any(|set| !set.fixed.contains(row)))
+            .map(|&row| dofs.name(row).to_owned())
+            .collect();
+        if !free.is_empty() {
+            let found = format!("{} held by huge entries on the diagonal", free.join(", "));
+            return Err(check.value(
+                "terms",
+                found,
+                "held degrees of freedom among those fixed in every [[constraints]]",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::BodyTable>) -> Result<Vec<BodyDofs>, CaseError> {
+    if given.is_empty() {
+        return Ok(vec![BodyDofs { name: "brake".into(), dofs: (0..dofs.order()).collect() }]);
+    }
+    check.names("bodies.name", given.iter().map(|body| &body.name))?;
+    let mut owners: Vec<Option<usize>> = vec![None; dofs.order()];
+    let mut bodies: Vec<BodyDofs> = Vec::new();
+    for schema::BodyTable { name, dofs: listed } in given {
+        let field = field("bodies", &name, "dofs");
+        let own = dofs.indices(&field, &listed)?;
+        if own.is_empty() {
+            return Err(check.value(&field, "[]", "one degree of freedom or more"));
+        }
+        for &dof in &own {
+            if let Some(other) = owners[dof].replace(bodies.len()) {
+                let found = format!("{:?}, which is in {:?} too", dofs.name(dof), bodies[other].name);
+                return Err(check.value(&field, found, "each degree of freedom in one body"));
+            }
+        }
+        bodies.push(BodyDofs { name, dofs: own });
+    }
+    match owners.iter().position(Option::is_none) {
+        None => Ok(bodies),
+        Some(dof) => {
+            let found = format!("{:?} in none", dofs.name(dof));
+            Err(check.value("bodies", found, "each degree of freedom in one body"))
+        }
+    }
+}
+
+fn constraint_sets(
+    check: &Check<'_>,
+    dofs: &DofNames<'_>,
+    given: Vec<schema::ConstraintsTable>,
+) -> Result<Vec<FixedDofs>, CaseError> {
+    if given.is_empty() {
+        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
+    }
+    check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
+    given.into_iter().map(|set| fixed_dofs(check, dofs, set)).collect()
+}
+
+fn fixed_dofs(check: &Check<'_>, dofs: &DofNames<'_>, given: schema::ConstraintsTable) -> Result<FixedDofs, CaseError> {
+    let schema::ConstraintsTable { name, fixed } = given;
+    check.plain_name("constraints.name", &name)?;
+    let field = field("constraints", &name, "fixed");
+    let fixed = dofs.indices(&field, &fixed)?;
+    if fixed.len() == dofs.order() {
+        return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
+    }
+    Ok(FixedDofs { name, fixed })
+}

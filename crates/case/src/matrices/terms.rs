@@ -1,0 +1,183 @@
+//! Terms of the structure: their matrices and coefficients.
+
+use std::path::Path;
+
+use formats::{Dof, FormatsError, Kind, Limits, Matrix, on_common_rows, split_name};
+use linsys::{SecondOrder, Term};
+use nalgebra::DMatrix;
+
+use super::formulas::Formulas;
+use super::schema::{MatrixEntry, TermTable};
+use crate::check::{Check, TakenMatrix, field};
+use crate::input::{LARGEST_MATRIX, LARGEST_ORDER, check_size};
+use crate::symmetry::wanted;
+use crate::{CaseError, Expression};
+
+/// The terms with their coefficients.
+pub(super) struct Terms {
+    pub terms: Vec<Term>,
+    pub coefficients: Vec<Expression>,
+    /// Loss factor of each term, where it has one.
+    pub losses: Vec<Option<f64>>,
+    /// Files of matrices, and how each was taken.
+    pub files: Vec<TakenMatrix>,
+    /// The rows of the matrices, where files name them.
+    pub rows: Option<Vec<Dof>>,
+}
+
+/// A matrix of a term.
+enum Given {
+    Rows(DMatrix<f64>),
+    File(Matrix),
+}
+
+impl Given {
+    fn shape(&self) -> (usize, usize) {
+        match self {
+            Self::Rows(matrix) => matrix.shape(),
+            Self::File(matrix) => (matrix.rows(), matrix.columns()),
+        }
+    }
+
+    fn dense(self) -> DMatrix<f64> {
+        match self {
+            Self::Rows(matrix) => matrix,
+            Self::File(matrix) => matrix.to_dense(),
+        }
+    }
+}
+
+/// Reads the matrices of all terms, which must have the same order, and at least one a mass.
+pub(super) fn read_terms(
+    check: &Check<'_>,
+    formulas: &mut Formulas<'_>,
+    given: Vec<TermTable>,
+) -> Result<Terms, CaseError> {
+    check.names("terms.name", given.iter().map(|term| &term.name))?;
+    check.names_of_families("terms", given.iter().map(|term| (&term.name, &term.family)))?;
+    if given.is_empty() {
+        return Err(check.value("terms", "[]", "one term or more"));
+    }
+    let (mut all, mut fields, mut files) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut tables, mut losses) = (Vec::new(), Vec::new());
+    for TermTable { name, family, coefficient, symmetry, mass, damping, stiffness, loss_factor } in given {
+        let parts = [(Kind::Mass, mass), (Kind::Damping, damping), (Kind::Stiffness, stiffness)];
+        let has = parts.each_ref().map(|(_, entry)| entry.is_some());
+        if has == [false; 3] {
+            return Err(check.value(&format!("terms {name:?}"), "no matrix", "mass, damping or stiffness, or several"));
+        }
+        for (kind, entry) in parts {
+            let Some(entry) = entry else { continue };
+            let field = field("terms", &name, &kind.to_string());
+            all.push(match entry {
+                MatrixEntry::Rows(rows) => Given::Rows(from_rows(check, &field, &rows)?),
+                MatrixEntry::File(file) => {
+                    let (matrix, taken) = read_file(check, &field, &file, &wanted(symmetry, kind))?;
+                    files.push(taken);
+                    Given::File(matrix)
+                }
+            });
+            fields.push(field);
+        }
+        losses.push(loss_factor);
+        tables.push((name, family, coefficient, has));
+    }
+    if !tables.iter().any(|(.., has)| has[0]) {
+        return Err(check.value("terms", "no mass", "a mass in one term or more"));
+    }
+    let rows = common_rows(check, &mut all, &fields)?;
+    let order = all.first().map_or(0, |matrix| matrix.shape().0);
+    for (matrix, field) in all.iter().zip(&fields) {
+        let (rows, columns) = matrix.shape();
+        if (rows, columns) != (order, order) {
+            let allowed = match rows == order {
+                true => "a square matrix".to_owned(),
+                false => format!("{order} x {order}, as the first matrix"),
+            };
+            return Err(check.value(field, format!("a matrix {rows} x {columns}"), &allowed));
+        }
+    }
+    let mut matrices = all.into_iter().map(Given::dense);
+    let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
+    for (name, family, coefficient, has) in tables {
+        let mut next =
+            |has: bool| has.then(|| matrices.next()).flatten().unwrap_or_else(|| DMatrix::zeros(order, order));
+        let [m, c, k] = has.map(&mut next);
+        coefficients.push(formulas.expression(&field("terms", &name, "coefficient"), coefficient, 1.0)?);
+        let refused = check.system(&format!("terms {name:?}"));
+        let family = family.unwrap_or_else(|| name.clone());
+        terms.push(SecondOrder::new(m, c, k).and_then(|system| Term::new(name, family, system)).map_err(refused)?);
+    }
+    Ok(Terms { terms, coefficients, losses, files, rows })
+}
+
+/// Reads a matrix from a file of any format, small enough to be a full one.
+fn read_file(
+    check: &Check<'_>,
+    field: &str,
+    file: &Path,
+    wanted: &formats::Wanted<'_>,
+) -> Result<(Matrix, TakenMatrix), CaseError> {
+    let path = check.path.parent().unwrap_or(Path::new("")).join(file);
+    check_size(split_name(&path).0, LARGEST_MATRIX).map_err(|source| CaseError::MatrixRead {
+        path: check.path.to_owned(),
+        field: field.to_owned(),
+        file: file.to_owned(),
+        source,
+    })?;
+    // Lists in any order may have more rows than they come to have beside others.
+    let limits = Limits { bytes: LARGEST_MATRIX, ..Limits::default() };
+    let (matrix, taken) = check.read_matrix(field, file, wanted, limits)?;
+    let (rows, columns) = (matrix.rows(), matrix.columns());
+    if rows.max(columns) > LARGEST_ORDER {
+        let allowed =
+            format!("{LARGEST_ORDER} rows and columns at most; larger brakes are of kind \"finite-elements\"");
+        return Err(check.value(field, format!("a matrix {rows} x {columns}"), &allowed));
+    }
+    Ok((matrix, taken))
+}
+
+/// Puts the matrices of files on common rows, as far as they name them.
+fn common_rows(check: &Check<'_>, all: &mut [Given], fields: &[String]) -> Result<Option<Vec<Dof>>, CaseError> {
+    let listed = all.iter().position(|matrix| matches!(matrix, Given::Rows(_)));
+    let (mut places, mut files) = (Vec::new(), Vec::new());
+    for (at, given) in all.iter_mut().enumerate() {
+        if let Given::File(matrix) = given {
+            places.push(at);
+            files.push(matrix);
+        }
+    }
+    let labels = files.iter().filter_map(|matrix| matrix.row_labels());
+    let differ = labels.clone().zip(labels.skip(1)).any(|(one, next)| one != next);
+    let unnamed = |field: &str| {
+        let allowed = "names of its rows, as other matrices have that differ in their rows";
+        check.value(field, "a matrix without names of its rows", allowed)
+    };
+    if let (Some(at), true) = (listed, differ) {
+        return Err(unnamed(&fields[at]));
+    }
+    on_common_rows(&mut files).map_err(|(at, source)| match source {
+        FormatsError::Unlabelled { .. } => unnamed(&fields[places[at]]),
+        source => check.matrix(&fields[places[at]], Path::new("the matrices"), source),
+    })?;
+    if let Some(matrix) = files.iter().find(|matrix| matrix.rows() > LARGEST_ORDER) {
+        let allowed = format!("{LARGEST_ORDER} rows of all matrices together at most");
+        return Err(check.value("terms", format!("{} rows", matrix.rows()), &allowed));
+    }
+    Ok(files.iter().find_map(|matrix| matrix.row_labels().map(<[Dof]>::to_vec)))
+}
+
+fn from_rows(check: &Check<'_>, field: &str, rows: &[Vec<f64>]) -> Result<DMatrix<f64>, CaseError> {
+    let columns = rows.first().map_or(0, Vec::len);
+    if columns == 0 {
+        return Err(check.value(field, "no entries", "rows of numbers"));
+    }
+    if let Some(at) = rows.iter().position(|row| row.len() != columns) {
+        let found = format!("row {} with {} numbers", at + 1, rows[at].len());
+        return Err(check.value(field, found, &format!("{columns}, as in row 1")));
+    }
+    for &value in rows.iter().flatten() {
+        check.finite(field, value)?;
+    }
+    Ok(DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+}
