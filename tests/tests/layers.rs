@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 27] = [
+const LAYERS: [(&str, &str); 28] = [
     ("formats", "crates/formats"),
     ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
@@ -26,6 +26,7 @@ const LAYERS: [(&str, &str); 27] = [
     ("output", "crates/output"),
     ("figures", "crates/figures"),
     ("study", "crates/study"),
+    ("sweep", "crates/sweep"),
     ("squeal", "crates/squeal"),
     ("case", "crates/case"),
     ("brakes", "crates/brakes"),

@@ -5,8 +5,8 @@ use montecarlo::Progress;
 use osc_model::Grid;
 use output::significant;
 use serde_json::{Map, Value, json};
-use squeal::sweep::Over;
 use study::{AnySample, Cost, Erased, IndependentBrake, Scene, UncertainBrake};
+use sweep::Over;
 
 use crate::case::CaseFile;
 use crate::{Bases, Error, FiniteElementBrake, LatticeBrake, MatricesBrake};

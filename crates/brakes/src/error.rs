@@ -35,9 +35,9 @@ pub enum Error {
     /// The model, its friction or a study of it.
     #[error(transparent)]
     Study(#[from] study::Error),
-    /// An error of what is asked of a study: a sweep, a screen and the like.
+    /// A range of a parameter that a brake is made for.
     #[error(transparent)]
-    Asked(#[from] squeal::Error),
+    Sweep(#[from] sweep::Error),
 }
 
 impl Error {
@@ -46,7 +46,7 @@ impl Error {
     pub fn is_cancelled(&self) -> bool {
         match self {
             Self::Study(error) => error.is_cancelled(),
-            Self::Asked(error) => error.is_cancelled(),
+            Self::Sweep(error) => error.is_cancelled(),
             _ => false,
         }
     }
@@ -56,17 +56,8 @@ impl From<Error> for study::Error {
     /// The error of the study where it is one; every other becomes an error of the brake.
     fn from(error: Error) -> Self {
         match error {
-            Error::Study(error) | Error::Asked(squeal::Error::Study(error)) => error,
+            Error::Study(error) | Error::Sweep(sweep::Error::Study(error)) => error,
             other => Self::Brake(Box::new(other)),
-        }
-    }
-}
-
-impl From<Error> for squeal::Error {
-    fn from(error: Error) -> Self {
-        match error {
-            Error::Asked(error) => error,
-            other => Self::Study(other.into()),
         }
     }
 }

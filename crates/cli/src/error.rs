@@ -181,10 +181,16 @@ impl From<squeal::study::Error> for Error {
     }
 }
 
+impl From<squeal::sweep::Error> for Error {
+    fn from(error: squeal::sweep::Error) -> Self {
+        squeal::Error::from(error).into()
+    }
+}
+
 impl From<brakes::Error> for Error {
     fn from(error: brakes::Error) -> Self {
         match error {
-            brakes::Error::Asked(error) => error.into(),
+            brakes::Error::Sweep(error) => error.into(),
             brakes::Error::Study(error) => error.into(),
             other => Self::Brake(other),
         }

@@ -2,8 +2,7 @@
 
 use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
 use num_complex::Complex;
-use output::significant;
-use squeal::results::hertz;
+use output::{hertz, significant};
 use squeal::study::{Scene, UncertainBrake};
 use squeal::why::{Balance, Contribution, Explainer, Influence, Why};
 

@@ -58,6 +58,14 @@ pub fn significant(value: f64, digits: usize) -> String {
     trimmed(&format!("{value:.decimals$}"))
 }
 
+/// A frequency in Hz with three decimals, below 1 Hz with four significant digits: brakes in units of their own have such.
+#[must_use]
+pub fn hertz(frequency: f64) -> String {
+    let below_one = -frequency.abs().log10().floor();
+    let decimals = if below_one.is_finite() { below_one.clamp(0.0, 9.0) as usize + 3 } else { 3 };
+    format!("{frequency:.decimals$}")
+}
+
 /// Writes `contents` under a temporary name beside `path`, then renames it.
 ///
 /// # Errors
@@ -188,6 +196,15 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_frequencies_keep_four_digits() {
+        for (frequency, text) in
+            [(1015.9524, "1015.952"), (1.5, "1.500"), (0.2254613, "0.2255"), (1.1779e-4, "0.0001178"), (0.0, "0.000")]
+        {
+            assert_eq!(hertz(frequency), text);
+        }
+    }
 
     #[test]
     fn a_table_holds_no_formula_and_all_its_numbers() {

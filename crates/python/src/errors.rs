@@ -6,6 +6,7 @@ use cea::certified::CertifiedError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use squeal::montecarlo::MonteCarloError;
+use squeal::sweep;
 use squeal_cli::Error;
 
 /// Class of an exception in `squeal._errors`, and the attributes that it gets.
@@ -63,7 +64,7 @@ fn of_brake(error: &brakes::Error) -> Kind {
     match error {
         brakes::Error::Case(error) => of_case(error),
         brakes::Error::Study(error) => of_inner(error),
-        brakes::Error::Asked(error) => of_study(error),
+        brakes::Error::Sweep(error) => of_sweep(error),
         brakes::Error::Sparse(_) | brakes::Error::Reduction(_) => ("SolveError", Vec::new()),
         _ => ("SquealError", Vec::new()),
     }
@@ -73,7 +74,7 @@ fn of_study(error: &squeal::Error) -> Kind {
     use squeal::Error as Of;
     match error {
         Of::Study(error) => of_inner(error),
-        Of::Sweep { source, .. } => of_study(source),
+        Of::Sweep(error) => of_sweep(error),
         Of::OtherStudy { path, .. }
         | Of::PartIncomplete { path, .. }
         | Of::PartDiffers { path, .. }
@@ -82,6 +83,14 @@ fn of_study(error: &squeal::Error) -> Kind {
         | Of::EstimatesDamaged { path, .. }
         | Of::Output(output::OutputError::Write { path, .. })
         | Of::Read { path, .. } => ("FolderError", vec![("path", path.display().to_string())]),
+        _ => ("SquealError", Vec::new()),
+    }
+}
+
+fn of_sweep(error: &sweep::Error) -> Kind {
+    match error {
+        sweep::Error::Study(error) => of_inner(error),
+        sweep::Error::At { source, .. } => of_sweep(source),
         _ => ("SquealError", Vec::new()),
     }
 }

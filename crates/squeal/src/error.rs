@@ -9,27 +9,9 @@ pub enum Error {
     /// An error of the study.
     #[error(transparent)]
     Study(#[from] study::Error),
-    /// A spectrum contradicts the boundary of a stability map, however many lines it is looked for on.
-    #[error(
-        "at {at} a spectrum has {found} unstable modes, and the curves of the map leave {expected}: a curve is missing; allowed: ranges in \
-         which the boundary is found, or a sweep over one parameter"
-    )]
-    MapContradicted {
-        /// Values of the parameters, in words.
-        at: String,
-        /// Number of unstable modes by the spectrum.
-        found: usize,
-        /// Number of unstable modes by the curves.
-        expected: usize,
-    },
-    /// An error in a sweep over parameters.
-    #[error("{at}: {source}")]
-    Sweep {
-        /// Parameters with the values, or the range, at which the sweep failed.
-        at: String,
-        /// Cause.
-        source: Box<Error>,
-    },
+    /// A sweep over parameters.
+    #[error(transparent)]
+    Sweep(sweep::Error),
     /// An error of an estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<study::estimators::EstimatorError>),
@@ -184,10 +166,17 @@ impl Error {
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Study(error) if error.is_cancelled())
     }
+}
 
-    /// The error with the place in a sweep where it happened; the end of cancelled work as it is.
-    pub(crate) fn in_sweep(self, at: impl FnOnce() -> String) -> Self {
-        if self.is_cancelled() { self } else { Self::Sweep { at: at(), source: Box::new(self) } }
+impl From<sweep::Error> for Error {
+    /// The error of the study or of an argument where it is one.
+    fn from(error: sweep::Error) -> Self {
+        match error {
+            sweep::Error::Study(error) => Self::Study(error),
+            sweep::Error::NotGiven { capability, needed_by } => Self::NotGiven { capability, needed_by },
+            sweep::Error::Argument { argument, value, allowed } => Self::Argument { argument, value, allowed },
+            other => Self::Sweep(other),
+        }
     }
 }
 

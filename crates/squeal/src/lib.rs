@@ -47,13 +47,14 @@ pub mod rare;
 pub mod results;
 mod run;
 pub mod screen;
-pub mod sweep;
 pub mod why;
 
 pub use error::Error;
 pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
 pub use study::{estimators, fingerprint, identity, memory};
-pub use {cea, cycle, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, tracking, work};
+pub use {
+    cea, cycle, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, sweep, tracking, work,
+};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -91,8 +91,8 @@ fn whatever_takes_long_can_be_cancelled() {
     for evaluations in [0, 1] {
         let answers = [
             ("a study", Study::with_progress(&brake, &BatchSolver, &after(evaluations)).map(drop).map_err(Into::into)),
-            ("a sweep", sweep(&study, 0, &both[0], &QrSolver, &after(evaluations)).map(drop)),
-            ("a map", stability_map(&study, 0, &both, &QrSolver, &after(evaluations)).map(drop)),
+            ("a sweep", sweep(&study, 0, &both[0], &QrSolver, &after(evaluations)).map(drop).map_err(Into::into)),
+            ("a map", stability_map(&study, 0, &both, &QrSolver, &after(evaluations)).map(drop).map_err(Into::into)),
             ("an influence", influence(&study, 0, 5000, None, &after(evaluations)).map(drop)),
             ("a ranking", rank(&brake, &options, &after(evaluations)).map(drop)),
         ];

@@ -24,12 +24,12 @@ use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
 use reduction::{ReducedModes, RouteCounts, Rung};
-use squeal::sweep::Over;
 use study::{
     BandMode, Bridge, CoarsePath, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable,
     NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
     WholeEigenvalue,
 };
+use sweep::Over;
 
 use self::parameters::SceneOf;
 use self::reduce::Trained;

@@ -1,7 +1,7 @@
 //! Points of a finite element brake over the ranges that a sweep goes through.
 
 use linsys::OperatingPoint;
-use squeal::sweep::{Over, SweptParameter, swept};
+use sweep::{Over, SweptParameter, swept};
 
 use super::parameters::{self, SceneOf};
 use super::points::speeds_of;

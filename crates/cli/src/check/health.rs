@@ -6,9 +6,9 @@ use brakes::case::{FiniteElementCase, FixedDofs};
 use brakes::frictionless;
 use nalgebra::Complex;
 use nalgebra_sparse::CscMatrix;
+use output::hertz;
 use sparse::SparseSecondOrder;
 use sparse::health::{MatrixHealth, Signs, SolutionErrors, solution_errors};
-use squeal::results::hertz;
 use squeal::study::{Origin, Plan};
 
 use super::line;

@@ -1,10 +1,10 @@
 //! The shapes of modes, for the picture in which they move.
 
 use num_complex::Complex;
+use output::hertz;
 use serde_json::{Value, json};
 use squeal::results::Results;
 use squeal::results::findings::SetFindings;
-use squeal::results::hertz;
 use squeal::study::origin_of_set;
 
 use super::geometry::{BasisOf, Geometry, ModeOf};

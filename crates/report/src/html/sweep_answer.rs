@@ -1,6 +1,6 @@
 //! The answer of a sweep in words: which modes grow from where on, or how much of a map is stable.
 
-use squeal::results::hertz;
+use output::hertz;
 use squeal::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, SweepOnset, named, not_looked_for};
 
 use super::text::{capitalised, escaped};

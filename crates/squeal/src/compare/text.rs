@@ -2,10 +2,9 @@
 
 use std::fmt::Write as _;
 
-use output::printable;
+use output::{hertz, printable};
 
 use super::{Against, Compared, ComparedStudies, Link, LinkedBy};
-use crate::results::hertz;
 
 /// Most lines of a study; the table has all. Chosen: a screen.
 const MOST_LINES: usize = 20;

@@ -97,7 +97,7 @@ impl Cycles {
         for of in &self.motions {
             let blank = String::new;
             let (cycle, measures) = (cycle_of(&of.motion), of.measures.as_ref());
-            let hertz = |value: Option<f64>| value.map_or_else(blank, crate::results::hertz);
+            let hertz = |value: Option<f64>| value.map_or_else(blank, output::hertz);
             let share = |value: fn(&cycle::Shares) -> f64| {
                 let greatest = |measures: &Measures| measures.contacts.iter().map(value).fold(0.0, f64::max);
                 measures.map_or_else(blank, |measures| format!("{:.3}", greatest(measures)))
@@ -109,7 +109,7 @@ impl Cycles {
             text += &format!(
                 "{:>6}  {:>12}  {:>11.4}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  {}{}\n",
                 of.start,
-                crate::results::hertz(hz(of.lambda.im)),
+                output::hertz(hz(of.lambda.im)),
                 of.lambda.re,
                 hertz(cycle.map(Cycle::frequency_hz)),
                 hertz(of.balanced_hz),
@@ -230,7 +230,7 @@ impl Branch {
             "mode {}, onset at {name} = {:.6}, {} Hz\n{:>12}  {:>12}  {:>12}  {:>10}  {:>10}  {:>6}  {:>6}  {:>8}\n",
             self.mode,
             self.onset,
-            crate::results::hertz(self.onset_hz),
+            output::hertz(self.onset_hz),
             name,
             "balance Hz",
             "cycle Hz",
@@ -241,7 +241,7 @@ impl Branch {
             "rms m/s"
         );
         for of in &self.cycles {
-            let head = format!("{:>12.6}  {:>12}", of.at, crate::results::hertz(of.balanced_hz));
+            let head = format!("{:>12.6}  {:>12}", of.at, output::hertz(of.balanced_hz));
             let fold = if of.is_fold { "  fold" } else { "" };
             text += &match &of.in_time {
                 None => format!(
@@ -254,7 +254,7 @@ impl Branch {
                     let rms = self.bodies.iter().map(|(_, dofs)| measures.rms_of(dofs)).fold(0.0, f64::max);
                     format!(
                         "{head}  {:>12}  {:>10.4}  {:>10.4}  {:>6.3}  {:>6.3}  {rms:>8.4}{}{fold}\n",
-                        crate::results::hertz(cycle.frequency_hz()),
+                        output::hertz(cycle.frequency_hz()),
                         of.amplitude,
                         cycle.largest_multiplier(),
                         greatest(|shares| shares.open),

@@ -2,13 +2,12 @@
 //! for `summary.md` and the page.
 
 use montecarlo::{Interval, QuantileSketch};
-use output::{Block, Cell, Cells, printable, significant};
+use output::{Block, Cell, Cells, hertz, printable, significant};
 use study::{ModeLabel, SetLinks};
 
 use super::bands::by_third_octaves;
 use super::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::study_results::Estimate;
-use super::summary::hertz;
 use super::{Results, set_letter};
 use crate::Error;
 

@@ -20,5 +20,4 @@ pub use manifest::{Manifest, Source, Stopped, Times, VERSION};
 pub use modes::set_letter;
 pub use reasons::{SceneReasons, reasons, time_for_reasons};
 pub use study_results::{ArrangementOccurrence, Estimate, Results};
-pub use summary::hertz;
 pub use tables::write_tables;

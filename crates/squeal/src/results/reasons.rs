@@ -4,11 +4,10 @@ use std::time::{Duration, Instant};
 
 use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
-use output::Table;
+use output::{Table, hertz};
 use rayon::prelude::*;
 use study::{ModeLabel, Plan, Reference, SceneLabels, Study, UncertainBrake};
 
-use super::summary::hertz;
 use crate::Error;
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
 

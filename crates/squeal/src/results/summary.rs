@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use montecarlo::{Progress, Sampling};
-use output::printable;
+use output::{hertz, printable};
 use study::{ModeLabel, Panel, SceneTally, Study, StudyTally, UncertainBrake};
 
 use super::findings::warnings;
@@ -121,27 +121,6 @@ impl Results {
             _ => format!(
                 "no mode is ever unstable; {marginal} eigenvalues lie on the imaginary axis, as without damping, and neither grow nor decay"
             ),
-        }
-    }
-}
-
-/// A frequency in Hz with three decimals, below 1 Hz with four significant digits: brakes in units of their own have such.
-pub fn hertz(frequency: f64) -> String {
-    let below_one = -frequency.abs().log10().floor();
-    let decimals = if below_one.is_finite() { below_one.clamp(0.0, 9.0) as usize + 3 } else { 3 };
-    format!("{frequency:.decimals$}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::hertz;
-
-    #[test]
-    fn small_frequencies_keep_four_digits() {
-        for (frequency, text) in
-            [(1015.9524, "1015.952"), (1.5, "1.500"), (0.2254613, "0.2255"), (1.1779e-4, "0.0001178"), (0.0, "0.000")]
-        {
-            assert_eq!(hertz(frequency), text);
         }
     }
 }

@@ -5,7 +5,7 @@
 use brakes::MatricesBrake;
 use brakes::case::MatricesCase;
 use cea::Threshold;
-use squeal::sweep::CurveEnd;
+use sweep::CurveEnd;
 
 use super::{cases, hoffmann, mapped, over, swept};
 

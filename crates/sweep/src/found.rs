@@ -244,7 +244,7 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!("\n{name:>22}  {:>8}  {:>width$}  {:>12}  {:>8}\n", "error", "mode", "Hz", "unstable");
     }
     for onset in &sweep.onsets {
-        let (hz, does) = (crate::results::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
+        let (hz, does) = (output::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
         let whose = if onset.is_reduced { ", of the REDUCED brake: that of the whole one was not found" } else { "" };
         let SweepOnset { at, error, mode, unstable, .. } = onset;
         text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{whose}\n");
@@ -266,7 +266,7 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!("\n{name:>22}  {error:>8}  {off:>8}  {:>14}  {:>12}  {:>12}\n", "modes", "Hz", "growth 1/s");
     }
     for found in &sweep.coalescences {
-        let (modes, hz) = (found.modes.join(" and "), crate::results::hertz(hertz(found.omega)));
+        let (modes, hz) = (found.modes.join(" and "), output::hertz(hertz(found.omega)));
         let what = if found.distance <= found.error.max(f64::EPSILON) { "coalesce" } else { "nearly coalesce" };
         text += &format!(
             "{:>22}  {:>8.1e}  {:>8.1e}  {modes:>14}  {hz:>12}  {:>12.4}  {what}\n",
@@ -322,7 +322,7 @@ fn map_text(map: &StabilityMap) -> String {
         text += &format!(
             "{mode:>width$}  {:>6}  {:>22}  {x} = {x_from} to {x_to}, {y} = {y_from} to {y_to}{how}\n",
             points.len(),
-            format!("{} to {}", crate::results::hertz(hz[0]), crate::results::hertz(hz[1])),
+            format!("{} to {}", output::hertz(hz[0]), output::hertz(hz[1])),
         );
     }
     text += "\nunstable     share  regions\n";

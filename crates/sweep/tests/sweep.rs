@@ -9,10 +9,10 @@ use brakes::MatricesBrake;
 use brakes::case::{CaseFile, Law, MatricesCase};
 use cea::{EigenSolver, QrSolver, Workspace};
 use montecarlo::Distribution;
-use squeal::study::{Parametrised, Study, UncertainBrake};
-use squeal::sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
+use study::{Parametrised, Study, UncertainBrake};
+use sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
 
-#[path = "common/cases.rs"]
+#[path = "../../squeal/tests/common/cases.rs"]
 mod cases;
 #[path = "sweep/kinds.rs"]
 mod kinds;

@@ -15,6 +15,7 @@ mod crossing;
 mod curve_point;
 mod divergence;
 mod double;
+mod error;
 mod family;
 mod found;
 mod map;
@@ -30,6 +31,7 @@ pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
 pub use changes::{ChangeOf, Marginal};
 pub use coalescence::Coalescence;
 pub use divergence::{DIVERGENCE, EXCHANGE, named};
+pub use error::Error;
 pub use family::Evaluations;
 pub use found::{Found, event, not_looked_for};
 pub use map::{StabilityMap, stability_map};
@@ -38,3 +40,8 @@ pub use one_parameter::{NamedBranch, Sweep, sweep};
 pub use onset::SweepOnset;
 pub use parameter::{Over, SweptParameter, swept};
 pub use regions::{CELLS, Region, Run};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

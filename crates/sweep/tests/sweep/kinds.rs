@@ -8,8 +8,8 @@ use brakes::MatricesBrake;
 use cea::nalgebra::DMatrix;
 use cea::{BatchSolver, EigenSolver, QrSolver, Spectrum, Workspace};
 use rayon::prelude::*;
-use squeal::study::{Parametrised, Study};
-use squeal::sweep::{ChangeOf, Sweep, stability_map, sweep};
+use study::{Parametrised, Study};
+use sweep::{ChangeOf, Sweep, stability_map, sweep};
 
 use super::{cases, over, written};
 
