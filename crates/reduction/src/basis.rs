@@ -78,9 +78,23 @@ pub(super) fn projected_residual(
     let mut x = split::zeros(first.right.len(), modes.len());
     modes.iter().enumerate().for_each(|(at, mode)| split::set(&mut x, at, mode.right.iter().copied()));
     let x = basis * (basis.transpose() * x);
-    let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| times(matrix, &x));
     let mut largest = 0.0_f64;
-    for (at, mode) in modes.iter().enumerate() {
+    for (at, (mode, residual)) in modes.iter().zip(residuals(system, modes, &x)).enumerate() {
+        let norm = split::norm_squared(&x, at).sqrt();
+        let is_held = norm.powi(2) >= (1.0 - MOST_MISSING.powi(2)) * mode.right.norm_squared();
+        largest = largest.max(if is_held { residual.norm() / (size(mode.lambda) * norm) } else { f64::INFINITY });
+    }
+    largest
+}
+
+/// `Q(lambda_j) x_j` of a system at the eigenvalues of some modes, x n x m split.
+pub(super) fn residuals(
+    system: &SparseSecondOrder,
+    modes: &[Eigenpair],
+    x: &DMatrix<f64>,
+) -> Vec<DVector<Complex<f64>>> {
+    let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| times(matrix, x));
+    let residual = |(at, mode): (usize, &Eigenpair)| {
         let lambda = mode.lambda;
         let mut residual =
             split::vector(&m, at) * (lambda * lambda) + split::vector(&c, at) * lambda + split::vector(&k, at);
@@ -93,11 +107,9 @@ pub(super) fn projected_residual(
             let pull = drive * lambda / (lambda + state.decay);
             state.force.iter().for_each(|&(dof, value)| residual[dof] -= pull * value);
         }
-        let norm = split::norm_squared(&x, at).sqrt();
-        let is_held = norm.powi(2) >= (1.0 - MOST_MISSING.powi(2)) * mode.right.norm_squared();
-        largest = largest.max(if is_held { residual.norm() / (size(lambda) * norm) } else { f64::INFINITY });
-    }
-    largest
+        residual
+    };
+    modes.iter().enumerate().map(residual).collect()
 }
 
 /// The fewest leading columns of `directions` that, with `basis`, make `error` at most `wanted`; at most `most`. By bisection:

@@ -23,6 +23,8 @@ use crate::ReductionError;
 const WANTED_ERROR: f64 = 1e-5;
 /// Least distance that is assumed there; chosen: far above rounding, where the basis holds the modes as they are.
 const LEAST_ERROR: f64 = 1e-9;
+/// Distance from the rectangle, as a part of |lambda|, up to which modes shape the basis too; chosen: others come into it from there.
+const MARGIN: f64 = 0.01;
 /// How many times the largest distance at these points that of a sample may be; chosen.
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
@@ -86,7 +88,7 @@ impl Coarse {
     pub fn new(reduced: &Reduced, points: &[OperatingPoint]) -> Result<Option<Self>, ReductionError> {
         let systems =
             points.iter().map(|point| reduced.system().assemble(point)).collect::<Result<Vec<SecondOrder>, _>>()?;
-        let known = spectra(&systems).into_iter().map(|found| Ok(reduced.next_to_rectangle(&found?, 0.0)));
+        let known = spectra(&systems).into_iter().map(|found| Ok(reduced.next_to_rectangle(&found?, MARGIN)));
         let known = known.collect::<Result<Vec<_>, CeaError>>()?;
         let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
         let [right, left] = [&systems, &transposed].map(|systems| vectors(systems, &known));
@@ -218,8 +220,8 @@ impl Coarse {
         made.into_iter().map(one).collect()
     }
 
-    /// The largest distance, relative to |lambda|, of known modes in the rectangle at some points from those on the coarse basis; infinite where one is
-    /// missing, or one is there that is not known.
+    /// The largest distance, relative to |lambda|, of known modes in and next to the rectangle at some points from those on the coarse basis; infinite
+    /// where one in it is missing, or one is there that is not known.
     fn distance(
         &self,
         reduced: &Reduced,
@@ -234,7 +236,7 @@ impl Coarse {
             let is_inside = |lambda: &Complex<f64>| {
                 reduced.rectangle().contains_to_the_right(*lambda, -WANTED_ERROR * lambda.norm())
             };
-            if !found.missed.is_empty() || found.left.iter().any(is_inside) {
+            if found.missed.iter().chain(&found.left).any(is_inside) {
                 return Ok(f64::INFINITY);
             }
             largest = largest.max(found.distance);
@@ -358,7 +360,7 @@ fn columns_of(reduced: &Reduced) -> f64 {
 }
 
 /// The right vectors of some eigenvalues of each of some systems.
-fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> Result<Vec<Shapes>, ReductionError> {
+pub(super) fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> Result<Vec<Shapes>, ReductionError> {
     let of: Vec<(&SecondOrder, &[Complex<f64>])> = systems.iter().zip(known.iter().map(Vec::as_slice)).collect();
     Ok(right_vectors_of_all(&of, &mut Workspace::default()).into_iter().collect::<Result<_, CeaError>>()?)
 }

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | build a basis that is good enough over a set of draws | [`Reduction::build`] |
 //! | hold all friction and all open and closed contacts | [`response_basis`] |
-//! | hold the modes at some points, with columns that follow modes and not contacts | [`snapshot_basis`] |
+//! | hold the modes at some points, with columns that follow modes and not contacts | [`Snapshots`] |
 //! | find a smaller basis within these for one arrangement | [`within()`] |
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
@@ -60,7 +60,7 @@ pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};
 pub use route::{Route, RouteCounts};
 pub use shapes::shape_directions;
-pub use snapshots::snapshot_basis;
+pub use snapshots::{Snapshot, Snapshots};
 pub use within::{Rung, Within, rungs, within};
 
 /// The README's example, compiled and run as a doctest.

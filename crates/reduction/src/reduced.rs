@@ -35,7 +35,7 @@ pub struct ReducedModes {
     pub shapes: DMatrix<Complex<f64>>,
     /// `|Q(lambda) V y| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |V y|)` of the full system, Frobenius norms of matrices, or a bound: where
     /// [`Reduced::residual_rank`] is 256 or more, one at or below the tolerance is twice the estimate of a random sketch, which is below the true
-    /// one with a probability of less than 3e-18.
+    /// one with a probability of less than 3e-18; of a system of 6,000 rows or more all are.
     pub residuals: Vec<f64>,
     /// How they were found.
     pub route: Route,

@@ -13,12 +13,13 @@
 
 use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
+use nalgebra_sparse::CscMatrix;
 use num_complex::Complex;
-use sparse::SparseAffineSystem;
 use sparse::product::times;
+use sparse::{SparseAffineSystem, SparseSecondOrder, SparseTerm};
 
 use super::norms::{Norms, NormsAt};
-use super::outer::OuterRows;
+use super::outer::{OuterRows, Random};
 use super::shared::Friction;
 use super::{dense, split};
 use crate::ReductionError;
@@ -26,6 +27,9 @@ use crate::ReductionError;
 /// Random combinations of rows that a residual is estimated with, and how many times as many rows there are at least.
 const SKETCH_ROWS: usize = 128;
 const LEAST_SKETCHED: usize = 2;
+/// Rows of a system from which on residuals are known by random combinations alone; chosen: all directions of the stacked terms take longer there than
+/// the modes that the basis is made of.
+const LARGE: usize = 6000;
 /// What an estimate is multiplied by to be a bound. The squared norm of a sketch of 128 rows is that of the vector times a mean of 128
 /// squared normal numbers at least: below a quarter of it with a probability of less than 3e-18 (Chernoff's bound).
 const SKETCH_FACTOR: f64 = 2.0;
@@ -34,6 +38,8 @@ const SKETCH_FACTOR: f64 = 2.0;
 #[derive(Debug, Clone)]
 pub(super) struct ResidualForm {
     rows: OuterRows,
+    /// What norms by these rows are multiplied by: 1, or more where they are random combinations themselves.
+    factor: f64,
     /// Random combinations of the rows, where they are fewer by far.
     sketch: Option<OuterRows>,
     /// With `V^T b_i` and `V^T r_i` of each channel, and their norms.
@@ -115,6 +121,9 @@ impl ResidualForm {
         truncation: &Truncation<'_>,
     ) -> Result<Self, ReductionError> {
         let (n, k, norms) = (system.order(), basis.ncols(), Norms::new(system));
+        if n >= LARGE {
+            return Self::of_combinations(system, basis, norms);
+        }
         let &Truncation { points, largest, floor } = truncation;
         let greatest = |of: &dyn Fn(&OperatingPoint) -> f64| points.iter().map(|at| of(at).abs()).fold(0.0, f64::max);
         let mut blocks: Vec<Block> = Vec::new();
@@ -191,7 +200,43 @@ impl ResidualForm {
         }
         let rows = OuterRows { count: rank, terms, force: force_rows };
         let sketch = (rank >= LEAST_SKETCHED * SKETCH_ROWS).then(|| rows.sketched(SKETCH_ROWS));
-        Ok(Self { rows, sketch, friction: Friction::of(force_of, &reading_of), sizes, dropped, norms })
+        Ok(Self { rows, factor: 1.0, sketch, friction: Friction::of(force_of, &reading_of), sizes, dropped, norms })
+    }
+
+    /// The form of a large system: `S^T Q(lambda) V` with random columns S, n x 128, orthogonal to the basis.
+    fn of_combinations(
+        system: &SparseAffineSystem,
+        basis: &DMatrix<f64>,
+        norms: Norms,
+    ) -> Result<Self, ReductionError> {
+        let (n, k, mut random) = (system.order(), basis.ncols(), Random(0));
+        let scale = 1.0 / (SKETCH_ROWS as f64).sqrt();
+        let mut combinations = DMatrix::from_fn(n, SKETCH_ROWS, |_, _| random.normal() * scale);
+        let inside = dense::product(&basis.transpose(), &combinations);
+        dense::add_product(&mut combinations, -1.0, basis, &inside);
+        let transposed = combinations.transpose();
+        let of = |matrix: &CscMatrix<f64>| match matrix.nnz() {
+            0 => DMatrix::zeros(0, k),
+            _ => dense::product(&transposed, &times(matrix, basis)),
+        };
+        let terms: Vec<_> = system
+            .terms()
+            .iter()
+            .map(|SparseTerm { matrices: SparseSecondOrder { m, c, k, .. }, .. }| [m, c, k].map(of))
+            .collect();
+        let channels = system.channels();
+        let onto = |columns: &DMatrix<f64>, side: &[(usize, f64)], row: usize| {
+            side.iter().map(|&(dof, value)| value * columns[(dof, row)]).sum::<f64>()
+        };
+        let force =
+            DMatrix::from_fn(SKETCH_ROWS, channels.len(), |row, at| onto(&combinations, &channels[at].force, row));
+        let force_of = DMatrix::from_fn(k, channels.len(), |column, at| onto(basis, &channels[at].force, column));
+        let reading_of = DMatrix::from_fn(channels.len(), k, |at, column| onto(basis, &channels[at].reading, column));
+        let sizes = (0..channels.len()).map(|at| [force_of.column(at).norm(), reading_of.row(at).norm()]).collect();
+        let dropped = (vec![[0.0; 3]; terms.len()], vec![0.0; channels.len()]);
+        let rows = OuterRows { count: SKETCH_ROWS, terms, force };
+        let friction = Friction::of(force_of, &reading_of);
+        Ok(Self { rows, factor: SKETCH_FACTOR, sketch: None, friction, sizes, dropped, norms })
     }
 
     /// Directions outside of the basis that residuals are computed in.
@@ -230,7 +275,7 @@ impl Pairs<'_> {
     pub fn residuals(&self, enough: f64) -> Vec<f64> {
         let form = self.at.form;
         let all: Vec<usize> = (0..self.lambdas.len()).collect();
-        let Some(sketch) = &form.sketch else { return self.by(&form.rows, 1.0, &all) };
+        let Some(sketch) = &form.sketch else { return self.by(&form.rows, form.factor, &all) };
         let mut out = self.by(sketch, SKETCH_FACTOR, &all);
         let open: Vec<usize> = all.into_iter().filter(|&at| out[at].is_nan() || out[at] > enough).collect();
         if !open.is_empty() {

@@ -1,38 +1,133 @@
 //! A basis of modes at a few points: its columns follow the modes that are wanted, whatever the number of contacts is.
 //!
 //! A basis of [responses](super::response_basis) has columns for each contact. What friction and opened contacts do to the modes of a band is smooth over a
-//! face, and lies in far fewer directions: those of the modes at a few arrangements and frictions. Left vectors are among them, so that the error of an
-//! eigenvalue is the product of what is missing on both sides.
+//! face, and lies in far fewer directions: those of the modes at a few draws. Left vectors are among them, so that the error of an eigenvalue is the product
+//! of what is missing on both sides. How many draws it takes is told by the next ones: by what a basis misses of their modes before these enter it.
 
 use linsys::OperatingPoint;
 use nalgebra::DMatrix;
-use sparse::{Rectangle, SparseAffineSystem};
+use num_complex::Complex;
+use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder};
 
-use super::Vectors;
-use super::basis::{ModesAt, of_modes};
-use super::full;
-use super::norms::Norms;
+use super::basis::{MOST_MISSING, ROUNDING, candidates, directions, residuals};
+use super::full::{self, largest};
+use super::norms::{Norms, NormsAt};
+use super::{Vectors, dense, grows_too_fast, split};
 use crate::ReductionError;
 
-/// A basis of the modes in and to the right of a rectangle at some points, of which there is at least one: the fewest principal directions of their right
-/// and left vectors, n x k with k at most `most_columns`, that leave no right vector a larger residual than `tolerance`.
-///
-/// # Errors
-/// A point of another system, no mode in the rectangle at any point, what [`eigenpairs_in`](sparse::eigenpairs_in) refuses.
-pub fn snapshot_basis(
-    system: &SparseAffineSystem,
-    rectangle: &Rectangle,
-    points: &[OperatingPoint],
-    tolerance: f64,
-    most_columns: usize,
-) -> Result<DMatrix<f64>, ReductionError> {
-    let norms = Norms::new(system);
-    let mut known = Vec::with_capacity(points.len());
-    for point in points {
-        let full = system.assemble(point)?;
-        let (modes, _) = full::solve(&full, rectangle, &sparse::Options::default())?;
-        known.push((full, norms.at(point), modes));
+/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it from there.
+const MARGIN: f64 = 0.02;
+
+/// Modes of a large brake at some points, and the bases that hold them.
+#[derive(Debug)]
+pub struct Snapshots<'a> {
+    system: &'a SparseAffineSystem,
+    rectangle: Rectangle,
+    norms: Norms,
+    /// Orthonormal directions of all vectors, n x q.
+    directions: DMatrix<f64>,
+    /// The vectors, of unit length, in these directions, q x c.
+    coordinates: DMatrix<f64>,
+}
+
+/// Modes of a large brake at one point, with the brake there.
+#[derive(Debug)]
+pub struct Snapshot {
+    system: SparseSecondOrder,
+    norms: NormsAt,
+    rectangle: Rectangle,
+    modes: Vec<Eigenpair>,
+}
+
+impl<'a> Snapshots<'a> {
+    /// No modes yet, of a system in and to the right of a rectangle.
+    #[must_use]
+    pub fn new(system: &'a SparseAffineSystem, rectangle: Rectangle) -> Self {
+        let empty = || DMatrix::zeros(system.order(), 0);
+        Self { system, rectangle, norms: Norms::new(system), directions: empty(), coordinates: DMatrix::zeros(0, 0) }
     }
-    let known: Vec<_> = known.iter().map(|(system, norms, modes)| ModesAt { system, norms, modes }).collect();
-    of_modes(system.order(), &known, Vectors::RightAndLeft, (most_columns, tolerance))
+
+    /// All modes at a point, in and next to the rectangle, but those that grow faster than they oscillate ([`grows_too_fast`]).
+    ///
+    /// # Errors
+    /// A point of another system, what [`eigenpairs_in`](sparse::eigenpairs_in) refuses.
+    pub fn at(&self, point: &OperatingPoint) -> Result<Snapshot, ReductionError> {
+        let (system, margin) = (self.system.assemble(point)?, MARGIN * largest(&self.rectangle));
+        let Rectangle { re: [lowest, highest], im: [from, to] } = self.rectangle;
+        let wider =
+            Rectangle { re: [lowest - margin, highest], im: [from - margin.min(0.5 * from.abs()), to + margin] };
+        let (mut modes, _) = full::solve(&system, &wider, &sparse::Options::default())?;
+        modes.retain(|mode| !grows_too_fast(mode.lambda));
+        Ok(Snapshot { system, norms: self.norms.at(point), rectangle: self.rectangle, modes })
+    }
+
+    /// Adds the right and left vectors of modes to what bases hold.
+    ///
+    /// # Errors
+    /// Vectors that are no numbers.
+    pub fn add(&mut self, snapshot: &Snapshot) -> Result<(), ReductionError> {
+        let vectors = candidates(&snapshot.modes, Vectors::RightAndLeft);
+        if vectors.ncols() == 0 {
+            return Ok(());
+        }
+        let new = directions(&self.directions, vectors.clone(), ROUNDING)?;
+        let (known, more) = (self.directions.ncols(), new.ncols());
+        let mut all =
+            std::mem::replace(&mut self.directions, DMatrix::zeros(0, 0)).resize_horizontally(known + more, 0.0);
+        all.columns_mut(known, more).copy_from(&new);
+        let own = dense::product(&all.transpose(), &vectors);
+        let before = self.coordinates.ncols();
+        let coordinates = std::mem::replace(&mut self.coordinates, DMatrix::zeros(0, 0));
+        self.coordinates = coordinates.resize(known + more, before + own.ncols(), 0.0);
+        self.coordinates.columns_mut(before, own.ncols()).copy_from(&own);
+        self.directions = all;
+        Ok(())
+    }
+
+    /// The principal directions of all vectors, those of unit length, by descending singular value down to a floor: V, n x k with k at most
+    /// `most_columns`.
+    ///
+    /// # Errors
+    /// No mode that was added.
+    pub fn basis(&self, floor: f64, most_columns: usize) -> Result<DMatrix<f64>, ReductionError> {
+        if self.coordinates.ncols() == 0 {
+            let option = "the number of modes in the rectangle";
+            return Err(ReductionError::Option { option, value: 0.0, allowed: "1 or more" });
+        }
+        let (vectors, values) = dense::left_singular(&self.coordinates)?;
+        let count = values.iter().take_while(|&&value| value > floor).count().clamp(1, most_columns.max(1));
+        Ok(dense::product(&self.directions, &vectors.columns(0, count).into_owned()))
+    }
+}
+
+impl Snapshot {
+    /// The eigenvalues in and to the right of the rectangle, rad/s.
+    #[must_use]
+    pub fn lambdas(&self) -> Vec<Complex<f64>> {
+        let all = self.modes.iter().map(|mode| mode.lambda);
+        all.filter(|&lambda| self.rectangle.contains_to_the_right(lambda, 0.0)).collect()
+    }
+
+    /// The largest error, relative to |lambda| and to first order, that the eigenvalues have on a basis V, n x k, of orthonormal columns:
+    /// `|w^H Q(lambda) x / (lambda psi^H Q'(lambda) phi)|`, x and w what V holds of the vectors phi and psi; infinite where too little of one is in it.
+    #[must_use]
+    pub fn error(&self, basis: &DMatrix<f64>) -> f64 {
+        let Some(first) = self.modes.first() else { return 0.0 };
+        let held = |of: &dyn Fn(&Eigenpair) -> &nalgebra::DVector<Complex<f64>>| {
+            let mut vectors = split::zeros(first.right.len(), self.modes.len());
+            self.modes.iter().enumerate().for_each(|(at, mode)| split::set(&mut vectors, at, of(mode).iter().copied()));
+            dense::product(basis, &dense::product(&basis.transpose(), &vectors))
+        };
+        let (right, left) = (held(&|mode| &mode.right), held(&|mode| &mode.left));
+        let residuals = residuals(&self.system, &self.modes, &right);
+        let mut largest = 0.0_f64;
+        for (at, (mode, residual)) in self.modes.iter().zip(residuals).enumerate() {
+            let is_lost = |side: &DMatrix<f64>| split::norm_squared(side, at) < 1.0 - MOST_MISSING.powi(2);
+            let product = split::vector(&left, at).dotc(&residual).norm();
+            let error = product * mode.condition / self.norms.size(mode.lambda);
+            largest =
+                largest.max(if is_lost(&right) || is_lost(&left) || error.is_nan() { f64::INFINITY } else { error });
+        }
+        largest
+    }
 }

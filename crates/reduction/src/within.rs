@@ -6,18 +6,18 @@
 
 mod search;
 
-use linsys::{AffineSystem, OperatingPoint, SecondOrder};
+use linsys::{AffineSystem, OperatingPoint};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use sparse::SparseAffineSystem;
 
 use self::search::Search;
 use super::shared::Smaller;
-use super::{Options, Wanted, dense};
+use super::{Options, Wanted};
 use crate::ReductionError;
 
-/// Most changes of a smaller basis for each training point; chosen: a residual that stays above the tolerance is not brought below it by more.
-const MOST_CHANGES: usize = 20;
+/// Most changes of a smaller basis; chosen: a residual that stays above the tolerance is not brought below it by more.
+const MOST_ROUNDS: usize = 20;
 
 /// A smaller basis, and how it was found.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,7 @@ pub struct Within {
 /// The fewest directions within a larger basis that hold the modes in the rectangle at all given and training points. `reduced` is
 /// `system` on that basis, with the same terms and channels.
 ///
-/// All modes of the larger system are found at the given points, of which there is at least one. At a training point where a residual in
+/// All modes of the larger system are found at the given points, of which there is at least one. At the training points where a residual in
 /// the larger system is above the tolerance the modes are corrected, and what they become enters the basis, until none is. Then,
 /// until `options.probes` in a row show no missed mode, all modes are found at the point whose system differs most from those where they
 /// have been.
@@ -55,35 +55,31 @@ pub fn within(
 ) -> Result<Within, ReductionError> {
     let mut search = Search::new(system, reduced, wanted, options)?;
     (0..wanted.points.len()).try_for_each(|at| search.solve(at))?;
-    let in_rectangle = |lambda: &Complex<f64>| wanted.rectangle.contains_to_the_right(*lambda, 0.0);
-    search.first =
-        search.known.first().map_or(&[][..], |known| &known.lambdas).iter().copied().filter(in_rectangle).collect();
+    search.first = search.known.first().map_or(Vec::new(), |known| in_rectangle(&known.lambdas, wanted));
     let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();
-    let (mut small, mut next, mut passed, mut quiet) = (search.smaller()?, 0, 0, 0);
-    let mut left = MOST_CHANGES * training.len();
-    while !training.is_empty() && !search.is_exhausted(small.basis()) && left > 0 {
-        if passed < training.len() {
-            let at = training[next];
-            if search.judged(&mut small, at)?.1 <= options.tolerance {
-                (next, passed) = ((next + 1) % training.len(), passed + 1);
-                continue;
+    let (mut small, mut quiet, mut rounds) = (search.smaller()?, 0, 0);
+    let is_reached = loop {
+        let judged = search.judged(&mut small, &training)?;
+        let above: Vec<_> = judged.into_iter().filter(|judged| judged.residual > options.tolerance).collect();
+        if search.is_exhausted(small.basis()) || rounds == MOST_ROUNDS {
+            break above.is_empty() && !search.is_exhausted(small.basis());
+        }
+        if above.is_empty() {
+            if training.is_empty() || quiet >= options.probes {
+                break true;
             }
-            search.improve(&mut small, at)?;
-            (passed, left) = (0, left - 1);
-        } else {
-            if quiet >= options.probes {
-                break;
-            }
-            let Some(at) = search.farthest()? else { break };
+            let Some(at) = search.farthest()? else { break true };
             if search.probe(&mut small, at)? {
                 quiet += 1;
                 continue;
             }
-            (passed, quiet) = (0, 0);
+            quiet = 0;
+        } else {
+            above.into_iter().try_for_each(|judged| search.improve(judged))?;
         }
         small = search.smaller()?;
-    }
-    let is_reached = passed == training.len() && !search.is_exhausted(small.basis());
+        rounds += 1;
+    };
     let solved = search.known.iter().filter(|known| known.is_complete());
     let solved = solved.map(|known| (*search.points[known.point].at).clone()).collect();
     let basis = small.into_basis();
@@ -120,42 +116,16 @@ pub fn rungs(
         let columns = basis.ncols();
         let mut small = Smaller::new(basis, reduced);
         let (mut first, mut residual) = (None, 0.0_f64);
-        for at in 0..search.points.len() {
-            let (lambdas, largest) = search.judged(&mut small, at)?;
-            residual = residual.max(largest);
-            first.get_or_insert(lambdas);
+        for judged in search.judged(&mut small, &(0..search.points.len()).collect::<Vec<_>>())? {
+            residual = residual.max(judged.residual);
+            first.get_or_insert_with(|| in_rectangle(&judged.lambdas, wanted));
         }
         Ok(Rung { columns, residual, first: first.unwrap_or_default() })
     };
     columns.iter().map(rung).collect()
 }
 
-/// All eigenvalues of a system, and vectors whose first n entries are the shapes.
-///
-/// With `z = [y; lambda y / gamma; t s]` and internal states s the system is `A z = lambda z`,
-/// `A = [0, gamma I, 0; -M^-1 K / gamma, -M^-1 C, M^-1 F / (gamma t); 0, gamma t E, -diag(a)]`; t makes both couplings of a state alike in
-/// size.
-pub(super) fn eigen(system: &SecondOrder, gamma: f64) -> Result<dense::Eigen, ReductionError> {
-    let (n, s) = (system.order(), system.states());
-    let SecondOrder { m, c, k, internal } = system;
-    let right = {
-        let mut right = DMatrix::zeros(n, 2 * n + s);
-        right.columns_mut(0, n).copy_from(k);
-        right.columns_mut(n, n).copy_from(c);
-        right.columns_mut(2 * n, s).copy_from(&internal.force);
-        dense::solve_real(m, &right)?
-    };
-    let mut state = DMatrix::zeros(2 * n + s, 2 * n + s);
-    state.view_mut((0, n), (n, n)).fill_diagonal(gamma);
-    state.view_mut((n, 0), (n, n)).copy_from(&(right.columns(0, n) / -gamma));
-    state.view_mut((n, n), (n, n)).copy_from(&-right.columns(n, n));
-    for at in 0..s {
-        let (force, drive) = (right.column(2 * n + at), internal.drive.row(at));
-        let (given, taken) = (force.norm() / gamma, gamma * drive.norm());
-        let t = if given > 0.0 && taken > 0.0 { (given / taken).sqrt() } else { 1.0 };
-        state.view_mut((n, 2 * n + at), (n, 1)).copy_from(&(force / (gamma * t)));
-        state.view_mut((2 * n + at, n), (1, n)).copy_from(&(drive * (gamma * t)));
-        state[(2 * n + at, 2 * n + at)] = -internal.decay[at];
-    }
-    dense::eigen_real(&state)
+/// Those of some eigenvalues that are wanted.
+fn in_rectangle(lambdas: &[Complex<f64>], wanted: &Wanted<'_>) -> Vec<Complex<f64>> {
+    lambdas.iter().copied().filter(|&lambda| wanted.rectangle.contains_to_the_right(lambda, 0.0)).collect()
 }

@@ -6,12 +6,14 @@ use cea::{EigenSolver as _, QrSolver, Workspace};
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint};
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use reduction::{ReductionError, compared, snapshot_basis};
+use reduction::{ReductionError, Snapshots, compared};
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
 
 /// The patches of the contact, which open one by one.
 const PATCHES: usize = 3;
+/// Singular values, of vectors of unit length, down to which directions are in a basis.
+const FLOOR: f64 = 1e-7;
 const BAND: Rectangle = Rectangle { re: [-0.6, 3.0], im: [2.0, 16.0] };
 
 /// Two taut strings beside each other, cut into n pieces, that move along and across their contact: a pad on a disc, whatever n is. The first term is
@@ -110,7 +112,12 @@ fn columns_follow_modes_and_hold_every_friction_and_arrangement_between_the_poin
     let mut columns = Vec::new();
     for n in [15, 30, 60] {
         let system = strings(n);
-        let basis = snapshot_basis(&system, &BAND, &taken(n), 1e-9, 300).unwrap();
+        let mut snapshots = Snapshots::new(&system, BAND);
+        for point in taken(n) {
+            let modes = snapshots.at(&point).unwrap();
+            snapshots.add(&modes).unwrap();
+        }
+        let basis = snapshots.basis(FLOOR, 300).unwrap();
         assert!((basis.tr_mul(&basis) - DMatrix::identity(basis.ncols(), basis.ncols())).amax() < 1e-12);
         let (reduced, whole) = (system.project(&basis).unwrap(), dense(&system));
         let (mut growing, mut modes) = (0, 0);
@@ -131,12 +138,39 @@ fn columns_follow_modes_and_hold_every_friction_and_arrangement_between_the_poin
     assert!(columns.iter().all(|&count| count <= most), "{columns:?}");
 }
 
+/// What is foreseen of a draw whose modes are not in a basis is what eigenvalues on it are off by.
+#[test]
+fn errors_are_foreseen_from_what_a_basis_misses() {
+    let n = 30;
+    let system = strings(n);
+    let (mut snapshots, whole) = (Snapshots::new(&system, BAND), dense(&system));
+    for (count, point) in taken(n).into_iter().enumerate() {
+        let modes = snapshots.at(&point).unwrap();
+        snapshots.add(&modes).unwrap();
+        let basis = snapshots.basis(FLOOR, 300).unwrap();
+        assert!(modes.error(&basis) < 1e-9, "{count}: {:e}", modes.error(&basis));
+        let reduced = system.project(&basis).unwrap();
+        for (mu, open) in [(0.3, None), (0.6, Some(1)), (0.5, Some(2))] {
+            let held_out = at(n, mu, open);
+            let foreseen = snapshots.at(&held_out).unwrap().error(&basis);
+            let expected = eigenvalues(&whole.assemble(&held_out).unwrap());
+            let found = compared(&expected, eigenvalues(&reduced.assemble(&held_out).unwrap()));
+            if foreseen < 1e-4 {
+                assert!(found.missed.is_empty() && found.left.is_empty(), "{found:?}");
+                assert!(found.distance < 3.0 * foreseen + 1e-9, "{count} {mu}: {:e}, {foreseen:e}", found.distance);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_basis_without_points_or_modes_is_refused() {
     let system = strings(15);
-    let none = snapshot_basis(&system, &BAND, &[], 1e-9, 300);
+    let none = Snapshots::new(&system, BAND).basis(FLOOR, 300);
     assert!(matches!(none, Err(ReductionError::Option { value: 0.0, .. })), "{none:?}");
-    let beyond = Rectangle { im: [1e-3, 2e-3], ..BAND };
-    let none = snapshot_basis(&system, &beyond, &taken(15), 1e-9, 300);
-    assert!(matches!(none, Err(ReductionError::Option { value: 0.0, .. })), "{none:?}");
+    let mut beyond = Snapshots::new(&system, Rectangle { im: [1e-3, 2e-3], ..BAND });
+    let modes = beyond.at(&taken(15)[0]).unwrap();
+    beyond.add(&modes).unwrap();
+    let none = beyond.basis(FLOOR, 300);
+    assert!(modes.lambdas().is_empty() && matches!(none, Err(ReductionError::Option { value: 0.0, .. })), "{none:?}");
 }

@@ -45,6 +45,9 @@ const ALLOWANCE: f64 = 100.0;
 /// Least assumed error of an eigenvalue, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were
 /// solved with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
+/// Factor of the largest residual at draws of which a basis of modes was not made, up to which the distance that was measured there is taken to tell the
+/// error of a mode; chosen.
+const BEYOND_HELD_OUT: f64 = 10.0;
 /// Columns that a basis of a brake without contact is expected to have, before it is made; chosen.
 const EXPECTED_COLUMNS: usize = 40;
 /// Columns that a basis is expected to have with a contact between faces or of many pairs; chosen.
@@ -153,7 +156,6 @@ impl FiniteElementBrake {
     pub fn expected_cost(case: &FiniteElementCase) -> Cost {
         let columns: Vec<usize> = case.contact.as_ref().map_or(vec![EXPECTED_COLUMNS], |contact| {
             if !set_basis::is_of_responses(contact) {
-                // A basis of modes, whatever the number of points.
                 return vec![EXPECTED_COLUMNS_OF_MODES; contact.panels.iter().map(|(_, all)| all.len()).sum()];
             }
             let by_pair = EXPECTED_COLUMNS_BY_PAIR[usize::from(contact.is_lateral)];
@@ -397,6 +399,7 @@ impl ModeSource for FiniteElementBrake {
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
         let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
         let may_grow = |lambda: Complex<f64>, also: f64| threshold.margin(lambda) >= -(error + also) * lambda.norm();
+        let enough = self.case.reduction.residual.max(BEYOND_HELD_OUT * self.sets[part.set].held_out_residual);
         let points: Vec<OperatingPoint> = at.iter().map(|at| self.full_point(scene, at)).collect();
         let found = part.reduced.modes_of_all(&points, &may_grow);
         let mut counts = RouteCounts::default();
@@ -408,7 +411,7 @@ impl ModeSource for FiniteElementBrake {
             let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals);
             let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, _>), &f64)| {
                 // One that is no number is above too.
-                let is_within = value <= self.case.reduction.residual;
+                let is_within = value <= enough;
                 let residual = Some(ModeResidual { value, is_above: !is_within });
                 BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
             };

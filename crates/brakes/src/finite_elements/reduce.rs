@@ -15,10 +15,8 @@ use reduction::{
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{all_patches, naming_point, of_brake};
-use super::set_basis::{self, is_of_responses};
-use super::training::{
-    AT_BORDER, Closed, MOST_ROUNDS, MOST_SOLUTIONS, arrangements, held_out_draws, rectangle, training,
-};
+use super::set_basis::{self, HeldOut, SetBasis};
+use super::training::{AT_BORDER, Closed, MOST_SOLUTIONS, arrangements, rectangle, training};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
@@ -61,9 +59,13 @@ pub struct ReducedSet {
     pub modes: Vec<Complex<f64>>,
     /// Comparison of these modes with those of the reduced brake.
     pub compared: Compared,
-    /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at draws of which a
-    /// basis of modes was not made; 1 where one of them does not have the same modes, and 0 of a basis of responses, which no draw was taken for.
+    /// Draws of which a basis of modes was not made; none of one of responses.
+    drawn: Vec<HeldOut>,
+    /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
+    /// of them does not have the same modes, and 0 without any.
     pub held_out: f64,
+    /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
+    pub held_out_residual: f64,
 }
 
 /// The brake with one set of constraints in some arrangements, on a basis of its own.
@@ -115,36 +117,8 @@ pub(super) struct Trained {
 }
 
 /// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept`, where there are some,
-/// those of all at their further points. Where bases of modes do not have the modes of the whole brake at draws that are held out, they are made anew
-/// with these, some times at most.
+/// those of all at their further points `trained`.
 pub(super) fn all_bases(
-    case: &FiniteElementCase,
-    bases: Bases,
-    (swept, trained): (&[OperatingPoint], &[Trained]),
-    progress: &dyn Progress,
-) -> Result<AllBases, Error> {
-    let mut trained = trained.to_vec();
-    let mut round = 0;
-    loop {
-        let mut all = bases_of(case, bases, (swept, &trained), progress)?;
-        // A basis of responses was taken for no draw.
-        if case.contact.as_ref().is_none_or(is_of_responses) {
-            return Ok(all);
-        }
-        let of_set = |number| held_out(case, (number, round), &all);
-        let found = (0..all.sets.len()).map(of_set).collect::<Result<Vec<_>, Error>>()?;
-        if round == MOST_ROUNDS || found.iter().all(|(_, open)| open.is_empty()) {
-            let distance = |(distance, open): (f64, Vec<Trained>)| if open.is_empty() { distance } else { 1.0 };
-            all.sets.iter_mut().zip(found).for_each(|(set, found)| set.held_out = distance(found));
-            return Ok(all);
-        }
-        trained.extend(found.into_iter().flat_map(|(_, open)| open));
-        round += 1;
-    }
-}
-
-/// The bases of each set of constraints and of its parts.
-fn bases_of(
     case: &FiniteElementCase,
     bases: Bases,
     (swept, trained): (&[OperatingPoint], &[Trained]),
@@ -174,14 +148,13 @@ fn bases_of(
             }
         }
     }
-    progress.begin((case.constraints.len() + asked.len()) as u64, 0);
+    progress.begin((case.constraints.len() * set_basis::solutions(case) + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for (at, set) in case.constraints.iter().enumerate() {
         progress.go_on()?;
         let own: Vec<OperatingPoint> =
             trained.iter().filter(|point| point.set == at).map(|point| point.at.clone()).collect();
-        sets.push(reduced_set(case, &set.fixed, swept, &own)?);
-        progress.advance(1);
+        sets.push(reduced_set(case, &set.fixed, (swept, &own), progress)?);
     }
     let first = of_configurations[0];
     let part = |(at, asked): (usize, &Asked)| {
@@ -196,9 +169,12 @@ fn bases_of(
     let parts = asked.par_iter().enumerate().map(part).collect::<Result<Vec<_>, Error>>()?;
     let whole = |(set, &origin): (&ReducedSet, &usize)| modes_at_medians(case, set, &asked[origin], &parts[origin]);
     let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
-    for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
+    for (at, ((set, whole), &origin)) in sets.iter_mut().zip(whole).zip(&of_origins).enumerate() {
         set.compared = compared(&whole, parts[origin].within.first.clone());
         set.modes = whole;
+        let of_set = &of_configurations[at * arrangements.len()..];
+        let part = |closed: &Closed| arrangements.iter().position(|own| own == closed).map(|own| &parts[of_set[own]]);
+        (set.held_out, set.held_out_residual) = held_out(case, &set.drawn, part)?;
     }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })
@@ -256,15 +232,25 @@ fn modes_in(
 fn reduced_set(
     case: &FiniteElementCase,
     fixed: &[usize],
-    swept: &[OperatingPoint],
-    trained: &[OperatingPoint],
+    points: (&[OperatingPoint], &[OperatingPoint]),
+    progress: &dyn Progress,
 ) -> Result<ReducedSet, Error> {
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?;
-    let basis = set_basis::basis(case, &system, swept, trained)?;
+    let SetBasis { basis, held_out: drawn } = set_basis::basis(case, &system, points, progress)?;
     let reduced = system.project(&basis)?;
     let compared = compared(&[], Vec::new());
-    Ok(ReducedSet { dofs, system, basis, reduced, modes: Vec::new(), compared, held_out: 0.0 })
+    Ok(ReducedSet {
+        dofs,
+        system,
+        basis,
+        reduced,
+        modes: Vec::new(),
+        compared,
+        drawn,
+        held_out: 0.0,
+        held_out_residual: 0.0,
+    })
 }
 
 /// The modes of the whole brake at the point where those of a part were found first.
@@ -279,31 +265,32 @@ fn modes_at_medians(
     whole_modes(case, &set.system.assemble(&at)?, &part.within.first)
 }
 
-/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake with a set of constraints, at some draws,
-/// spread over all arrangements, laws and ranges of speed; and those draws at which one of both has such a mode and the other has none.
-fn held_out(
+/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
+/// both has such a mode and the other has none. With it the largest residual of these modes.
+fn held_out<'a>(
     case: &FiniteElementCase,
-    (number, round): (usize, u64),
-    all: &AllBases,
-) -> Result<(f64, Vec<Trained>), Error> {
-    let arrangements = arrangements(case);
-    let (mut largest, mut open) = (0.0_f64, Vec::new());
-    for (arrangement, at) in held_out_draws(case, round)? {
-        let part = &all.parts[all.of_configurations[number * arrangements.len() + arrangement]];
-        let reduced = part.reduced.modes(&at)?.lambdas;
-        let whole = whole_modes(case, &all.sets[number].system.assemble(&at)?, &reduced)?;
-        let is_next_to = |lambda: &&Complex<f64>| {
-            let size = lambda.norm();
-            lambda.re.abs() <= NEXT_TO_AXIS * size && rectangle(case).contains_to_the_right(**lambda, -AT_BORDER * size)
-        };
-        let [of_whole, of_reduced] = [(&whole, &reduced), (&reduced, &whole)]
-            .map(|(of, others)| compared(&of.iter().filter(is_next_to).copied().collect::<Vec<_>>(), others.clone()));
-        largest = largest.max(of_whole.distance);
-        if !(of_whole.missed.is_empty() && of_reduced.missed.is_empty()) {
-            open.push(Trained { set: number, closed: arrangements[arrangement].clone(), at });
-        }
+    drawn: &[HeldOut],
+    part: impl Fn(&Closed) -> Option<&'a Part>,
+) -> Result<(f64, f64), Error> {
+    let rectangle = rectangle(case);
+    let is_next_to = |lambda: &&Complex<f64>| {
+        let size = lambda.norm();
+        lambda.re.abs() <= NEXT_TO_AXIS * size && rectangle.contains_to_the_right(**lambda, -AT_BORDER * size)
+    };
+    let next_to = |of: &[Complex<f64>]| of.iter().filter(is_next_to).copied().collect::<Vec<_>>();
+    let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
+    for HeldOut { drawn, modes: whole } in drawn {
+        let Some(part) = part(&drawn.closed) else { continue };
+        let found = part.reduced.modes(&drawn.at)?;
+        let of_these = found.lambdas.iter().zip(&found.residuals).filter(|(lambda, _)| is_next_to(lambda));
+        residual = of_these.map(|(_, &own)| own).fold(residual, f64::max);
+        let reduced = found.lambdas;
+        let [of_whole, of_reduced] =
+            [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others.clone()));
+        let has_others = !(of_whole.missed.is_empty() && of_reduced.missed.is_empty());
+        largest = largest.max(if has_others { 1.0 } else { of_whole.distance });
     }
-    Ok((largest, open))
+    Ok((largest, residual))
 }
 
 /// A part on the fewest directions that hold it.

@@ -14,13 +14,12 @@ use crate::case::{FiniteElementCase, Law, ReductionGoal};
 /// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
 /// does hardly any brake squeal, and where nothing is there a search costs little.
 const SEARCHED: f64 = 0.25;
-/// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
+/// Most complete solutions for the basis of a part; chosen: one that needs more is as large as its limit.
 pub(super) const MOST_SOLUTIONS: usize = 60;
-/// Draws of each set of constraints at which a basis of modes is compared with the whole brake; chosen: each is a complete solution of it.
-pub(super) const HELD_OUT: usize = 3;
-
-/// The first stream of draws that are held out, far from those of samples, of full checks and of training points.
-const HELD_OUT_STREAMS: u64 = u64::MAX / 4;
+/// The first stream of draws that the basis of a set is made of, far from those of samples, of full checks and of training points.
+const FIRST_STREAM: u64 = u64::MAX / 4;
+/// Parts of 1 by which scenes and speeds of these draws advance: golden ratios of one and of two dimensions, which spread any number of them.
+const STEPS: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 /// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen.
 pub(super) const MOST_ROUNDS: u64 = 2;
 
@@ -64,22 +63,35 @@ pub(super) fn training(
     let count = count.max(scenes.len() as u64);
     let point = |(index, scene): (u64, &(&Closed, State))| {
         // Streams from the other end than those of the samples.
-        drawn_at(case, *scene, u64::MAX - index, Some(spread(index / scenes.len() as u64)))
+        drawn_at(case, *scene, u64::MAX - index, spread(index / scenes.len() as u64))
     };
     (0..count).zip(scenes.iter().cycle()).map(point).collect()
 }
 
-/// Draws that no basis is made of, each with its arrangement, by its index: some in each round, spread over all scenes.
-pub(super) fn held_out_draws(case: &FiniteElementCase, round: u64) -> Result<Vec<(usize, OperatingPoint)>, Error> {
+/// A point of the whole brake with some patches closed.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Drawn {
+    pub closed: Closed,
+    pub at: OperatingPoint,
+}
+
+/// Draws by their number from 0, spread over all scenes and over their ranges of speed; or the points that a sweep goes through, from end to end. A draw
+/// without an operating point is an error of its own, which a study counts.
+pub(super) fn draws(case: &FiniteElementCase, swept: &[OperatingPoint], count: usize) -> Vec<Result<Drawn, Error>> {
     let arrangements = arrangements(case);
     let scenes = scenes(case, &arrangements);
-    let states = scenes.len() / arrangements.len();
-    let draw = |turn: usize| {
-        let at = ((2 * turn + 1) * scenes.len() / (2 * HELD_OUT) + round as usize) % scenes.len();
-        let number = HELD_OUT_STREAMS + round * HELD_OUT as u64 + turn as u64;
-        Ok((at / states, drawn_at(case, scenes[at], number, None)?))
+    let part = |number: usize, step: f64| (number as f64 * step).fract();
+    let place = |number: usize, of: usize| (part(number, STEPS[0]) * of as f64) as usize;
+    let draw = |number: usize| match swept {
+        [] => {
+            let (closed, state) = scenes[place(number, scenes.len())];
+            let speed = part(number, STEPS[1]);
+            let at = drawn_at(case, (closed, state), FIRST_STREAM + number as u64, speed)?;
+            Ok(Drawn { closed: closed.clone(), at })
+        }
+        _ => Ok(Drawn { closed: arrangements[0].clone(), at: swept[place(number, swept.len())].clone() }),
     };
-    (0..HELD_OUT).map(draw).collect()
+    (0..count).map(draw).collect()
 }
 
 /// Arrangements, each under each law and range of speed.
@@ -94,15 +106,15 @@ fn scenes<'a>(case: &FiniteElementCase, arrangements: &'a [Closed]) -> Vec<(&'a 
     arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect()
 }
 
-/// A draw of a random stream in a scene, at a quantile of its range of speed, or a drawn one.
+/// A draw of a random stream in a scene, at a quantile of its range of speed.
 fn drawn_at(
     case: &FiniteElementCase,
     (closed, state): (&Closed, State),
     number: u64,
-    speed: Option<f64>,
+    speed: f64,
 ) -> Result<OperatingPoint, Error> {
     let mut sample = draw(case, &mut stream(case.header.seed, number))?;
-    if let Some((contacts, speed)) = sample.contacts.as_mut().zip(speed) {
+    if let Some(contacts) = &mut sample.contacts {
         contacts.speed_quantile = speed;
     }
     let friction = law_and_speed(case, state, &sample);

@@ -1,18 +1,19 @@
 //! What is known while a smaller basis is sought: the modes of the larger system at the points that were looked at.
 
+use cea::{CeaError, Spectrum};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::SparseAffineSystem;
 
-use super::eigen;
 use crate::ReductionError;
 use crate::basis::{MOST_MISSING, ROUNDING, directions, fewest};
+use crate::coarse::{spectra, vectors};
 use crate::compared::{Compared, compared};
 use crate::full::{largest, outside};
 use crate::norms::{Norms, NormsAt};
 use crate::shared::{Friction, Smaller, Structures};
-use crate::{Options, Wanted, dense, split};
+use crate::{Options, Wanted, dense, grows_too_fast, split};
 
 /// Part of the tolerance that the modes at points where the larger system was solved may use.
 const AT_KNOWN_POINTS: f64 = 0.5;
@@ -36,6 +37,20 @@ pub(super) struct Known {
     shapes: DMatrix<f64>,
     /// How often they were corrected; 0 where all modes were found.
     corrections: usize,
+}
+
+/// Eigenvalues of a system, rad/s, and their shapes, split.
+type Modes = (Vec<Complex<f64>>, DMatrix<f64>);
+
+/// Modes of a smaller system in and next to the rectangle at a point.
+pub(super) struct Judged {
+    /// Its place.
+    pub point: usize,
+    pub lambdas: Vec<Complex<f64>>,
+    /// In the coordinates of the larger system, split, k x 2 p.
+    pub shapes: DMatrix<f64>,
+    /// The largest residual of those in the rectangle, in the larger system.
+    pub residual: f64,
 }
 
 impl Known {
@@ -99,7 +114,7 @@ impl<'a> Search<'a> {
     /// Finds all modes of the larger system at a point.
     pub fn solve(&mut self, point: usize) -> Result<(), ReductionError> {
         let system = self.reduced.assemble(self.points[point].at)?;
-        let (lambdas, shapes) = self.modes(&system)?;
+        let (lambdas, shapes) = self.modes(&[system])?.remove(0);
         self.known.retain(|known| known.point != point);
         self.known.push(Known { point, lambdas, shapes, corrections: 0 });
         Ok(())
@@ -108,7 +123,7 @@ impl<'a> Search<'a> {
     /// Makes the modes of the smaller system at a point better ones of the larger system: `x - Q_0(i omega)^-1 Q(lambda) x`, with Q_0 that of
     /// the first point at the nearest of some frequencies, leaves of an error what lies along x, and what both Q differ in. Where that
     /// does not help often enough all modes are found.
-    pub fn improve(&mut self, small: &mut Smaller, point: usize) -> Result<(), ReductionError> {
+    pub fn improve(&mut self, Judged { point, lambdas, mut shapes, .. }: Judged) -> Result<(), ReductionError> {
         let before = self.known.iter().position(|known| known.point == point);
         let corrections = 1 + before.map_or(0, |at| self.known[at].corrections);
         if corrections > MOST_CORRECTIONS {
@@ -123,8 +138,6 @@ impl<'a> Search<'a> {
                 self.inverses.push((omega, dense::Factored::new(&q)));
             }
         }
-        let (lambdas, shapes) = self.modes(&self.small_system(small, point)?)?;
-        let mut shapes = small.basis() * shapes;
         let residual = self.residual(point, &lambdas, &shapes);
         for (at, lambda) in lambdas.iter().enumerate() {
             let distance = |(omega, _): &&(f64, dense::Factored)| (lambda.im - omega).abs();
@@ -145,7 +158,7 @@ impl<'a> Search<'a> {
     /// Finds all modes of the larger system at a point whose residuals are small; those that the smaller system does not have are missed
     /// ones. Whether there is none.
     pub fn probe(&mut self, small: &mut Smaller, point: usize) -> Result<bool, ReductionError> {
-        let (held, _) = self.modes(&self.small_system(small, point)?)?;
+        let held = self.judged(small, &[point])?.remove(0).lambdas;
         self.solve(point)?;
         let before = self.missed.len();
         let found = self.known.last().map_or(&[][..], |known| &known.lambdas);
@@ -156,17 +169,22 @@ impl<'a> Search<'a> {
         Ok(self.missed.len() == before)
     }
 
-    /// The eigenvalues in and next to the rectangle, with their shapes.
-    fn modes(&self, system: &SecondOrder) -> Result<(Vec<Complex<f64>>, DMatrix<f64>), ReductionError> {
-        let (all, vectors) = eigen(system, largest(&self.wanted.rectangle))?;
-        let is_near = |&at: &usize| outside(&self.wanted.rectangle, all[at]) <= self.margin() && all[at].im > 0.0;
-        let near: Vec<usize> = (0..all.len()).filter(is_near).collect();
-        let mut shapes = split::zeros(system.order(), near.len());
-        for (to, &from) in near.iter().enumerate() {
-            let shape: DVector<Complex<f64>> = vectors.column(from).rows(0, system.order()).into_owned();
-            split::set(&mut shapes, to, shape.normalize().iter().copied());
-        }
-        Ok((near.iter().map(|&at| all[at]).collect(), shapes))
+    /// The eigenvalues in and next to the rectangle of each of some systems, with their shapes, split; without those that no sample counts
+    /// ([`grows_too_fast`]).
+    fn modes(&self, systems: &[SecondOrder]) -> Result<Vec<Modes>, ReductionError> {
+        let is_near = |lambda: &Complex<f64>| {
+            outside(&self.wanted.rectangle, *lambda) <= self.margin() && lambda.im > 0.0 && !grows_too_fast(*lambda)
+        };
+        let near = |found: Result<Spectrum, CeaError>| Ok(found?.eigenvalues.into_iter().filter(is_near).collect());
+        let near = spectra(systems).into_iter().map(near).collect::<Result<Vec<Vec<_>>, CeaError>>()?;
+        let shapes = vectors(systems, &near)?;
+        let of_system = |((lambdas, shapes), system): ((Vec<Complex<f64>>, Vec<_>), &SecondOrder)| {
+            let mut columns = split::zeros(system.order(), lambdas.len());
+            let shapes = shapes.iter().map(|shape: &DVector<Complex<f64>>| shape.normalize());
+            shapes.enumerate().for_each(|(at, shape)| split::set(&mut columns, at, shape.iter().copied()));
+            (lambdas, columns)
+        };
+        Ok(near.into_iter().zip(shapes).zip(systems).map(of_system).collect())
     }
 
     /// The system on the fewest principal directions of all shapes that hold them at the points where they were found.
@@ -216,16 +234,21 @@ impl<'a> Search<'a> {
         out
     }
 
-    /// The modes of the smaller system in the rectangle, with the largest of their residuals in the larger system.
-    pub fn judged(&self, small: &mut Smaller, point: usize) -> Result<(Vec<Complex<f64>>, f64), ReductionError> {
-        let (lambdas, shapes) = self.modes(&self.small_system(small, point)?)?;
-        let is_wanted = |at: &usize| self.wanted.rectangle.contains_to_the_right(lambdas[*at], 0.0);
-        let wanted: Vec<usize> = (0..lambdas.len()).filter(is_wanted).collect();
-        let (lambdas, shapes): (Vec<_>, _) =
-            (wanted.iter().map(|&at| lambdas[at]).collect(), small.basis() * split::selected(&shapes, &wanted));
-        let residual = self.residual(point, &lambdas, &shapes);
-        let largest = largest_residual(&self.points[point].norms, &lambdas, &residual, &shapes);
-        Ok((lambdas, largest))
+    /// The modes of the smaller system at some points, with the largest residual of those in the rectangle in the larger system.
+    pub fn judged(&self, small: &mut Smaller, points: &[usize]) -> Result<Vec<Judged>, ReductionError> {
+        let systems =
+            points.iter().map(|&point| self.small_system(small, point)).collect::<Result<Vec<_>, ReductionError>>()?;
+        let judged = |(&point, (lambdas, shapes)): (&usize, Modes)| {
+            let shapes = small.basis() * shapes;
+            let is_wanted = |at: &usize| self.wanted.rectangle.contains_to_the_right(lambdas[*at], 0.0);
+            let wanted: Vec<usize> = (0..lambdas.len()).filter(is_wanted).collect();
+            let (of_wanted, own) =
+                (wanted.iter().map(|&at| lambdas[at]).collect::<Vec<_>>(), split::selected(&shapes, &wanted));
+            let residual = self.residual(point, &of_wanted, &own);
+            let residual = largest_residual(&self.points[point].norms, &of_wanted, &residual, &own);
+            Judged { point, lambdas, shapes, residual }
+        };
+        Ok(points.iter().zip(self.modes(&systems)?).map(judged).collect())
     }
 
     /// The Frobenius norm of the change of Q from one point to another.
