@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use crate::Dof;
+use crate::entry::Entry;
 use crate::limits::Limits;
-use crate::matrix::{Entry, Kind, Matrix};
+use crate::matrix::{Kind, Matrix};
 use crate::problem::Problem;
 use crate::symmetry::{Doubt, KnownBy, Pairs, Sides, Stored, mirrored};
 

@@ -6,30 +6,9 @@ use std::fmt;
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 
+use crate::entry::Entry;
 use crate::symmetry::{Doubt, KnownBy, Stored};
 use crate::{Dof, FormatsError};
-
-/// An entry of a [`Matrix`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Entry {
-    /// Row, from 0.
-    pub row: u32,
-    /// Column, from 0.
-    pub column: u32,
-    /// The value: finite.
-    pub value: f64,
-}
-
-impl Entry {
-    /// Row and column as one number that sorts by column, then row.
-    pub(crate) fn key(&self) -> u64 {
-        u64::from(self.column) << 32 | u64::from(self.row)
-    }
-
-    pub(crate) fn mirrored(self) -> Self {
-        Self { row: self.column, column: self.row, value: self.value }
-    }
-}
 
 /// Role of a matrix in `M u'' + C u' + K u = f`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

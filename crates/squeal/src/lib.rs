@@ -42,6 +42,7 @@ pub mod cycles;
 mod error;
 pub mod folder;
 pub mod influence;
+mod part_manifest;
 pub mod parts;
 pub mod rare;
 pub mod results;

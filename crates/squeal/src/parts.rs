@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use montecarlo::{Checkpoint, MonteCarloError, part_of, tiled};
-use serde::{Deserialize, Serialize};
 use study::identity::{Identity, Written};
 use study::{Study, StudyTally, UncertainBrake};
 
 use crate::Error;
 use crate::folder::RunFolder;
+pub use crate::part_manifest::PartManifest;
 use crate::results::{Manifest, VERSION};
 use crate::run::{DrawResults, RunOptions, checkpoint, identity, run_from, sampled, workers};
 
@@ -28,37 +28,6 @@ pub struct Shard {
     pub of: u64,
     /// Global index of the first sample of all parts: those before it are elsewhere.
     pub from: u64,
-}
-
-/// Manifest of a complete part: its study, its range of samples and what made it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PartManifest {
-    /// Version of the program.
-    pub version: String,
-    /// Commit of the program, where it is known.
-    pub commit: Option<String>,
-    /// Class of processors and libraries on which numbers are rounded alike.
-    pub rounding: String,
-    /// Identity of the study.
-    pub identity: String,
-    /// Seed of the random streams.
-    pub seed: u64,
-    /// Global index of the first sample.
-    pub from: u64,
-    /// Global index after the last sample.
-    pub to: u64,
-    /// Number of samples of the study.
-    pub of: u64,
-    /// Digest of what all samples share: the reference modes and their systems, to the last bit.
-    pub prepared: String,
-    /// Number of worker threads; `None` is one per core.
-    pub threads: Option<usize>,
-    /// Wall-clock time, s.
-    pub seconds: f64,
-    /// Number of evaluations.
-    pub evaluations: u64,
-    /// Number of draws and evaluations that failed.
-    pub failures: u64,
 }
 
 /// Class of processors and libraries on which the results of a study are the same bytes.

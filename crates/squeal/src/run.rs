@@ -11,7 +11,7 @@ use study::{ModeNaming, Plan, Study, StudyOptions, StudyTally, UncertainBrake, s
 
 use crate::Error;
 use crate::folder::RunFolder;
-use crate::parts::PartManifest;
+use crate::part_manifest::PartManifest;
 use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reasons, write_tables};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.

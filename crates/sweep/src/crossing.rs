@@ -14,7 +14,7 @@ use cea::{Eigentriple, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
-use super::changes::{Along, Change, ChangeOf, Place};
+use super::change::{Along, Change, ChangeOf, Place};
 use super::divergence::{BESIDE, sign_change};
 use super::family::DIFFERENCE;
 use crate::Error;

@@ -11,7 +11,7 @@ use serde::Serialize;
 use study::{ModeSource, Parametrised, Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
 use tracking::{Ambiguity, KeptSpectra, RootLocus, SystemAt, SystemChange};
 
-use super::changes::{Change, ChangeOf};
+use super::change::{Change, ChangeOf};
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
 

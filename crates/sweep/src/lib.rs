@@ -9,6 +9,7 @@
 //! branches ask for it: [`Evaluations`] counts them.
 
 mod boundary;
+mod change;
 mod changes;
 mod coalescence;
 mod crossing;
@@ -28,7 +29,8 @@ mod part_map;
 mod regions;
 
 pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
-pub use changes::{ChangeOf, Marginal};
+pub use change::ChangeOf;
+pub use changes::Marginal;
 pub use coalescence::Coalescence;
 pub use divergence::{DIVERGENCE, EXCHANGE, named};
 pub use error::Error;

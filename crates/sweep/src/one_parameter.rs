@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use study::{Reference, Study, UncertainBrake};
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, RootLocus, root_locus};
 
-use super::changes::{Along, Change, ChangeOf, Changes, Marginal};
+use super::change::{Along, Change, ChangeOf};
+use super::changes::{Changes, Marginal};
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
 use super::divergence::DIVERGENCE;
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP};

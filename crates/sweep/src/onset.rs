@@ -4,7 +4,7 @@ use serde::Serialize;
 use study::UncertainBrake;
 use tracking::{Branches, Onset};
 
-use super::changes::ChangeOf;
+use super::change::ChangeOf;
 use super::family::Part;
 use crate::Error;
 

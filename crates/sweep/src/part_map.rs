@@ -10,7 +10,8 @@ use study::UncertainBrake;
 use tracking::{Branches, follow_branch};
 
 use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, KnownPoint, Tracer, passes};
-use super::changes::{Along, Change, ChangeOf, Changes};
+use super::change::{Along, Change, ChangeOf};
+use super::changes::Changes;
 use super::curve_point::{CurvePoint, PointOf};
 use super::divergence::{DIVERGENCE, EXCHANGE};
 use super::family::{DIFFERENCE, Evaluations, Line, Part, SHORTEST_STEP};

@@ -5,9 +5,10 @@ use nalgebra::Vector3;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
+use super::entries::{LateralEntry, SlidingEntry};
 use super::missing::MissingRows;
 use super::nodes::Model;
-use super::schema::{ContactTable, LateralEntry, SlidingEntry};
+use super::schema::ContactTable;
 use super::side::{Side, sides};
 use super::{PairPlace, Patch};
 use crate::CaseError;
@@ -61,7 +62,7 @@ impl Patches {
             |pairs: &[&Pair]| [0, 1].map(|side| pairs.iter().map(|pair| pair.nodes[side]).collect::<Vec<i64>>());
         let [pad, disc] = nodes_of(&pairs.iter().collect::<Vec<_>>());
         let missing = [("contact.pad", &pad), ("contact.disc", &disc)]
-            .map(|(field, nodes)| MissingRows::of(model, field, nodes, &TRANSLATIONS).transpose());
+            .map(|(field, nodes)| model.missing_rows(field, nodes, &TRANSLATIONS).transpose());
         let missing = missing.into_iter().flatten().collect::<Result<_, _>>()?;
         let normal = pairs.first().map_or_else(Vector3::zeros, |pair| pair.normal);
         let sides = sides(model, [&pad, &disc], &normal)?;
@@ -84,7 +85,7 @@ impl Patches {
             let own: Vec<&Pair> = own.iter().map(|&at| &pairs[at]).collect();
             for nodes in nodes_of(&own) {
                 // Of a patch some nodes may be held, which was counted above.
-                MissingRows::of(model, &format!("contact.patches {name:?}"), &nodes, &TRANSLATIONS)?;
+                model.missing_rows(&format!("contact.patches {name:?}"), &nodes, &TRANSLATIONS)?;
             }
             let is_lateral = contact.lateral != Some(LateralEntry::None);
             out.add(model, name, own, (of_pair, load, is_lateral))?;

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use montecarlo::Distribution;
 
 use super::contact::Patches;
+use super::entries::LateralEntry;
 use super::faces::Solids;
 use super::nodes::Model;
-use super::schema::{ContactTable, FrictionTable, LateralEntry};
+use super::schema::{ContactEntry, ContactTable, FrictionTable};
 use super::structure::Structure;
-use super::surface_contact::{SurfaceContact, Surfaces};
+use super::surface_contact::SurfaceContact;
 use super::surface_loads::{Pressing, balanced};
-use super::surface_schema::{AllContactsTable, ContactEntry, FacesTable, ForceTable};
+use super::surface_schema::{AllContactsTable, FacesTable, ForceTable};
+use super::surfaces::Surfaces;
 use super::{ContactBalance, LOAD_FACTOR, OWN_SPEED, OwnSpeed, Patch, PatchContact, STIFFNESS_FACTOR};
 use crate::arrangements::arrangements_by_number;
 use crate::check::{Check, field};

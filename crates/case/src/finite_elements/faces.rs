@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use elements::{ElementsError, FaceId, Kind, Mesh, Rows};
 use formats::Solid;
 
+use super::entries::Nodes;
 use super::nodes::Model;
-use super::schema::Nodes;
 use crate::CaseError;
 
 /// Most names that a message lists; chosen, so that the message stays short.

@@ -4,8 +4,10 @@
 mod balance;
 mod contact;
 mod contacts;
+mod entries;
 mod faces;
 mod missing;
+mod names_on_mesh;
 mod nodes;
 mod read;
 mod schema;
@@ -14,12 +16,14 @@ mod structure;
 mod surface_contact;
 mod surface_loads;
 mod surface_schema;
+mod surfaces;
 mod terms;
 mod turning;
 mod units;
 
 pub use balance::{Acting, ContactBalance, ContactState};
-pub use missing::{MissingRows, NamesOnMesh};
+pub use missing::MissingRows;
+pub use names_on_mesh::NamesOnMesh;
 pub use side::Side;
 pub use surface_loads::EQUILIBRIUM;
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use formats::{Dof, Mesh, Solid, SurfaceSet};
 
-use super::missing::MissingRows;
+use super::missing::{MissingRows, listed};
 use crate::CaseError;
 use crate::check::Check;
 
@@ -123,5 +123,27 @@ impl<'a> Model<'a> {
         all.sort_unstable();
         all.dedup();
         Ok((all, missing))
+    }
+
+    /// The nodes of a field that lack rows in some of these directions (1 to 6); `None` where none does.
+    ///
+    /// # Errors
+    /// No node has a row: a body that the matrices do not have would be ground without a word.
+    pub fn missing_rows(
+        &self,
+        field: &str,
+        nodes: &[i64],
+        directions: &[u32],
+    ) -> Result<Option<MissingRows>, CaseError> {
+        let rows = |node: i64| directions.iter().filter(|&&direction| self.row(node, direction).is_some()).count();
+        let without = nodes.iter().filter(|&&node| rows(node) == 0).count();
+        let partly = nodes.iter().filter(|&&node| (1..directions.len()).contains(&rows(node))).count();
+        if without == nodes.len() {
+            let found = format!("{}, of which the matrices have no row", listed(nodes));
+            let allowed = format!("nodes with rows in the matrices, as {}", self.some_rows());
+            return Err(self.check.value(field, found, &allowed));
+        }
+        let missing = MissingRows { field: field.to_owned(), nodes: nodes.len(), without, partly };
+        Ok((without + partly > 0).then_some(missing))
     }
 }

@@ -7,7 +7,8 @@ use sparse::SparseAffineSystem;
 
 use super::contacts::{GivenContacts, read_contact};
 use super::faces::Solids;
-use super::missing::{MissingRows, NamesOnMesh};
+use super::missing::MissingRows;
+use super::names_on_mesh::NamesOnMesh;
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, FiniteElementsFile, ReductionTable};
 use super::structure::Structure;

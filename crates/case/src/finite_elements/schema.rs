@@ -1,12 +1,16 @@
 //! The fields of a case file with a finite element brake. docs/case-files.md describes them.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::PathBuf;
 
 use montecarlo::Distribution;
-use serde::Deserialize;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 
-use super::surface_schema::{AllContactsTable, ContactEntry, ForceTable, RotationTable, SpringTable};
+use super::entries::{LateralEntry, Nodes, SlidingEntry};
+use super::surface_schema::{AllContactsTable, FacesTable, ForceTable, RotationTable, SpringTable};
 use super::units::UnitsTable;
 
 use crate::check::Accuracy;
@@ -121,6 +125,36 @@ pub(super) struct HolderTable {
     pub damping: [f64; 3],
 }
 
+/// Table `[contact]`, of nodes at the same positions, or tables `[[contact]]`, of faces.
+#[derive(Debug)]
+pub(super) enum ContactEntry {
+    OfNodes(Box<ContactTable>),
+    OfFaces(Vec<FacesTable>),
+}
+
+impl<'de> Deserialize<'de> for ContactEntry {
+    /// The entry by its kind, table or list of tables, so that a misspelt field is named.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either;
+        impl<'de> Visitor<'de> for Either {
+            type Value = ContactEntry;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table [contact] or tables [[contact]]")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ContactEntry, A::Error> {
+                Ok(ContactEntry::OfNodes(Box::new(Deserialize::deserialize(MapAccessDeserializer::new(map))?)))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ContactEntry, A::Error> {
+                Ok(ContactEntry::OfFaces(Deserialize::deserialize(SeqAccessDeserializer::new(list))?))
+            }
+        }
+        deserializer.deserialize_any(Either)
+    }
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
@@ -142,14 +176,6 @@ pub(super) struct ContactTable {
     #[serde(default = "constant")]
     pub bristle_damping: BristleDampingEntry,
     pub lateral: Option<LateralEntry>,
-}
-
-/// Friction across the sliding: the direction of friction follows that of the sliding, or there is none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum LateralEntry {
-    Vector,
-    None,
 }
 
 fn shared() -> Draws {
@@ -175,51 +201,12 @@ pub(super) struct FrictionTable {
     pub sigma2: Option<Distribution>,
 }
 
-/// The velocity of the disc under the pad: one direction, or around an axis.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a direction, as [1.0, 0.0, 0.0], or { axis = [0.0, 0.0, 1.0], through = [0.0, 0.0, 0.0] }"
-)]
-pub(super) enum SlidingEntry {
-    Direction([f64; 3]),
-    About(AxisTable),
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct AxisTable {
-    pub axis: [f64; 3],
-    #[serde(default)]
-    pub through: [f64; 3],
-}
-
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ConstraintsTable {
     pub name: String,
     #[serde(default)]
     pub fixed: Vec<String>,
-}
-
-/// Names of node sets, and numbers of nodes.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected names of node sets or numbers of nodes, as [\"PAD\", \"1042\"], or one of them in quotes"
-)]
-pub(super) enum Nodes {
-    One(String),
-    List(Vec<String>),
-}
-
-impl Nodes {
-    pub fn items(&self) -> &[String] {
-        match self {
-            Self::One(item) => std::slice::from_ref(item),
-            Self::List(items) => items,
-        }
-    }
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,22 +1,14 @@
-//! Contacts between faces that need not match: their points in patches, with springs and friction.
+//! A contact between faces that need not match: its points, and the patch of each.
 
 use std::collections::BTreeSet;
 
-use contact::{ContactError, Integration, Interface, Pairing, Row, Sliding, Stiffness};
+use contact::{ContactError, Integration, Interface, Pairing, Sliding, Stiffness};
 use elements::{Axis, FaceId};
-use linsys::Channel;
-use nalgebra_sparse::{CooMatrix, CscMatrix};
-use sparse::{SparseSecondOrder, SparseTerm};
 
-use super::balance::ContactBalance;
-use super::contact::Patches;
+use super::entries::{Nodes, SlidingEntry};
 use super::faces::Solids;
 use super::missing::MissingRows;
-use super::schema::SlidingEntry;
-use super::side::Side;
-use super::surface_loads::{Balanced, given_forces};
 use super::surface_schema::{FacesTable, IntegrationEntry, StiffnessEntry};
-use super::{PairPlace, Patch};
 use crate::CaseError;
 use crate::check::field;
 
@@ -28,8 +20,8 @@ pub(super) struct SurfaceContact<'t> {
     pub table: &'t FacesTable,
     pub interface: Interface,
     pub law: Stiffness,
-    slave: Vec<FaceId>,
-    master: Vec<FaceId>,
+    pub slave: Vec<FaceId>,
+    pub master: Vec<FaceId>,
 }
 
 impl<'t> SurfaceContact<'t> {
@@ -85,7 +77,7 @@ impl<'t> SurfaceContact<'t> {
     }
 
     /// Names of the patches, and the patch of each point by its index among them.
-    fn patches(&self, solids: &Solids<'_>) -> Result<(Vec<String>, Vec<usize>), CaseError> {
+    pub fn patches(&self, solids: &Solids<'_>) -> Result<(Vec<String>, Vec<usize>), CaseError> {
         let (check, key) = (solids.model.check, field("contact", &self.table.name, "patches"));
         if self.table.patches.is_empty() {
             return Ok((vec![self.table.name.clone()], vec![0; self.interface.points().len()]));
@@ -93,7 +85,7 @@ impl<'t> SurfaceContact<'t> {
         let mut sets = Vec::new();
         for name in &self.table.patches {
             check.plain_name(&key, name)?;
-            let faces = super::schema::Nodes::One(name.clone());
+            let faces = Nodes::One(name.clone());
             let nodes = match solids.model.set(name) {
                 Some(nodes) => nodes.clone(),
                 None => solids.nodes_of(&solids.faces(&key, &faces)?),
@@ -109,178 +101,12 @@ impl<'t> SurfaceContact<'t> {
         Ok((self.table.patches.clone(), of))
     }
 
-    fn missing(&self, solids: &Solids<'_>) -> Result<Vec<MissingRows>, CaseError> {
+    /// Nodes of its faces that lack rows.
+    pub fn missing(&self, solids: &Solids<'_>) -> Result<Vec<MissingRows>, CaseError> {
         let of = |(key, faces): (&str, &Vec<FaceId>)| {
             let key = format!("contact.{key} of {:?}", self.table.name);
-            MissingRows::of(solids.model, &key, &solids.nodes_of(faces), &TRANSLATIONS).transpose()
+            solids.model.missing_rows(&key, &solids.nodes_of(faces), &TRANSLATIONS).transpose()
         };
         [("slave", &self.slave), ("master", &self.master)].into_iter().filter_map(of).collect()
-    }
-}
-
-/// Contacts between faces, all of a case.
-pub(super) struct Surfaces {
-    pub patches: Patches,
-    /// The mean of the speeds of all points by their areas, at 1 rad/s, or 1 of a direction.
-    pub mean_speed: f64,
-    /// Equilibrium from which the loads follow; `None` where they are given.
-    pub balance: Option<ContactBalance>,
-}
-
-impl Surfaces {
-    /// The patches of all contacts, with the forces that are given or in equilibrium.
-    pub fn new(
-        solids: &Solids<'_>,
-        tables: &[FacesTable],
-        is_lateral: bool,
-        balanced: &dyn Fn(&[SurfaceContact<'_>]) -> Result<Balanced, CaseError>,
-    ) -> Result<Self, CaseError> {
-        let check = solids.model.check;
-        check.names("contact.name", tables.iter().map(|table| &table.name))?;
-        let contacts =
-            tables.iter().map(|table| SurfaceContact::new(solids, table)).collect::<Result<Vec<_>, CaseError>>()?;
-        if contacts.is_empty() {
-            return Err(check.value("contact", "[]", "one table or more"));
-        }
-        let count = tables.iter().filter(|table| table.is_in_equilibrium()).count();
-        if count != 0 && count != contacts.len() {
-            return Err(check.value("contact.load", "\"equilibrium\" in some", "\"equilibrium\" in all or in none"));
-        }
-        let (forces, balance): (Vec<Vec<f64>>, _) = match count {
-            0 => (contacts.iter().map(|contact| given_forces(solids, contact)).collect::<Result<_, _>>()?, None),
-            _ => {
-                let Balanced { forces, note, balance } = balanced(&contacts)?;
-                check.note(note);
-                (forces, Some(balance))
-            }
-        };
-        let mean_speed = mean_speed(&contacts);
-        let count = |faces: &dyn Fn(&SurfaceContact<'_>) -> usize| Side::Faces(contacts.iter().map(faces).sum());
-        let sides = [count(&|contact| contact.slave.len()), count(&|contact| contact.master.len())];
-        let missing = contacts.iter().map(|contact| contact.missing(solids)).collect::<Result<Vec<_>, _>>()?.concat();
-        let mut out = Patches { patches: Vec::new(), terms: Vec::new(), channels: Vec::new(), sides, missing };
-        let mut first = 0;
-        for (contact, forces) in contacts.iter().zip(&forces) {
-            let (names, of) = contact.patches(solids)?;
-            let of_contact = check.contact::<ContactError>(&contact.field());
-            let stiffness = contact.interface.tangents(&contact.law, forces).map_err(&of_contact)?;
-            report_gaps(solids, contact);
-            for (at, name) in names.iter().enumerate() {
-                let mut own: Vec<usize> = (0..of.len()).filter(|&point| of[point] == at).collect();
-                let is_pressed = own.iter().any(|&point| forces[point] > 0.0);
-                if balance.is_none() {
-                    own.retain(|&point| forces[point] > 0.0);
-                }
-                if !is_pressed {
-                    let found = format!("{name:?}, of whose points none is closed");
-                    return Err(check.value(
-                        &field("contact", &contact.table.name, "patches"),
-                        found,
-                        "patches that are pressed on",
-                    ));
-                }
-                let balance = balance.as_ref().map(|balance| (balance, first));
-                let made = Made { solids, contact, forces, stiffness: &stiffness, is_lateral, mean_speed, balance };
-                made.patch(name, &own, &mut out)?;
-            }
-            first += of.len();
-        }
-        check.names("contact.patches", out.patches.iter().map(|patch| &patch.name))?;
-        Ok(Self { patches: out, mean_speed, balance })
-    }
-}
-
-/// The mean speed of points about axes by their areas; 1 where all slide along directions.
-fn mean_speed(contacts: &[SurfaceContact<'_>]) -> f64 {
-    let turning = contacts.iter().filter(|contact| matches!(contact.table.sliding, SlidingEntry::About(_)));
-    let points: Vec<_> = turning.flat_map(|contact| contact.interface.points()).collect();
-    let area: f64 = points.iter().map(|point| point.area).sum();
-    let sum: f64 = points.iter().map(|point| point.area * point.speed).sum();
-    if area > 0.0 { sum / area } else { 1.0 }
-}
-
-/// Says where the meshes of a contact are farthest apart and overlap most, where that is more than rounding.
-fn report_gaps(solids: &Solids<'_>, contact: &SurfaceContact<'_>) {
-    /// Gap below which nothing is said, as a fraction of the reach; chosen.
-    const SMALL: f64 = 1e-6;
-    let points = contact.interface.points();
-    let largest = points.iter().max_by(|a, b| a.gap.abs().total_cmp(&b.gap.abs()));
-    if let Some(point) = largest.filter(|point| point.gap.abs() > SMALL * contact.table.reach) {
-        let what = if point.gap > 0.0 { "are apart" } else { "overlap" };
-        let node = solids.mesh.labels()[point.node()];
-        let size = point.gap.abs();
-        let text = format!("{}: the faces {what} by up to {size:.3e}, at node {node}; as if they met", contact.field());
-        solids.model.check.note(text);
-    }
-}
-
-/// Parts of which the patches of a contact are made.
-struct Made<'a> {
-    solids: &'a Solids<'a>,
-    contact: &'a SurfaceContact<'a>,
-    forces: &'a [f64],
-    stiffness: &'a [f64],
-    is_lateral: bool,
-    mean_speed: f64,
-    /// The equilibrium, and the number of the contact's first point in it.
-    balance: Option<(&'a ContactBalance, usize)>,
-}
-
-impl Made<'_> {
-    /// Adds a patch of these points: its springs as a term, friction in each of them along the sliding and then across it, and in equilibrium what
-    /// opening and closing adds to each spring. The springs of a patch in equilibrium are those that are closed at the medians.
-    fn patch(&self, name: &str, own: &[usize], out: &mut Patches) -> Result<(), CaseError> {
-        let Self { solids, contact, forces, stiffness, is_lateral, mean_speed, balance } = self;
-        let (mesh, rows) = (&solids.mesh, &solids.rows);
-        let first = out.channels.len();
-        let mut k = CooMatrix::new(rows.order(), rows.order());
-        let (mut along, mut across, mut opening) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut pairs, mut speeds, mut points, mut places) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for &at in own {
-            let point = &contact.interface.points()[at];
-            let gap: Row = point.gap_row(rows);
-            // The spring at the medians, and the one that is read.
-            let (closed, read) = balance.map_or((stiffness[at], stiffness[at]), |(balance, first)| {
-                points.push(first + at);
-                (balance.at_medians(first + at) * balance.springs[first + at], balance.springs[first + at])
-            });
-            for &(i, a) in &gap {
-                gap.iter().for_each(|&(j, b)| k.push(i, j, closed * (a * b)));
-            }
-            let reading: Row = gap.iter().map(|&(dof, value)| (dof, read * value)).collect();
-            let named = format!("{}/{}", contact.table.name, contact.interface.name(mesh, at));
-            if balance.is_some() {
-                opening.push(Channel::new(format!("{named} opening"), "contact", gap, reading.clone()));
-            }
-            along.push(Channel::new(&named, format!("friction {name}"), point.slip_row(rows), reading));
-            if *is_lateral {
-                let family = format!("lateral friction {name}");
-                across.push(Channel::new(format!("{named} across"), family, point.across_row(rows), Vec::new()));
-            }
-            let of_master = point.master.iter().max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| *node);
-            pairs.push([point.node(), of_master].map(|node| mesh.labels()[node]));
-            places.push(PairPlace {
-                position: point.position.into(),
-                normal: point.normal.into(),
-                sliding: point.sliding.into(),
-                gap: point.gap,
-            });
-            let turns = matches!(contact.table.sliding, SlidingEntry::About(_));
-            speeds.push(if turns { point.speed / mean_speed } else { 1.0 });
-        }
-        let k = CscMatrix::from(&k);
-        let zero = || CscMatrix::zeros(rows.order(), rows.order());
-        let symmetric = (&k + k.transpose()) * 0.5;
-        let matrices =
-            SparseSecondOrder::new(zero(), zero(), symmetric).map_err(solids.model.check.sparse("contact"))?;
-        out.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
-        out.channels.extend(along);
-        out.channels.extend(across);
-        out.channels.extend(opening);
-        let load = own.iter().map(|&at| forces[at]).sum::<f64>() / own.len() as f64;
-        let shares = own.iter().map(|&at| forces[at] / load).collect();
-        let channels = first..out.channels.len();
-        out.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points, places });
-        Ok(())
     }
 }

@@ -1,46 +1,13 @@
 //! The fields of contacts between faces, of what turns, of springs and of forces. docs/case-files.md describes them.
 
-use std::fmt;
 use std::path::PathBuf;
 
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 
-use super::schema::{ContactTable, LateralEntry, Nodes, SlidingEntry};
+use super::entries::{LateralEntry, Nodes, SlidingEntry};
 use crate::Draws;
 use crate::matrices::schema::Formula;
 use crate::schema::BristleDampingEntry;
-
-/// Table `[contact]`, of nodes at the same positions, or tables `[[contact]]`, of faces.
-#[derive(Debug)]
-pub(super) enum ContactEntry {
-    OfNodes(Box<ContactTable>),
-    OfFaces(Vec<FacesTable>),
-}
-
-impl<'de> Deserialize<'de> for ContactEntry {
-    /// The entry by its kind, table or list of tables, so that a misspelt field is named.
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Either;
-        impl<'de> Visitor<'de> for Either {
-            type Value = ContactEntry;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table [contact] or tables [[contact]]")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ContactEntry, A::Error> {
-                Ok(ContactEntry::OfNodes(Box::new(Deserialize::deserialize(MapAccessDeserializer::new(map))?)))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ContactEntry, A::Error> {
-                Ok(ContactEntry::OfFaces(Deserialize::deserialize(SeqAccessDeserializer::new(list))?))
-            }
-        }
-        deserializer.deserialize_any(Either)
-    }
-}
 
 /// A contact between faces that need not match.
 #[derive(Debug, Deserialize)]

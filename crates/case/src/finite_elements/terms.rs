@@ -198,7 +198,7 @@ pub(super) fn holders_term(
         };
         let directions: Vec<u32> = (1..=3).filter(acts).collect();
         if !directions.is_empty() {
-            missing.extend(MissingRows::of(model, &of_nodes, &nodes, &directions)?);
+            missing.extend(model.missing_rows(&of_nodes, &nodes, &directions)?);
         }
         for (key, sum, values) in [("stiffness", &mut k, holder.stiffness), ("damping", &mut c, holder.damping)] {
             let named = field("holders", &holder.name, key);

@@ -8,10 +8,10 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 use num_complex::Complex;
 use sparse::{Problem, SparseSecondOrder, SparseTerm};
 
+use super::entries::Nodes;
 use super::faces::Solids;
 use super::missing::MissingRows;
 use super::nodes::Model;
-use super::schema::Nodes;
 use super::surface_schema::{ActsEntry, RotationTable, SpringTable};
 use crate::check::field;
 use crate::matrices::formulas::Formulas;
@@ -113,7 +113,7 @@ pub(super) fn spring_term(
         };
         let labels: Vec<i64> = found.iter().map(|(node, _)| *node).collect();
         let directions: Vec<u32> = (1..=3).filter(|&d| direction[d as usize - 1] != 0.0).collect();
-        missing.extend(MissingRows::of(model, &key(name), &labels, &directions)?);
+        missing.extend(model.missing_rows(&key(name), &labels, &directions)?);
         Ok::<_, CaseError>(found)
     };
     let from = weighed("nodes", &table.nodes)?;

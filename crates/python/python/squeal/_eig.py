@@ -176,7 +176,8 @@ class Spectrum:
         """Damping ratio against frequency of what oscillates; red where it grows."""
         from .plot import spectrum
 
-        return spectrum(self, ax)
+        shown = self.eigenvalues.imag > 0
+        return spectrum(self.frequencies_hz[shown], self.damping_ratios[shown], self.unstable[shown], ax)
 
     def __str__(self) -> str:
         lines = [f"{'no.':>4} {'Hz':>14} {'Re 1/s':>14} {'damping':>12} {'bound':>9}  verdict"]

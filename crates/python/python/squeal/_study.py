@@ -423,9 +423,12 @@ class Sweep:
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Growth rates of the branches, or the boundary of stability."""
-        from .plot import sweep as drawn
+        from .plot import boundary, branches
 
-        return drawn(self, ax)
+        if len(self.parameters) == 2:
+            return boundary(self.boundary, self.parameters, ax)
+        name = self.parameters[0]
+        return branches(self.branches, name, self.onsets[name], ax)
 
     def __str__(self) -> str:
         return self.text

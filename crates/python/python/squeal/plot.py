@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
+from ._arrays import Floats
 from ._errors import refused
 from ._tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from ._eig import Spectrum
-    from ._study import Sweep
 
 #: Colours of what is unstable and of the rest.
 UNSTABLE, REST = "tab:red", "0.45"
@@ -30,13 +29,11 @@ def axes(ax: Axes | None) -> Axes:
     return made
 
 
-def spectrum(of: Spectrum, ax: Axes | None = None) -> Axes:
-    """Damping ratio against frequency of what oscillates; red where it grows."""
+def spectrum(frequencies_hz: Floats, damping_ratios: Floats, unstable: npt.NDArray[np.bool_], ax: Axes | None) -> Axes:
+    """Damping ratio against frequency; red where it grows."""
     ax = axes(ax)
-    oscillates = of.eigenvalues.imag > 0
-    for mask, colour, name in ((~of.unstable, REST, "not unstable"), (of.unstable, UNSTABLE, "unstable")):
-        shown = oscillates & mask
-        ax.plot(of.frequencies_hz[shown], of.damping_ratios[shown], "o", color=colour, label=f"{name} ({np.sum(shown)})")
+    for shown, colour, name in ((~unstable, REST, "not unstable"), (unstable, UNSTABLE, "unstable")):
+        ax.plot(frequencies_hz[shown], damping_ratios[shown], "o", color=colour, label=f"{name} ({np.sum(shown)})")
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.set_xlabel("frequency, Hz")
     ax.set_ylabel("damping ratio")
@@ -77,25 +74,27 @@ def modes(table: Table, ax: Axes | None) -> Axes:
     return ax
 
 
-def sweep(of: Sweep, ax: Axes | None) -> Axes:
-    """Growth rates over one parameter, or the boundary of stability over two."""
+def boundary(table: Table, parameters: Sequence[str], ax: Axes | None) -> Axes:
+    """Boundary of stability over two parameters."""
     ax = axes(ax)
-    if len(of.parameters) == 2:
-        table = of.boundary
-        # By their places: parameters may have any name.
-        x, y = table.columns[2:4]
-        for curve in dict.fromkeys(table["curve"]):
-            own = table["curve"] == curve
-            ax.plot(table[x][own], table[y][own], color=UNSTABLE)
-        ax.set_xlabel(of.parameters[0])
-        ax.set_ylabel(of.parameters[1])
-        return ax
-    table, name = of.branches, of.parameters[0]
+    # By their places: parameters may have any name.
+    x, y = table.columns[2:4]
+    for curve in dict.fromkeys(table["curve"]):
+        own = table["curve"] == curve
+        ax.plot(table[x][own], table[y][own], color=UNSTABLE)
+    ax.set_xlabel(parameters[0])
+    ax.set_ylabel(parameters[1])
+    return ax
+
+
+def branches(table: Table, name: str, onsets: Floats, ax: Axes | None) -> Axes:
+    """Growth rates over one parameter, and its onsets."""
+    ax = axes(ax)
     x, growth = table.columns[2], table.columns[4]
     for branch in dict.fromkeys(table["branch"]):
         own = table["branch"] == branch
         ax.plot(table[x][own], table[growth][own], color=REST)
-    for onset in of.onsets[name]:
+    for onset in onsets:
         ax.axvline(onset, color=UNSTABLE, linestyle=":")
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.set_xlabel(name)

@@ -7,7 +7,7 @@ use study::fingerprint;
 use study::{FullChecks, Plan};
 
 use super::Results;
-use crate::parts::PartManifest;
+use crate::part_manifest::PartManifest;
 
 /// Wall-clock times of the stages, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]

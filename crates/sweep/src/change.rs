@@ -1,0 +1,95 @@
+//! A change of the number of unstable modes, and the line on which it is looked for.
+
+use cea::{CountedSpectrum, EigenSolver, Threshold, Workspace};
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use crate::Error;
+
+/// Function that makes the system at a place of a line, 0 to 1.
+pub(super) type SystemAtPlace<'a> = &'a (dyn Fn(f64) -> Result<SecondOrder, Error> + Sync);
+
+/// A line through the parameters, from place 0 to 1.
+#[derive(Clone, Copy)]
+pub(super) struct Along<'a> {
+    pub system: SystemAtPlace<'a>,
+    pub solver: &'a dyn EigenSolver,
+    pub threshold: Threshold,
+    /// Largest |lambda| of a rigid motion, rad/s.
+    pub rigid: f64,
+}
+
+/// Kind of change: what becomes unstable or stable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChangeOf {
+    /// A mode that oscillates: a pair of eigenvalues crosses the threshold, or leaves the axis where it met another.
+    Flutter,
+    /// A real eigenvalue crosses zero, or the growth rate above which growth counts.
+    Divergence,
+    /// A growing pair becomes two real eigenvalues, or these a pair.
+    Exchange,
+}
+
+/// A change of the number of unstable modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Change {
+    pub at: f64,
+    /// Bound or estimate of the error of `at`, as a fraction of the line.
+    pub error: f64,
+    /// Eigenvalue at the change, rad/s: of an exchange the double one.
+    pub lambda: Complex<f64>,
+    pub of: ChangeOf,
+    /// Start of an unstable mode: if true one more mode is unstable beyond the change, if false one less; of an exchange, it is from
+    /// flutter to divergence if true.
+    pub starts: bool,
+    /// Two eigenvalues meet at the change: an exchange, or flutter of two modes that meet on the axis.
+    pub is_double: bool,
+}
+
+/// Eigenvalues at a place of the line.
+#[derive(Debug, Clone)]
+pub(super) struct Place {
+    pub at: f64,
+    pub counted: CountedSpectrum,
+    /// A step from here was looked at for dips.
+    pub is_settled: bool,
+}
+
+impl<'a> Along<'a> {
+    pub fn new(system: SystemAtPlace<'a>, solver: &'a dyn EigenSolver, threshold: Threshold) -> Self {
+        Self { system, solver, threshold, rigid: 0.0 }
+    }
+
+    /// The eigenvalues at a place, counted.
+    ///
+    /// # Errors
+    /// Those of the brake and of the solver.
+    pub fn place(&self, at: f64) -> Result<Place, Error> {
+        let (system, mut work) = ((self.system)(at)?, Workspace::default());
+        let spectrum = self.solver.eigenvalues(&system, &mut work)?;
+        let counted = CountedSpectrum::new(&self.threshold, &system, &spectrum, &mut work)?;
+        let mut place = Place { at, counted, is_settled: false };
+        place.put_rigid_motions_on_the_axis(self.rigid);
+        Ok(place)
+    }
+}
+
+impl Place {
+    /// Counts eigenvalues as on the axis that are as small as a rigid motion, |lambda| up to `rigid`, rad/s.
+    pub fn put_rigid_motions_on_the_axis(&mut self, rigid: f64) {
+        let CountedSpectrum { flutter, divergence, marginal, below, .. } = &mut self.counted;
+        marginal.extend(flutter.extract_if(.., |lambda| lambda.norm() <= rigid));
+        marginal.extend(below.extract_if(.., |lambda| lambda.norm() <= rigid));
+        marginal.extend(divergence.extract_if(.., |growth| *growth <= rigid).map(Complex::from));
+    }
+
+    /// Eigenvalues at the place, each with true if it is beyond the threshold, false if below; `None` on it.
+    pub fn sides(&self) -> Vec<(Complex<f64>, Option<bool>)> {
+        let CountedSpectrum { flutter, divergence, marginal, below, .. } = &self.counted;
+        let beyond = flutter.iter().copied().chain(divergence.iter().map(|&re| Complex::from(re)));
+        let beyond = beyond.map(|lambda| (lambda, Some(true)));
+        let below = below.iter().map(|&lambda| (lambda, Some(false)));
+        beyond.chain(below).chain(marginal.iter().map(|&lambda| (lambda, None))).collect()
+    }
+}
