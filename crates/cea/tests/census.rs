@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use cea::{EigenSolver, QrSolver, StabilityCensus, Verdict, Workspace, stability_census, verdict};
+use cea::{
+    CountedSpectrum, EigenSolver, QrSolver, StabilityCensus, Threshold, Verdict, Workspace, stability_census, verdict,
+};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, dmatrix, dvector};
 
@@ -69,7 +71,8 @@ fn no_undamped_oscillator_stays_open() {
 #[test]
 fn only_the_onset_itself_is_doubtful() {
     let onset = Hoffmann::onset();
-    for exponent in 1..=13 {
+    // Nearer, 32 roundings of the matrices reach from one side to the other.
+    for exponent in 1..=12 {
         let distance = 10_f64.powi(-exponent);
         let at = |mu| Hoffmann { mu, damping: DMatrix::zeros(2, 2) }.census();
         let (below, above) = (at(onset * (1.0 - distance)), at(onset * (1.0 + distance)));
@@ -89,12 +92,14 @@ fn no_damped_oscillator_stays_open() {
         let (mut certified, mut unstable) = (0, 0);
         for mu in coefficients(2_000) {
             let census = Hoffmann { mu, damping: damping.clone() }.census();
-            assert!(census.undecided.is_empty() && census.marginal.is_empty(), "mu = {mu}: {census:?}");
+            // Where the weak dashpot hardly moves a mode its damping is that of rounding, and marginal by the rule of all studies.
+            let is_on_axis = census.marginal.iter().all(|judged| judged.lambda.re.abs() < 5e-12);
+            assert!(census.undecided.is_empty() && is_on_axis, "mu = {mu}: {census:?}");
             certified += u32::from(census.is_certified);
             unstable += u32::from(census.is_unstable());
         }
         println!("{unstable} unstable, {certified} certified");
-        assert!(certified <= 2 && (200..1_800).contains(&unstable), "{damping}: {unstable}, {certified}");
+        assert!(certified <= 4 && (200..1_800).contains(&unstable), "{damping}: {unstable}, {certified}");
     }
 }
 
@@ -163,4 +168,53 @@ fn internal_states_feed_or_drain_a_mode() {
         let census = stability_census(&system, &mut Workspace::default()).unwrap();
         assert_eq!((census.is_unstable(), census.damped, census.is_certified), (grows, 2 - usize::from(grows), false));
     }
+}
+
+/// Random chains without damping, gyroscopic ones, with dashpots down to rounding of either sign, free or held: what the census says is on the axis, grows
+/// and diverges is what studies, sweeps and maps count.
+#[test]
+fn the_census_and_counted_spectra_have_one_rule() {
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut marginal, mut growing, mut damped) = (0, 0, 0);
+    for at in 0..400 {
+        let n = 1 + (6.0 * random()) as usize;
+        let springs: Vec<f64> = (0..=n).map(|_| 10f64.powf(4.0 * random())).collect();
+        let held = if at % 5 == 0 { 0.0 } else { springs[n] };
+        let k = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+            0 => {
+                springs[i] * f64::from(i + 1 < n) + springs[i.max(1) - 1] * f64::from(i > 0) + held * f64::from(i == 0)
+            }
+            1 => -springs[i.min(j)],
+            _ => 0.0,
+        });
+        let m = DMatrix::from_diagonal(&nalgebra::DVector::from_fn(n, |_, _| 0.5 + random()));
+        let gyroscopic = DMatrix::from_fn(n, n, |i, j| if at % 3 == 1 { 2.0 * (j as f64 - i as f64) } else { 0.0 });
+        let size = [0.0, 1e-15, 1e-13, 1e-11, 1e-8, 1e-2][at % 6] * springs[0].sqrt();
+        let c = gyroscopic + &m * (if random() < 0.3 { -size } else { size });
+        let system = SecondOrder::new(m, c, k).unwrap();
+        let mut work = Workspace::default();
+        let spectrum = QrSolver.eigenvalues(&system, &mut work).unwrap();
+        let counted = CountedSpectrum::new(&Threshold::AXIS, &system, &spectrum, &mut work).unwrap();
+        let census = stability_census(&system, &mut work).unwrap();
+        if counted.open > 0 || census.is_open() {
+            continue;
+        }
+        assert_eq!(census.growing.len() + census.divergent.len(), counted.unstable(), "{at} {census:?} {counted:?}");
+        // A double zero is two real eigenvalues to one solver and a pair to another.
+        let oscillates = |lambda: &&num_complex::Complex<f64>| lambda.norm() > 1e-4 * spectrum.scale;
+        let of_census: Vec<_> = census.marginal.iter().map(|judged| judged.lambda).collect();
+        assert_eq!(
+            of_census.iter().filter(oscillates).count(),
+            counted.marginal.iter().filter(oscillates).count(),
+            "{at} {census:?} {counted:?}"
+        );
+        marginal += counted.marginal.len();
+        growing += counted.unstable();
+        damped += census.damped;
+    }
+    assert!(marginal > 300 && growing > 50 && damped > 100, "{marginal} {growing} {damped}");
 }

@@ -2,7 +2,8 @@
 
 use super::Threshold;
 use super::judge::Judge;
-use crate::{CeaError, EigenSolver, JudgedEigenvalue, QrSolver, Verdict, Workspace};
+use crate::{CeaError, EigenSolver, JudgedEigenvalue, QrSolver, Spectrum, Verdict, Workspace, real_count};
+use certified::CertifiedEigenvalue;
 use linsys::SecondOrder;
 
 /// The eigenvalues of a system by what becomes of their motion. Conjugate pairs count once.
@@ -39,7 +40,7 @@ impl StabilityCensus {
     fn enter(&mut self, judged: JudgedEigenvalue) {
         match judged.verdict {
             Verdict::Stable => self.damped += 1,
-            Verdict::Unstable if judged.lambda.im == 0.0 => self.divergent.push(judged),
+            Verdict::Unstable if real_count(judged.lambda) > 0 => self.divergent.push(judged),
             Verdict::Unstable => self.growing.push(judged),
             Verdict::Marginal { .. } => self.marginal.push(judged),
             Verdict::Undecided { .. } => self.undecided.push(judged),
@@ -50,9 +51,9 @@ impl StabilityCensus {
 /// Census of the eigenvalues of a system: those that grow, those that are damped, and those of which this cannot be said.
 ///
 /// The fast route comes first: [`QrSolver`], and for each eigenvalue that is not clearly left of the axis the
-/// bound of [`verdict`](crate::verdict). Where this leaves one eigenvalue undecided (undamped systems have all theirs on
-/// the axis), or the route cannot solve the system at all (a singular M), [`certified::solve`] and [`certified::certify`]
-/// judge them all, some ten times slower.
+/// rule and the bound of [`verdict`](crate::verdict). Where this leaves one eigenvalue on the axis or undecided (undamped systems have all
+/// theirs there), or the route cannot solve the system at all (a singular M), the eigenvalues and bounds of [`certified::solve`] and
+/// [`certified::certify`] take the place of all, some ten times slower. The verdict is that of the same rule.
 ///
 /// ```
 /// use cea::{Workspace, stability_census};
@@ -79,37 +80,52 @@ impl StabilityCensus {
 /// A malformed system, and those of [`certified::solve`] and [`certified::certify`].
 pub fn stability_census(system: &SecondOrder, work: &mut Workspace) -> Result<StabilityCensus, CeaError> {
     system.check()?;
-    match by_single_bounds(system, work) {
-        // What the fast route cannot do is no error: the general one may.
-        Ok(Some(census)) => Ok(census),
-        Ok(None) | Err(_) => by_certificates(system, work),
+    // What the fast route cannot do is no error: the general one may.
+    let fast = QrSolver.eigenvalues(system, work).ok();
+    match fast.as_ref().map(|spectrum| by_single_bounds(system, spectrum, work)) {
+        Some(Ok(Some(census))) => Ok(census),
+        _ => by_certificates(system, fast.map(|spectrum| spectrum.scale), work),
     }
 }
 
 /// Census by the fast route and single bounds; `None` as soon as one eigenvalue is left undecided.
-fn by_single_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option<StabilityCensus>, CeaError> {
-    let spectrum = QrSolver.eigenvalues(system, work)?;
-    let (mut census, mut judge) = (StabilityCensus::default(), Judge::new(system, &spectrum));
+fn by_single_bounds(
+    system: &SecondOrder,
+    spectrum: &Spectrum,
+    work: &mut Workspace,
+) -> Result<Option<StabilityCensus>, CeaError> {
+    let (mut census, mut judge) = (StabilityCensus::default(), Judge::new(system, spectrum));
     for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
         if lambda.re < 0.0 && judge.is_clear(lambda, &Threshold::AXIS) {
             census.damped += 1;
             continue;
         }
-        let judged = judge.bounded(lambda, work)?;
-        match judged.verdict {
-            Verdict::Stable | Verdict::Unstable => census.enter(judged),
-            _ => return Ok(None),
+        let verdict = judge.verdict(lambda, &Threshold::AXIS, work)?;
+        if !matches!(verdict, Verdict::Stable | Verdict::Unstable) {
+            return Ok(None);
         }
+        census.enter(JudgedEigenvalue { verdict, ..judge.bounded(lambda, work)? });
     }
     Ok(Some(census))
 }
 
-fn by_certificates(system: &SecondOrder, work: &mut Workspace) -> Result<StabilityCensus, CeaError> {
+/// Census of certified eigenvalues, judged by the scale of the fast route's spectrum, or by their own where there is none.
+fn by_certificates(
+    system: &SecondOrder,
+    scale: Option<f64>,
+    work: &mut Workspace,
+) -> Result<StabilityCensus, CeaError> {
     let spectrum = work.counting(|counters| certified::solve(system, counters))?;
     let certified = work.counting(|counters| certified::certify(system, &spectrum, counters))?;
+    let all = certified.eigenvalues.clone();
+    let spectrum = Spectrum {
+        eigenvalues: all.iter().map(|found| found.lambda).collect(),
+        scale: scale.unwrap_or(spectrum.scale),
+    };
+    let mut judge = Judge::with_certified(system, &spectrum, certified);
     let mut census = StabilityCensus { is_certified: true, ..StabilityCensus::default() };
-    for found in certified.eigenvalues.iter().filter(|found| found.lambda.im >= 0.0) {
-        census.enter(JudgedEigenvalue { lambda: found.lambda, bound: found.bound, verdict: found.verdict });
+    for CertifiedEigenvalue { lambda, bound, .. } in all.into_iter().filter(|found| found.lambda.im >= 0.0) {
+        census.enter(JudgedEigenvalue { lambda, bound, verdict: judge.verdict(lambda, &Threshold::AXIS, work)? });
     }
     Ok(census)
 }

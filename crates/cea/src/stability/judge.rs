@@ -36,7 +36,8 @@ pub fn verdict(
     verdicts(system, &[lambda], spectrum, work).map(|verdicts| verdicts[0])
 }
 
-/// Verdicts on the motions of some eigenvalues of `spectrum`, whether they grow: the one rule of studies, sweeps and maps.
+/// Verdicts on the motions of some eigenvalues of `spectrum`, whether they grow: the one rule of studies, sweeps, maps and
+/// [`stability_census`](crate::stability_census). The verdict of a [`certified`] eigenvalue is what its bound says by itself.
 ///
 /// *On the axis*, [`Verdict::Marginal`], is what is no farther from it than 1e-12 of [`Spectrum::scale`](crate::Spectrum::scale), or than
 /// 32 times [`Eigentriple::rounding`]: undamped modes, conservative gyroscopic ones and rigid motions, though a solver gives their
@@ -93,6 +94,11 @@ pub(crate) struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub(crate) fn new(system: &'a SecondOrder, spectrum: &'a Spectrum) -> Self {
         Self { system, spectrum, coupling: None, certifier: None, certified: None }
+    }
+
+    /// A judge of the spectrum of a certificate, which is at hand.
+    pub(super) fn with_certified(system: &'a SecondOrder, spectrum: &'a Spectrum, certified: Certified) -> Self {
+        Self { certified: Some(Some(certified)), ..Self::new(system, spectrum) }
     }
 
     /// Verdict on an eigenvalue, whether it is beyond a threshold: the rule of [`verdicts`].
