@@ -193,23 +193,24 @@ fn diagonals(archive: &mut Archive, (rows, columns): (usize, usize), limits: &Li
     })?;
     with(archive, "data.npy", limits, |header, bytes| {
         let storage = header.storage()?;
-        let (&[count, length], false) = (header.shape.as_slice(), header.by_columns) else {
+        let &[count, length] = header.shape.as_slice() else {
             return Err(Problem::field("the shape of data", format!("{:?}", header.shape), "diagonals x columns"));
         };
         if count != offsets.len() {
             return Err(Problem::field("the number of diagonals", count, offsets.len().to_string()));
         }
         let mut builder = Builder::new(limits);
-        for offset in offsets {
-            for column in 0..length {
-                // What is beyond the matrix is no entry, whatever stands there.
-                let row = column as i64 - offset;
-                let mut beyond = Builder::new(limits);
-                let is_within = (0..rows as i64).contains(&row) && column < columns;
-                let value = header.next(bytes, storage, if is_within { &mut builder } else { &mut beyond })?;
-                if is_within && value != 0.0 {
-                    builder.push(row as usize, column, value)?;
-                }
+        for at in 0..count * length {
+            // Diagonal after diagonal, or of all of them column after column.
+            let (diagonal, column) =
+                if header.by_columns { (at % count, at / count) } else { (at / length, at % length) };
+            // What is beyond the matrix is no entry, whatever stands there.
+            let row = column as i64 - offsets[diagonal];
+            let mut beyond = Builder::new(limits);
+            let is_within = (0..rows as i64).contains(&row) && column < columns;
+            let value = header.next(bytes, storage, if is_within { &mut builder } else { &mut beyond })?;
+            if is_within && value != 0.0 {
+                builder.push(row as usize, column, value)?;
             }
         }
         Ok(builder)

@@ -6,7 +6,8 @@ use crate::{d, fixture, k, s};
 
 #[test]
 fn the_sparse_forms_of_scipy_hold_the_same_matrix() {
-    for name in ["csr", "csc", "coo", "dia", "complex", "pydata_coo", "pydata_rows", "pydata_columns"] {
+    for name in ["csr", "csc", "coo", "dia", "dia_by_columns", "complex", "pydata_coo", "pydata_rows", "pydata_columns"]
+    {
         let file = read(&fixture(&format!("numpy/{name}.npz"))).unwrap();
         assert_eq!(file.format, Format::Npz);
         let matrix = file.only().unwrap();
