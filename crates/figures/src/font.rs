@@ -65,13 +65,34 @@ impl Fonts {
         for c in text.chars() {
             let id = glyph(face, c);
             let to_page = |x: f32, y: f32| place(start + x * scale, y * scale);
-            face.outline_glyph(id, &mut Placed { pen, to_page });
+            let mut placed = Placed { pen, to_page };
+            if id == GlyphId(0) {
+                unknown(f32::from(advance(face, id)), &mut placed);
+            } else {
+                face.outline_glyph(id, &mut placed);
+            }
             start += f32::from(advance(face, id)) * scale;
         }
     }
 }
 
-/// The glyph of a character; one that the font lacks becomes the box of glyph 0, as browsers show it.
+/// The box that stands for a character that the font lacks, as in browsers: a ring, as wide as glyph 0, which is empty here.
+fn unknown(width: f32, pen: &mut impl OutlineBuilder) {
+    // Outwards from the middle of the box: half of its width, its height and the width of its line, in units of the font, 2,048 a size.
+    let (middle, [half, height, line]) = (0.5 * width, [0.36 * width, 1400.0, 110.0]);
+    let mut rectangle = |corners: [(f32, f32); 4]| {
+        pen.move_to(corners[0].0, corners[0].1);
+        corners[1..].iter().for_each(|&(x, y)| pen.line_to(x, y));
+        pen.close();
+    };
+    let (left, right) = (middle - half, middle + half);
+    rectangle([(left, 0.0), (right, 0.0), (right, height), (left, height)]);
+    // The other way round, so that it is a hole.
+    let (left, right) = (left + line, right - line);
+    rectangle([(left, line), (left, height - line), (right, height - line), (right, line)]);
+}
+
+/// The glyph of a character; 0 where the font lacks it.
 fn glyph(face: &Face, c: char) -> GlyphId {
     face.glyph_index(c).unwrap_or_default()
 }

@@ -8,8 +8,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use figures::{
-    Figure, FigureError, LogLogFigure, ModeWorkFigure, ModelDiagram, Occurrence, OccurrenceBox, OccurrenceFigure,
-    OccurrenceLaw, OccurrencePanel, OccurrenceSeries, loglog, mode_and_work, model_diagram, occurrence_boxes,
+    Figure, FigureError, LocusBranch, LocusEvent, LocusMark, LogLogFigure, ModeWorkFigure, ModelDiagram, Occurrence,
+    OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrencePanel, OccurrenceSeries, RootLocusFigure, loglog,
+    mode_and_work, model_diagram, occurrence_boxes, root_locus_figure,
 };
 use made_up::{arrangements, convergence, countermeasure, hard_occurrence, modes, one_law, shapes, value};
 use proptest::prelude::*;
@@ -266,6 +267,67 @@ fn the_model_diagram_numbers_every_spring() {
     check(&model_diagram(&other).unwrap(), "model_diagram_2x4");
     let short = ModelDiagram { in_contact: vec![true; 3], ..other };
     assert!(matches!(model_diagram(&short), Err(FigureError::Length { found: 3, expected: 8, .. })));
+}
+
+/// Onsets of many modes within a small part of the range, some of which lose their frequency while they grow: names do not cover each other or leave
+/// their panel, and how many have no room is said.
+#[test]
+fn names_of_crowded_onsets_do_not_cover_each_other() {
+    let mut not_named = 0;
+    for (at, (count, part)) in
+        [(3, 1.0), (12, 0.3), (25, 0.1), (60, 0.05), (60, 0.001), (200, 0.02)].into_iter().enumerate()
+    {
+        let place = |i: usize| 0.4 + part * ((i * 37 + at) % count) as f64 / count as f64 * 0.5;
+        let mark = |i: usize| {
+            let event = [LocusEvent::Starts, LocusEvent::Stops, LocusEvent::ToDivergence][i % 3];
+            let growth = if i % 3 == 2 { 40.0 * (i % 7) as f64 } else { 0.0 };
+            LocusMark { event, mode: format!("A{}", 100 + i), at: [place(i), 1000.0 + 500.0 * place(i), growth] }
+        };
+        let points = (0..20).map(|i| [i as f64 / 19.0, 900.0 + 40.0 * i as f64, -100.0 + 20.0 * i as f64]).collect();
+        let data = RootLocusFigure {
+            parameter: "mu".into(),
+            range: [0.0, 1.0],
+            branches: vec![LocusBranch { mode: "1".into(), points }],
+            marks: (0..count).map(mark).collect(),
+            onsets: ["starts to grow", "stops growing"],
+            ..RootLocusFigure::default()
+        };
+        let picture = check(&root_locus_figure(&data).unwrap(), &format!("crowded-locus-{at}"));
+        // Each name is in two panels, or counted as left out.
+        let named = picture.texts.iter().filter(|text| text.starts_with("A1") || text.starts_with("A2")).count();
+        let left_out =
+            |text: &String| text.strip_suffix(" more in the table").map(|count| count.parse::<usize>().unwrap());
+        let left_out: usize = picture.texts.iter().filter_map(left_out).sum();
+        assert_eq!(named + left_out, 2 * count, "{at}");
+        not_named += left_out;
+    }
+    assert!(not_named > 0);
+}
+
+/// Letters that the font lacks are boxes in the picture, not nothing.
+#[test]
+fn letters_beyond_the_font_are_seen() {
+    let dark = |title: &str| {
+        let data = RootLocusFigure {
+            title: title.into(),
+            parameter: "mu".into(),
+            range: [0.0, 1.0],
+            branches: vec![LocusBranch { mode: "1".into(), points: vec![[0.0, 1.0, -1.0], [1.0, 2.0, 1.0]] }],
+            onsets: ["starts", "stops"],
+            ..RootLocusFigure::default()
+        };
+        let png = root_locus_figure(&data).unwrap().png().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&png)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        // The title is above everything.
+        pixels[..pixels.len() / 20].iter().filter(|value| **value < 128).count()
+    };
+    let nothing = dark("          ");
+    for title in ["\u{44b}\u{44b}\u{44b}", "\u{4e2d}\u{6587}\u{5236}\u{52a8}", "\u{5d0}\u{5d1}", "\u{1f527}"] {
+        let found = dark(title);
+        assert!(found > nothing + 30 * title.chars().count(), "{title}: {found} dark pixels, {nothing} without it");
+    }
 }
 
 #[test]
