@@ -1,7 +1,7 @@
 //! Influence in words, and as a table.
 
 use montecarlo::SobolIndex;
-use output::Table;
+use output::{Table, significant};
 use study::{Plan, Scene, SceneLabels};
 
 use super::{Influence, OutputInfluence, OutputKind};
@@ -64,8 +64,9 @@ impl Influence {
         };
         let heading = match output.output.kind {
             OutputKind::Growth => format!(
-                "growth of {whose}, 0 where stable: mean {:.4} 1/s, deviation {:.4} 1/s; unstable{beyond} in {share:.1} % of the draws\n",
-                output.mean, output.deviation
+                "growth of {whose}, 0 where stable: mean {} 1/s, deviation {} 1/s; unstable{beyond} in {share:.1} % of the draws\n",
+                significant(output.mean, 4),
+                significant(output.deviation, 4)
             ),
             OutputKind::Instability => match output.output.mode {
                 None => "whether any mode is unstable\n".to_owned(),
