@@ -329,6 +329,7 @@ fn map_text(map: &StabilityMap) -> String {
     for (unstable, (share, regions)) in map.shares() {
         text += &format!("{unstable:>8}  {:>6.2} %  {regions:>7}\n", 100.0 * share);
     }
+    text += &map.share_in_words().map_or_else(String::new, |words| words + "\n");
     text += "\n";
     if let Some(distance) = map.from_whole {
         let points = count(map.evaluations.whole as usize, "point", "points");

@@ -52,6 +52,17 @@ pub struct StabilityMap {
 }
 
 impl StabilityMap {
+    /// Words for what shares of the map are shares of, where an axis is logarithmic: not of the values of the parameter there.
+    #[must_use]
+    pub fn share_in_words(&self) -> Option<String> {
+        let logarithmic = self.parameters.iter().filter(|parameter| parameter.is_logarithmic);
+        let names: Vec<&str> = logarithmic.map(|parameter| parameter.name.as_str()).collect();
+        (!names.is_empty()).then(|| {
+            let of = names.join(" and ");
+            format!("shares are of the area as drawn, whose axis of {of} is logarithmic: a decade counts as much as any other")
+        })
+    }
+
     /// Fraction of the map that has each number of unstable modes, and number of its regions.
     #[must_use]
     pub fn shares(&self) -> BTreeMap<usize, (f64, usize)> {

@@ -185,6 +185,9 @@ fn a_map_of_the_paper_contradicts_no_spectrum() {
     let brake = paper(Law::VelocityDependent);
     let map = mapped(&brake, &[over("mu_k", 0.2, 0.5), over("v", 0.1, 10.0)]);
     assert!(map.parameters[1].is_logarithmic && !map.parameters[0].is_logarithmic);
+    let words = map.share_in_words().unwrap();
+    assert!(words.contains("whose axis of v is logarithmic"), "{words}");
+    assert!(sweep::Found::Map(Box::new(map.clone())).text().contains(&words));
     assert!(map.checks > 100 && map.unresolved == 0);
     assert!(map.curves.iter().all(|curve| curve.ends == [CurveEnd::Edge; 2]));
     assert!(map.regions.len() > 8 && map.evaluations.spectra <= 12_000, "{:?}", map.evaluations);

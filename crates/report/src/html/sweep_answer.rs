@@ -119,6 +119,7 @@ fn of_map(map: &StabilityMap) -> Vec<String> {
     if !elsewhere.is_empty() {
         sentences.push(format!("Unstable modes elsewhere: {}.", elsewhere.join(", ")));
     }
+    sentences.extend(map.share_in_words().map(|words| capitalised(&words) + "."));
     let mut crossing: Vec<String> = Vec::new();
     for curve in &map.curves {
         let name = named(&curve.mode);
