@@ -179,8 +179,7 @@ pub fn merge_parts<B: UncertainBrake, E: From<Error> + Send>(
             }
         };
         let states = parts.iter().zip(&manifests).map(read).collect::<Result<Vec<_>, Error>>()?;
-        merged.write(&tiled(states, wanted)?)?;
-        Ok(manifests.clone())
+        Ok((manifests.clone(), Some(tiled(states, wanted)?)))
     };
     run_from(brake, dir, options, &mut begin, draw)
 }

@@ -139,7 +139,7 @@ pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     options: RunOptions<'_>,
     draw: &mut DrawResults<'_, B, E>,
 ) -> Result<Manifest, E> {
-    run_from(brake, dir, options, &mut |_, _| Ok(Vec::new()), draw)
+    run_from(brake, dir, options, &mut |_, _| Ok((Vec::new(), None)), draw)
 }
 
 /// Identity of the counts of a study.
@@ -167,10 +167,11 @@ pub(crate) fn sampled<B: UncertainBrake>(
     run_with(study, &sampling, empty, Some(checkpoint), options.progress.evaluation)
 }
 
-/// Function that may write the checkpoint of a study before it is sampled, from parts that it returns.
-type Begin<'a, B> = dyn FnMut(&Study<'_, B>, &Checkpoint) -> Result<Vec<PartManifest>, Error> + 'a;
+/// Function that may give the samples of a study that were taken elsewhere, with the parts that they are of; the checkpoint is that of the folder.
+type Begin<'a, B> =
+    dyn FnMut(&Study<'_, B>, &Checkpoint) -> Result<(Vec<PartManifest>, Option<Summary<StudyTally>>), Error> + 'a;
 
-/// A run of which `begin` may write the checkpoint, with samples that were taken elsewhere; the manifest lists the parts that it returns.
+/// A run of which `begin` may give samples that were taken elsewhere; the manifest lists the parts that it returns.
 pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
     brake: &B,
     dir: &Path,
@@ -190,11 +191,14 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
         pool.install(|| Study::with_options(brake, solver, prepared, progress.preparation)).map_err(Error::from)?;
     seconds.references = start.elapsed().as_secs_f64();
 
-    // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
+    // Not before the study is known to work: a case that has no reference modes leaves no folder behind, nor do parts that are none of it.
+    let checkpoint = checkpoint(dir, identity.clone());
+    let (parts, state) = begin(&study, &checkpoint)?;
     let folder = RunFolder::take(dir, &identity)?;
     let start = Instant::now();
-    let checkpoint = checkpoint(dir, identity);
-    let parts = begin(&study, &checkpoint)?;
+    if let Some(state) = state {
+        checkpoint.write(&state).map_err(Error::from)?;
+    }
     let sampled = |samples: u64| sampled(&study, 0..samples, &options, &checkpoint);
     let (summary, stopped) = match until_half_width {
         None => (sampled(plan.samples).map_err(Error::from)?, None),

@@ -33,7 +33,7 @@ pub struct CheckArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub samples: Option<u64>,
     /// Also what so many shards of the study take, and how much of that is done by each of them anew
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = shards)]
     pub shards: Option<u64>,
     /// Folder for contact.vtu and mesh.vtu, pictures for ParaView of the contact of finite elements: normal, sliding, gap and load of each pair
     #[arg(long, value_name = "DIR")]
@@ -41,6 +41,12 @@ pub struct CheckArgs {
     /// Memory that may be taken
     #[command(flatten)]
     pub memory: MemoryArgs,
+}
+
+/// A number of shards.
+fn shards(text: &str) -> Result<u64, String> {
+    let allowed = || format!("allowed: a whole number, 1 to {}", u64::MAX);
+    text.parse().ok().filter(|number| *number > 0).ok_or_else(allowed)
 }
 
 impl CheckArgs {
@@ -193,11 +199,11 @@ fn cost<B: UncertainBrake>(
 /// Cost of each of some shards, and which part of all their time is preparation that one run would do once.
 fn shards_in_words(shards: u64, bases: f64, expected: &ExpectedTime) -> String {
     let (preparation, samples) = (expected.preparation.as_secs_f64() + bases, expected.samples.as_secs_f64());
-    let lost = shards.saturating_sub(1) as f64 * preparation / (shards as f64 * preparation + samples);
+    let lost = (shards - 1) as f64 * preparation / (shards as f64 * preparation + samples);
     format!(
         "{shards}: each {} of preparation and {} of samples, {:.0} % lost",
         in_words(preparation),
-        in_words(samples / shards.max(1) as f64),
+        in_words(samples / shards as f64),
         100.0 * lost
     )
 }

@@ -117,6 +117,8 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     std::fs::write(&file, format!("{}of a toaster, {}", &text[..at], &text[at..])).unwrap();
     let rounded = refused(&["one", "two", "three"]);
     assert!(rounded.contains("was sampled on of a toaster"), "{rounded}");
+    // Nothing was begun: there is no folder, and none that a run has locked.
+    assert!(!merged.exists());
     let mut mixed = squeal();
     mixed.arg("merge").arg(&case).args(["one", "two", "three"].map(place)).arg("--mixed").arg("--out").arg(&merged);
     assert!(mixed.output().unwrap().status.success());
@@ -133,6 +135,10 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
         let output = squeal().arg("run").arg(&case).args(more).arg("--out").arg(place("two")).output().unwrap();
         assert!(said(&output).contains("allowed: a new or empty folder"), "{more:?}");
     }
+    let check = squeal().arg("check").arg(&case).args(["--shards", "0"]).output().unwrap();
+    assert_eq!(check.status.code(), Some(2));
+    let refused = String::from_utf8(check.stderr).unwrap();
+    assert!(refused.contains("--shards") && refused.contains("1 to "), "{refused}");
     let refused = said(&shard(&case, "41/41", &place("none"), &[]));
     assert!(refused.contains("--shard = 41/41; allowed: 1/N to N/N, N at most 40"), "{refused}");
 }
