@@ -121,11 +121,24 @@ impl Certificate {
 
     /// True if the system at this operating point is certified to be stable.
     pub fn covers(&self, at: &OperatingPoint) -> bool {
-        if self.ellipses.is_empty() || at.coefficients != self.coefficients {
+        self.covers_all([at])
+    }
+
+    /// True if the systems at all operating points on the straight line between two are certified to be stable: both ends, of channels with the
+    /// same lag, lie in one ellipse, which is convex, and no point between has an eigenvalue with `Re lambda >= 0` farther out than the ends may.
+    pub fn covers_line(&self, ends: [&OperatingPoint; 2]) -> bool {
+        let [lags, other_lags] = ends.map(|end| end.channels.iter().map(|gain| gain.lag));
+        lags.eq(other_lags) && self.covers_all(ends)
+    }
+
+    /// True if one ellipse holds all channels at some operating points, up to the largest eigenvalue that any of them allows.
+    fn covers_all<const N: usize>(&self, points: [&OperatingPoint; N]) -> bool {
+        if self.ellipses.is_empty() || points.iter().any(|at| at.coefficients != self.coefficients) {
             return false;
         }
-        let radius = self.norms.radius(&at.channels);
-        self.ellipses.iter().any(|ellipse| at.channels.iter().all(|gain| ellipse.contains(gain, radius)))
+        let radius = points.iter().map(|at| self.norms.radius(&at.channels)).fold(0.0, f64::max);
+        let gains = || points.iter().flat_map(|at| &at.channels);
+        self.ellipses.iter().any(|ellipse| gains().all(|gain| ellipse.contains(gain, radius)))
     }
 }
 
