@@ -13,6 +13,9 @@ use super::{ModeLabel, Outcome};
 pub struct KeptSamples {
     /// Unstable samples, ascending in the index.
     pub unstable: Vec<KeptSample>,
+    /// Indices of the samples in which nothing surely is unstable and a verdict is open, ascending. Those of an earlier program have none.
+    #[serde(default)]
+    pub open: Vec<u64>,
     /// Indices of the samples whose evaluation failed, ascending. Samples whose draw failed are in no list.
     pub failed: Vec<u64>,
 }
@@ -58,6 +61,7 @@ impl KeptSamples {
     /// Enters a sample; without an outcome one that failed.
     pub(super) fn record(&mut self, index: u64, outcome: Option<&Outcome>) {
         match outcome {
+            Some(outcome) if outcome.may_be_unstable() => self.open.push(index),
             Some(outcome) => self.unstable.extend(KeptSample::new(index, outcome)),
             None => self.failed.push(index),
         }
@@ -65,6 +69,7 @@ impl KeptSamples {
 
     pub(super) fn merge(&mut self, later: Self) {
         self.unstable.extend(later.unstable);
+        self.open.extend(later.open);
         self.failed.extend(later.failed);
     }
 
@@ -75,16 +80,23 @@ impl KeptSamples {
         Some(&self.unstable[at])
     }
 
+    /// True if nothing surely is unstable in sample `index`, and a verdict is open.
+    #[must_use]
+    pub fn is_open(&self, index: u64) -> bool {
+        self.open.binary_search(&index).is_ok()
+    }
+
     /// True if the evaluation of sample `index` failed.
     #[must_use]
     pub fn has_failed(&self, index: u64) -> bool {
         self.failed.binary_search(&index).is_ok()
     }
 
-    /// True if these can be the samples of a run of the indices `samples`, of which `unstable` were unstable.
-    pub(super) fn may_be_of(&self, samples: &Range<u64>, unstable: u64) -> bool {
-        self.unstable.len() as u64 == unstable
+    /// True if these can be the samples of a run of the indices `samples`, of which `unstable` were unstable and `open` may be.
+    pub(super) fn may_be_of(&self, samples: &Range<u64>, [unstable, open]: [u64; 2]) -> bool {
+        [self.unstable.len() as u64, self.open.len() as u64] == [unstable, open]
             && ascend(self.unstable.iter().map(|sample| sample.index), samples)
+            && ascend(self.open.iter().copied(), samples)
             && ascend(self.failed.iter().copied(), samples)
     }
 }
@@ -107,17 +119,20 @@ mod tests {
     fn samples_are_those_of_a_range() {
         let kept = |unstable: &[u64], failed: &[u64]| {
             let sample = |&index: &u64| KeptSample { index, growth: 1.0, modes: Vec::new() };
-            KeptSamples { unstable: unstable.iter().map(sample).collect(), failed: failed.to_vec() }
+            KeptSamples { unstable: unstable.iter().map(sample).collect(), open: Vec::new(), failed: failed.to_vec() }
         };
         for (start, is_there) in [(0, true), (100, true), (u64::MAX - 50, true)] {
             let found = kept(&[start, start + 3, start + 9], &[start + 1]);
-            assert_eq!(found.may_be_of(&(start..start + 10), 3), is_there);
+            assert_eq!(found.may_be_of(&(start..start + 10), [3, 0]), is_there);
             // One index too few at either end.
-            assert!(!found.may_be_of(&(start..start + 9), 3));
-            assert!(!found.may_be_of(&(start + 1..start + 10), 3));
-            assert!(!found.may_be_of(&(start..start + 10), 2));
+            assert!(!found.may_be_of(&(start..start + 9), [3, 0]));
+            assert!(!found.may_be_of(&(start + 1..start + 10), [3, 0]));
+            assert!(!found.may_be_of(&(start..start + 10), [2, 0]));
         }
-        assert!(!kept(&[4, 3], &[]).may_be_of(&(0..10), 2));
-        assert!(!kept(&[3], &[7, 7]).may_be_of(&(0..10), 1));
+        assert!(!kept(&[4, 3], &[]).may_be_of(&(0..10), [2, 0]));
+        assert!(!kept(&[3], &[7, 7]).may_be_of(&(0..10), [1, 0]));
+        // One that is open and of which nothing is known.
+        assert!(!kept(&[3], &[]).may_be_of(&(0..10), [1, 1]));
+        assert!(KeptSamples { open: vec![5], ..kept(&[3], &[]) }.may_be_of(&(0..10), [1, 1]));
     }
 }

@@ -151,7 +151,7 @@ impl SceneTally {
         self.solved += 1;
         self.certified += u64::from(outcome.is_certified);
         self.any_unstable += u64::from(outcome.is_unstable());
-        self.perhaps_unstable += u64::from(!outcome.is_unstable() && outcome.undecided > 0);
+        self.perhaps_unstable += u64::from(outcome.may_be_unstable());
         self.unstable_modes += outcome.unstable.len() as u64;
         self.divergent += u64::from(outcome.divergent);
         self.diverging += u64::from(outcome.divergent > 0);
@@ -229,6 +229,12 @@ impl Outcome {
     #[must_use]
     pub fn is_unstable(&self) -> bool {
         self.instabilities() > 0
+    }
+
+    /// True if nothing surely is unstable, and a verdict is open.
+    #[must_use]
+    pub fn may_be_unstable(&self) -> bool {
+        !self.is_unstable() && self.undecided > 0
     }
 
     /// Number of unstable modes and divergences.
@@ -327,7 +333,9 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
                 && tally.diverging + tally.perhaps_diverging <= tally.solved
                 && tally.diverging <= tally.any_unstable
         };
-        let may_be_kept = |(kept, tally): (&KeptSamples, &SceneTally)| kept.may_be_of(&samples, tally.any_unstable);
+        let may_be_kept = |(kept, tally): (&KeptSamples, &SceneTally)| {
+            kept.may_be_of(&samples, [tally.any_unstable, tally.perhaps_unstable])
+        };
         self.scenes.len() == failures.by_scene().len()
             && self.scenes.iter().zip(failures.by_scene()).all(counted)
             && self.kept.as_ref().is_none_or(|kept| kept.len() == self.scenes.len())

@@ -125,6 +125,51 @@ fn pairs_are_counted_sample_by_sample_and_a_study_does_not_differ_from_itself() 
     refusal(&compare(&[&of("one"), &of("one")], &["--out", out.to_str().unwrap()]), &["compared"]);
 }
 
+/// Random samples in which nothing is unstable get an open verdict: the limits of anything hold what it would be if all of them were stable, or all unstable.
+#[test]
+fn open_verdicts_of_kept_samples_widen_what_is_said_of_anything() {
+    let dir = tempfile::tempdir().unwrap();
+    let [one, two] = ["0.05", "0.1"].map(|damping| {
+        let (out, set) =
+            (dir.path().join(damping), format!("terms.dashpots.damping=[[{damping}, 0.0], [0.0, {damping}]]"));
+        run(&hoffmann(), &out, &["--samples", "200", "--keep-samples", "--set", &set]);
+        out
+    });
+    let any = || rows(&[&one, &two]).into_iter().find(|row| row["mode"] == "any").unwrap();
+    let number = |row: &BTreeMap<String, serde_json::Value>, key: &str| row[key].as_f64().unwrap();
+    let sure = any();
+    let path = two.join("samples.csv");
+    let table = Table::read(&path).unwrap().unwrap();
+    let [unstable, open] = ["unstable", "open"].map(|name| table.columns.iter().position(|it| it == name).unwrap());
+    assert!(table.rows.iter().all(|row| row[open] == "0"));
+    let mut marked = 0;
+    let rows_with_open = table.rows.iter().enumerate().map(|(at, row)| {
+        let mut row = row.clone();
+        if row[unstable].is_empty() && at.wrapping_mul(2_654_435_761) % 7 < 3 {
+            row[open] = "1".into();
+            marked += 1;
+        }
+        row
+    });
+    let rows_with_open: Vec<_> = rows_with_open.collect();
+    Table::new("samples", table.columns.iter().map(String::as_str).collect::<Vec<_>>(), rows_with_open)
+        .write(&two)
+        .unwrap();
+    let found = any();
+    let most = number(&sure, "difference") + f64::from(marked) / 200.0;
+    assert!(marked > 20, "{marked}");
+    assert!(number(&found, "lower") <= number(&sure, "lower") + 1e-12, "{found:?} {sure:?}");
+    assert!(number(&found, "upper") > most, "{found:?} {most}");
+    // Samples of an earlier program do not tell: that is named.
+    let text = std::fs::read_to_string(&path).unwrap();
+    let cut = |line: &str| {
+        line.split(',').enumerate().filter(|(at, _)| *at != open).map(|(_, cell)| cell).collect::<Vec<_>>().join(",")
+    };
+    std::fs::write(&path, text.lines().map(|line| cut(line) + "\n").collect::<String>()).unwrap();
+    let said = String::from_utf8(compare(&[&one, &two], &[]).stdout).unwrap();
+    assert!(said.contains("do not tell which verdicts are open"), "{said}");
+}
+
 #[test]
 fn what_counts_otherwise_is_refused_by_name() {
     let dir = tempfile::tempdir().unwrap();

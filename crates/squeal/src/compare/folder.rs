@@ -50,6 +50,8 @@ pub(super) struct StudyFolder {
     /// Version and commit of the program.
     pub program: String,
     pub scenes: BTreeMap<SceneNames, Occurrences>,
+    /// Kept samples tell which verdicts are open; those of an earlier program do not.
+    pub tells_open: bool,
     /// Kept samples by scene; empty where none were kept.
     pub kept: BTreeMap<SceneNames, Kept>,
     /// Modes by set of constraints.
@@ -94,6 +96,7 @@ impl StudyFolder {
             band: words("band_hz"),
             program: format!("{} ({})", words("version").unwrap_or_default(), words("commit").unwrap_or_default()),
             scenes: BTreeMap::new(),
+            tells_open: true,
             kept: BTreeMap::new(),
             modes: BTreeMap::new(),
             draws: BTreeMap::new(),
@@ -141,10 +144,13 @@ impl StudyFolder {
     fn enter_samples(&mut self, table: &Table) -> Option<()> {
         let scene = places(table, SCENE)?;
         let [sample, growth, unstable] = places(table, ["sample", "growth", "unstable"])?;
+        self.tells_open = table.columns.get(unstable + 1).is_some_and(|column| column == "open");
+        let first_input = unstable + 1 + usize::from(self.tells_open);
         for row in &table.rows {
             let (scene, index) = (scene.map(|at| row[at].clone()), row[sample].parse().ok()?);
-            self.kept.entry(scene.clone()).or_default().enter(index, &row[growth], &row[unstable]);
-            for (input, cell) in table.columns.iter().zip(row).skip(unstable + 1) {
+            let is_open = self.tells_open && row[unstable + 1] == "1";
+            self.kept.entry(scene.clone()).or_default().enter(index, [&row[growth], &row[unstable]], is_open);
+            for (input, cell) in table.columns.iter().zip(row).skip(first_input) {
                 self.draws.entry(input.clone()).or_default().insert((scene.clone(), index), cell.clone());
             }
         }

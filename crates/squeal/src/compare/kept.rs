@@ -24,11 +24,13 @@ struct Unstable {
     modes: BTreeMap<String, Trial>,
     /// A mode without a name is.
     has_unnamed: bool,
+    /// Nothing surely is, and a verdict is open.
+    is_open: bool,
 }
 
 impl Kept {
-    /// Enters a sample by its cells `growth` and `unstable`.
-    pub fn enter(&mut self, index: u64, growth: &str, unstable: &str) {
+    /// Enters a sample by its cells `growth` and `unstable`, and whether its verdict is open.
+    pub fn enter(&mut self, index: u64, [growth, unstable]: [&str; 2], is_open: bool) {
         let candidates: Vec<Vec<String>> = unstable
             .split(';')
             .filter_map(|mode| Some(mode.rsplit_once(':')?.0))
@@ -40,15 +42,16 @@ impl Kept {
             modes.insert("unnamed".into(), Trial::Yes);
         }
         // No growth rate is that of a sample whose evaluation failed.
-        self.0.insert(index, (!growth.is_empty()).then_some(Unstable { modes, has_unnamed }));
+        self.0.insert(index, (!growth.is_empty()).then_some(Unstable { modes, has_unnamed, is_open }));
     }
 
     /// The answer of a sample.
     pub fn trial(&self, index: u64, question: Question<'_>) -> Trial {
-        let Some(Unstable { modes, has_unnamed }) = self.0.get(&index).and_then(Option::as_ref) else {
+        let Some(Unstable { modes, has_unnamed, is_open }) = self.0.get(&index).and_then(Option::as_ref) else {
             return Trial::Ambiguous;
         };
         match question {
+            Question::Anything if *is_open => Trial::Ambiguous,
             Question::Anything if modes.is_empty() => Trial::No,
             Question::Anything => Trial::Yes,
             Question::Mode(name) => {

@@ -142,6 +142,12 @@ fn against(first: &StudyFolder, other: &StudyFolder) -> Result<Against, Error> {
             ));
         }
     }
+    for study in [first, other].into_iter().filter(|study| !study.tells_open) {
+        notes.push(format!(
+            "{} was made by an earlier program, whose samples do not tell which verdicts are open: they count as stable in `any`",
+            study.path.display()
+        ));
+    }
     if first.program != other.program {
         notes.push(format!("they were made by different programs: {} and {}", first.program, other.program));
     }

@@ -58,7 +58,7 @@ pub fn write_kept_samples<B: UncertainBrake>(
         drawn.iter().zip(0..).filter_map(row).collect::<Vec<_>>()
     };
     let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
-    let header = [scene_columns, &["sample", "growth", "unstable"], &columns].concat();
+    let header = [scene_columns, &["sample", "growth", "unstable", "open"], &columns].concat();
     let rows = plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene);
     Ok(Table::new("samples", header, rows).write(dir)?)
 }
@@ -88,11 +88,15 @@ fn unstable_modes(plan: &Plan, kept: &[KeptSamples]) -> Table {
     Table::new("unstable_modes", header, plan.scenes.iter().zip(kept).flat_map(of_scene))
 }
 
-/// The largest growth rate and the unstable modes of a sample.
-fn in_words(kept: &KeptSamples, index: u64) -> [String; 2] {
+/// The largest growth rate and the unstable modes of a sample, and whether it is open that anything is.
+fn in_words(kept: &KeptSamples, index: u64) -> [String; 3] {
     let Some(KeptSample { growth, modes, .. }) = kept.sample(index) else {
-        return [if kept.has_failed(index) { String::new() } else { "0".into() }, String::new()];
+        let [growth, open] = match (kept.has_failed(index), kept.is_open(index)) {
+            (true, _) => ["", ""],
+            (false, is_open) => ["0", if is_open { "1" } else { "0" }],
+        };
+        return [growth.into(), String::new(), open.into()];
     };
     let modes = modes.iter().map(|mode| format!("{}:{}", names_in_words(mode), mode.growth));
-    [growth.to_string(), modes.collect::<Vec<_>>().join(";")]
+    [growth.to_string(), modes.collect::<Vec<_>>().join(";"), "0".into()]
 }
