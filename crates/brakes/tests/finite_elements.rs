@@ -330,6 +330,17 @@ fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same(
 }
 
 #[test]
+fn a_band_without_modes_is_refused_by_its_name() {
+    let text = two_arrangements().header.text.replace("[500.0, 8000.0]", "[600.0, 700.0]");
+    let CaseFile::FiniteElements(case) = CaseFile::parse(&folder().join("quiet.toml"), text).unwrap() else { panic!() };
+    let error = FiniteElementBrake::new(*case, &()).unwrap_err().to_string();
+    assert!(
+        error.contains("quiet.toml: reduction.frequencies = [600.0, 700.0]; allowed: a band with a mode"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_reduction_that_draws_do_not_confirm_is_trained_on_whatever_the_number_of_samples() {
     let poor = |full_checks: u64| {
         let text = two_arrangements()

@@ -154,8 +154,7 @@ pub(super) fn of_modes(
     let all: Vec<Eigenpair> = known.iter().flat_map(|at| at.modes).cloned().collect();
     let found = directions(&empty, candidates(&all, vectors), ROUNDING)?;
     if found.ncols() == 0 {
-        let option = "the number of modes in the rectangle";
-        return Err(ReductionError::Option { option, value: 0.0, allowed: "1 or more" });
+        return Err(ReductionError::NoModes);
     }
     let error = |basis: &DMatrix<f64>| {
         let of_point = |ModesAt { system, norms, modes }: &ModesAt<'_>| {

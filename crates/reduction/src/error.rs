@@ -18,6 +18,9 @@ pub enum ReductionError {
         /// The values that it may have.
         allowed: &'static str,
     },
+    /// A rectangle that holds no mode of the large system at any point that was looked at.
+    #[error("no mode of the large system is in the rectangle")]
+    NoModes,
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
     #[error("the {what} could not be computed")]
     Decomposition {

@@ -23,7 +23,7 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use reduction::{ReducedModes, RouteCounts, Rung};
+use reduction::{ReducedModes, ReductionError, RouteCounts, Rung};
 use study::{
     BandMode, Bridge, CoarsePath, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable,
     NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
@@ -35,7 +35,7 @@ use self::parameters::SceneOf;
 use self::reduce::Trained;
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
-use crate::case::{Draws, FiniteElementCase, Law, Parameter};
+use crate::case::{CaseError, Draws, FiniteElementCase, Law, Parameter};
 use crate::{CaseBrake, Error};
 
 /// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two distances, each the largest that was measured,
@@ -142,7 +142,7 @@ impl FiniteElementBrake {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let reduce::AllBases { sets, parts, of_origins, of_configurations } =
-            reduce::all_bases(&case, bases, (swept, trained), progress)?;
+            reduce::all_bases(&case, bases, (swept, trained), progress).map_err(named_band(&case))?;
         let part = |at: usize| &parts[at].reduced;
         let of_origins_parts: Vec<_> = of_origins.iter().map(|&at| part(at)).collect();
         let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();
@@ -269,6 +269,23 @@ impl FiniteElementBrake {
     fn scene_of(&self, scene: &Scene) -> SceneOf<'_> {
         let state = self.case.contact.as_ref().map(|contact| (contact.laws[scene.key.law], scene.key.speed));
         SceneOf { case: &self.case, closed: self.closed(scene), state }
+    }
+}
+
+/// The error of a band without a mode names the band.
+fn named_band(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
+    |error| match error {
+        Error::Reduction(ReductionError::NoModes) => CaseError::Value {
+            path: case.header.path.clone(),
+            field: "reduction.frequencies".into(),
+            value: format!("{:?}", case.reduction.frequencies),
+            allowed: format!(
+                "a band with a mode of the brake, which has none there with a growth above {} 1/s",
+                case.reduction.growth[0]
+            ),
+        }
+        .into(),
+        error => error,
     }
 }
 

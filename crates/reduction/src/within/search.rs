@@ -191,11 +191,7 @@ impl<'a> Search<'a> {
     pub fn smaller(&self) -> Result<Smaller, ReductionError> {
         let columns: Vec<_> = self.known.iter().flat_map(|known| known.shapes.column_iter()).collect();
         if columns.is_empty() {
-            return Err(ReductionError::Option {
-                option: "the number of modes in the rectangle",
-                value: 0.0,
-                allowed: "1 or more",
-            });
+            return Err(ReductionError::NoModes);
         }
         let empty = DMatrix::zeros(columns[0].len(), 0);
         let found = directions(&empty, DMatrix::from_columns(&columns), ROUNDING)?;
