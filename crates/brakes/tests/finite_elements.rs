@@ -360,7 +360,7 @@ fn a_reduction_that_draws_do_not_confirm_is_trained_on_whatever_the_number_of_sa
     let found = brake.full_checks().unwrap();
     assert!(found.trained_on > 0 && found.missing + found.invented + found.other_verdicts == 0, "{found:?}");
     // Single pairs of nodes diverge under LuGre friction, which no training mends.
-    assert!(found.diverging > 0, "{found:?}");
+    assert!(found.divergence_where(|_| true).diverging > 0, "{found:?}");
     let columns = |brake: &FiniteElementBrake| brake.parts.iter().map(|part| part.within.basis.ncols()).sum::<usize>();
     assert!(columns(&brake) > columns(&unchecked));
     // Again, and with another number of samples: the same to the last bit.

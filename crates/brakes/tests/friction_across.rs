@@ -435,16 +435,58 @@ fn divergence_of_the_whole_brake_is_found_whatever_the_band() {
             }
         }
         let checks = brake.full_checks().unwrap();
-        assert_eq!(checks.diverging > 0, has_any, "{at} {checks:?}");
+        let all = checks.divergence_where(|_| true);
+        assert_eq!((all.draws, all.diverging > 0), (checks.samples, has_any), "{at} {checks:?}");
         let study = Study::new(&brake, &BatchSolver).unwrap();
         let results = Results::sampled(&study).unwrap();
         let said = results.doubts().join(" ");
         assert_eq!(said.contains("DIVERGENCE, instability without oscillation"), has_any, "{at} {said}");
-        let is_open = checks.divergence_open > 0;
+        let is_open = all.open > 0;
+        let share = format!("in {:.4} (95 %: ", all.diverging as f64 / all.draws as f64);
+        assert!(!has_any || said.contains(&share) && said.contains("velocity-dependent "), "{said}");
+        let tables = results.tables(&[]).unwrap();
+        let table = tables.iter().find(|table| table.name == "divergence").unwrap();
+        let sum = |rows: &[Vec<String>]| rows.iter().map(|row| row[5].parse::<u64>().unwrap()).sum::<u64>();
+        let laws = results.plan().labels.laws.len();
+        let (of_laws, of_panels) = table.rows[1..].split_at(laws);
+        assert_eq!([sum(&table.rows[..1]), sum(of_laws), sum(of_panels)], [all.diverging; 3], "{table:?}");
         assert!(results.divergence_in_words().unwrap().contains("not in the samples") || has_any || is_open);
         assert!(!is_open || said.contains("could not be told"), "{said}");
     }
     assert!(found_in >= 10 && free >= 8 && quiet >= 10, "{found_in} {free} {quiet}");
+}
+
+/// Random brakes with negative damping and weak springs to ground: pairs below the band that grow faster than they oscillate, which are neither modes of
+/// it nor on the real axis.
+#[test]
+fn pairs_that_grow_faster_than_they_oscillate_diverge_whatever_the_band() {
+    let mut pairs = 0;
+    for at in 0..8 {
+        let folder = tempfile::tempdir().unwrap();
+        let mut random = Random::new(&mut stream(43, at));
+        let order = random.structure.stiffness.nrows();
+        random.structure.stiffness -= DMatrix::identity(order, order) * 1.85e4;
+        random.structure.write(folder.path());
+        let text = random.text.replace("rayleigh = { mass = 1.5", "rayleigh = { mass = -60.0");
+        let brake = FiniteElementBrake::checked(case(folder.path(), text).unwrap(), &()).unwrap();
+        let scene = &brake.plan.scenes[0];
+        for n in 0..4 {
+            let sample = brake.draw(&mut stream(1, n)).unwrap();
+            let all = spectrum(whole(&brake, scene, &sample).each_ref());
+            let mut expected: Vec<f64> = all.iter().filter(|l| l.re > l.im && l.re > 1.0).map(|l| l.re).collect();
+            expected.sort_by(f64::total_cmp);
+            pairs += all.iter().filter(|l| l.re > l.im && l.re > 1.0 && l.im > 1.0).count();
+            let point = brake.full_point(scene, &brake.operating_point(scene, &sample).unwrap());
+            let reduced = brake.part(scene).reduced.system().assemble(&point).unwrap();
+            let reduced = QrSolver.eigenvalues(&reduced, &mut Workspace::default()).unwrap();
+            let found = brake.diverging(scene, &point, &reduced).unwrap().unwrap();
+            assert_eq!(found.len(), expected.len(), "{at} {found:?} {expected:?} {all:?}");
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((found - expected).abs() < 1e-8 * expected, "{at} {found} {expected}");
+            }
+        }
+    }
+    assert!(pairs >= 10, "{pairs}");
 }
 
 #[test]

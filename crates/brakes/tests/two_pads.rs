@@ -14,6 +14,7 @@ use linsys::OperatingPoint;
 use num_complex::Complex;
 use sparse::nalgebra_sparse::CscMatrix;
 use sparse::{Options, Rectangle, eigenpairs_in};
+use squeal::study::{ModeSource, UncertainBrake};
 
 fn parse(path: &Path, text: String) -> Result<FiniteElementCase, String> {
     match CaseFile::parse(path, text).map_err(|error| error.to_string())? {
@@ -704,4 +705,29 @@ fn a_large_brake_has_the_eigenvalues_of_scipy() {
         println!("{expected:.6}: off by {:.1e}", nearest / expected.norm());
         assert!(nearest < 1e-6 * expected.norm());
     }
+}
+
+/// A piston that pulls in a quarter of the draws: contact alone holds its pad along the axis, so that these have no equilibrium. They fail as samples and
+/// among the draws of the whole brake, and bases are made of the others.
+#[test]
+fn draws_without_equilibrium_are_counted_and_end_no_study() {
+    let folder = Folder::new();
+    let text = in_equilibrium()
+        .replace("load_factor = \"p\"\n", "")
+        .replace("pressure = 1.5\n", "pressure = 1.5\ncoefficient = \"p\"\n")
+        .replace("from = 1.0\nto = 3.0", "from = -1.0\nto = 3.0")
+        .replace("samples = 10", "samples = 20")
+        .replace("frequencies = [1000.0, 8000.0]", "frequencies = [1000.0, 3000.0]\ntraining = 3\nfull_checks = 8");
+    let case = folder.parse(text).unwrap();
+    let p = case.parameters.iter().position(|own| own.name == "p").unwrap();
+    let brake = brakes::FiniteElementBrake::checked(case, &()).unwrap();
+    let checks = brake.full_checks().unwrap();
+    assert!(checks.samples == 8 && checks.failed > 0 && checks.failed < 8 && checks.modes > 0, "{checks:?}");
+    let divergence = checks.divergence_where(|_| true);
+    assert!(divergence.draws == 8 && divergence.open >= checks.failed, "{divergence:?}");
+    let pulls = (0..20).filter(|&n| brake.draw(&mut montecarlo::stream(1, n)).unwrap().values[p] < 0.0).count();
+    let study = squeal::study::Study::new(&brake, &cea::BatchSolver).unwrap();
+    let results = squeal::results::Results::sampled(&study).unwrap();
+    assert_eq!(results.summary.failures.by_scene(), [pulls as u64]);
+    assert!(pulls > 0 && results.summary.failures.listed()[0].message.contains("there is no equilibrium"));
 }

@@ -71,19 +71,6 @@ pub enum Error {
         /// Message of the first evaluation that failed.
         first: String,
     },
-    /// A brake that diverges where its samples do not look.
-    #[error(
-        "{}: {diverging} of {samples} draws of the whole brake diverge, which no sample counts, as summary.md says first; allowed: none that does",
-        path.display()
-    )]
-    DivergenceNotCounted {
-        /// The folder with the results.
-        path: PathBuf,
-        /// Draws that diverge.
-        diverging: u64,
-        /// Number of draws of the whole brake that were looked at.
-        samples: u64,
-    },
     /// A reduced brake that is not the whole one.
     #[error(
         "{}: the reduced brake does not have the modes of the whole one, as summary.md says first; allowed: none missing, none more, no other \

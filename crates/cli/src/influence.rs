@@ -101,7 +101,7 @@ impl InfluenceArgs {
         let scene = &plan.scenes[0];
         let heading = format!("{}: {}; {draws} draws, seed {}", plan.name, plan.describe(scene), plan.seed);
         let source = brake.mode_source();
-        let doubt = divergence_doubt(source.is_some(), source.and_then(|source| source.full_checks()));
+        let doubt = divergence_doubt(plan, source.is_some(), source.and_then(|source| source.full_checks()));
         let warning = doubt.map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));
         let answer = format!("{warning}{}", found.text(plan));
         if let Some(dir) = &self.out {

@@ -27,8 +27,7 @@ pub fn finish(result: Result<(), Error>) -> u8 {
         Err(Error::StandardOutput(source)) if source.kind() == std::io::ErrorKind::BrokenPipe => 0,
         Err(error) => {
             note(&format!("error: {error}"));
-            let may_be_wrong = matches!(error, Error::NotTheWholeBrake { .. } | Error::DivergenceNotCounted { .. });
-            if may_be_wrong { 1 } else { 2 }
+            if matches!(error, Error::NotTheWholeBrake { .. }) { 1 } else { 2 }
         }
     }
 }

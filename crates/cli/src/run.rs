@@ -10,7 +10,7 @@ use report::{draw_damping, draw_occurrence, write_page};
 use squeal::influence::write_kept_samples;
 use squeal::parts::{Shard, merge_parts, run_part};
 use squeal::results::{Estimates, Results, Stopped};
-use squeal::study::{FullChecks, Study};
+use squeal::study::{DivergenceCounts, FullChecks, Study};
 use squeal::{RunOptions, RunProgress, run_study_with};
 
 use super::mesh_shapes::{geometry, write_mesh_shapes};
@@ -203,9 +203,6 @@ impl RunArgs {
         match (most_failed, manifest.full_checks) {
             (Some(failed), _) => Err(failed),
             (None, Some(checks)) if checks.has_other_modes() => Err(Error::NotTheWholeBrake { path: self.out.clone() }),
-            (None, Some(FullChecks { diverging: diverging @ 1.., samples, .. })) => {
-                Err(Error::DivergenceNotCounted { path: self.out.clone(), diverging, samples })
-            }
             (None, _) => Ok(()),
         }
     }
@@ -213,15 +210,17 @@ impl RunArgs {
 
 /// Line on the draws of the whole brake: how far the reduced one agrees with it.
 fn checks_in_words(found: &FullChecks) -> String {
-    let FullChecks { samples, modes, missing, invented, other_verdicts, largest_distance, trained_on, .. } = *found;
-    let divergence = match found.diverging {
-        0 if found.divergence_open > 0 => format!("whether {} diverge could not be told", found.divergence_open),
-        0 => "none diverges (samples are not looked at for that)".to_owned(),
-        diverging => format!("{diverging} DIVERGE, by up to {:.1e} 1/s or so", found.divergence),
+    let FullChecks { samples, failed, modes, missing, invented, other_verdicts, largest_distance, trained_on, .. } =
+        found;
+    let divergence = match found.divergence_where(|_| true) {
+        DivergenceCounts { diverging: 0, open: open @ 1.., .. } => format!("whether {open} diverge could not be told"),
+        DivergenceCounts { diverging: 0, .. } => "none diverges (samples are not looked at for that)".to_owned(),
+        DivergenceCounts { diverging, fastest, .. } => format!("{diverging} DIVERGE, by up to {fastest:.1e} 1/s or so"),
     };
-    let trained = if trained_on == 0 { String::new() } else { format!(", after training on {trained_on} times") };
+    let failed = if *failed == 0 { String::new() } else { format!(" ({failed} failed, as samples do)") };
+    let trained = if *trained_on == 0 { String::new() } else { format!(", after training on {trained_on} times") };
     format!(
-        "{samples} draws with the whole brake: {modes} modes in the band, {missing} missing and {invented} invented by the reduced one, \
+        "{samples} draws with the whole brake{failed}: {modes} modes in the band, {missing} missing and {invented} invented by the reduced one, \
          {other_verdicts} with another verdict, eigenvalues within {largest_distance:.1e}{trained}; {divergence}\n"
     )
 }

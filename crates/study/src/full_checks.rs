@@ -1,12 +1,17 @@
 //! Checks of draws of a reduced brake against the full model.
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+
+use montecarlo::Proportion;
+use serde::{Serialize, Serializer};
 
 /// Counts of draws of a reduced brake in the full model: the modes in the band, whether they grow or not.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct FullChecks {
     /// Draws of a scene whose full model was solved.
     pub samples: u64,
+    /// Draws among them that have no operating point, as samples that fail: nothing of them is counted, and that they diverge is open.
+    pub failed: u64,
     /// Modes of the full model.
     pub modes: u64,
     /// Modes of the full model that the reduced brake does not have.
@@ -22,19 +27,55 @@ pub struct FullChecks {
     /// Lowest and highest frequency of the modes that grow next to the band, Hz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_hz: Option<[f64; 2]>,
-    /// Draws in which a real eigenvalue of the full model grows: divergence, which no sample of a reduced brake shows.
-    pub diverging: u64,
-    /// Largest real eigenvalue that grows, 1/s.
-    pub divergence: f64,
-    /// Draws in which the search for real eigenvalues that grow did not come to an end.
-    pub divergence_open: u64,
+    /// Divergence of the full model by the index of the scene, which no sample of a reduced brake shows.
+    #[serde(serialize_with = "of_all_scenes")]
+    pub divergence: BTreeMap<usize, DivergenceCounts>,
     /// Largest distance of an eigenvalue of the full model from that of the reduced brake, relative to its absolute value.
     pub largest_distance: f64,
     /// Number of times that the reduction was trained on because such draws did not agree.
     pub trained_on: u64,
 }
 
+/// Counts of draws in which something grows faster than it oscillates: divergence.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct DivergenceCounts {
+    /// Draws that were looked at.
+    pub draws: u64,
+    /// Draws that diverge.
+    pub diverging: u64,
+    /// Draws of which it could not be told.
+    pub open: u64,
+    /// Largest growth rate of what diverges, 1/s.
+    pub fastest: f64,
+}
+
+impl DivergenceCounts {
+    /// Proportion of the draws that diverge; those of which it could not be told may.
+    #[must_use]
+    pub fn proportion(&self) -> Proportion {
+        Proportion::of_counts(self.diverging, self.open, self.draws)
+    }
+
+    /// Counts of both sets of draws together.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            draws: self.draws + other.draws,
+            diverging: self.diverging + other.diverging,
+            open: self.open + other.open,
+            fastest: self.fastest.max(other.fastest),
+        }
+    }
+}
+
 impl FullChecks {
+    /// Divergence in the scenes with some indices together. Each draw is of a scene chosen at random, all alike probable, so that its proportion is
+    /// that of the analyses of these scenes.
+    pub fn divergence_where(&self, is_of: impl Fn(usize) -> bool) -> DivergenceCounts {
+        let of_scenes = self.divergence.iter().filter(|(scene, _)| is_of(**scene)).map(|(_, counts)| *counts);
+        of_scenes.fold(DivergenceCounts::default(), DivergenceCounts::with)
+    }
+
     /// True if the reduced brake has other modes or verdicts than the full model.
     pub fn has_other_modes(&self) -> bool {
         self.missing + self.invented + self.other_verdicts > 0
@@ -43,22 +84,30 @@ impl FullChecks {
     /// Counts of both sets of draws together.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
+        let mut divergence = self.divergence;
+        for (scene, counts) in other.divergence {
+            let of_scene = divergence.entry(scene).or_default();
+            *of_scene = of_scene.with(counts);
+        }
         Self {
             samples: self.samples + other.samples,
+            failed: self.failed + other.failed,
             modes: self.modes + other.modes,
             missing: self.missing + other.missing,
             invented: self.invented + other.invented,
             other_verdicts: self.other_verdicts + other.other_verdicts,
             residuals_above: self.residuals_above + other.residuals_above,
             growing_beside: self.growing_beside + other.growing_beside,
-            diverging: self.diverging + other.diverging,
-            divergence: self.divergence.max(other.divergence),
-            divergence_open: self.divergence_open + other.divergence_open,
+            divergence,
             beside_hz: self.beside_hz.into_iter().chain(other.beside_hz).reduce(wider),
             largest_distance: self.largest_distance.max(other.largest_distance),
             trained_on: self.trained_on.max(other.trained_on),
         }
     }
+}
+
+fn of_all_scenes<S: Serializer>(divergence: &BTreeMap<usize, DivergenceCounts>, to: S) -> Result<S::Ok, S::Error> {
+    divergence.values().copied().fold(DivergenceCounts::default(), DivergenceCounts::with).serialize(to)
 }
 
 /// The least range that holds both ranges.

@@ -107,5 +107,5 @@ pub trait ModeSource: Sync {
     fn routes(&self) -> Vec<(&'static str, u64)>;
 
     /// Results of the draws checked against the full model; `None` where none was checked.
-    fn full_checks(&self) -> Option<FullChecks>;
+    fn full_checks(&self) -> Option<&FullChecks>;
 }

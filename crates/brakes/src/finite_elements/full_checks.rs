@@ -1,11 +1,13 @@
 //! Draws of a reduced brake against the whole one, before it is sampled; and the reduction trained on where they do not agree.
 
+use std::collections::BTreeMap;
+
 use cea::{EigenSolver as _, QrSolver, Workspace, frequency_hz};
 use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
 use reduction::{Compared, compared};
-use study::{BandMode, FullChecks, ModeSource, UncertainBrake, wider};
+use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, wider};
 
 use super::reduce::{Trained, modes_beside};
 use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
@@ -20,7 +22,7 @@ const FIRST_STREAM: u64 = u64::MAX / 2;
 /// Result of one draw: where the reduced brake and the whole one differ, and the point at which it may be trained on.
 struct OneCheck {
     found: FullChecks,
-    at: Trained,
+    at: Option<Trained>,
 }
 
 impl FiniteElementBrake {
@@ -29,7 +31,7 @@ impl FiniteElementBrake {
     /// case alone, whatever the number of samples is.
     ///
     /// # Errors
-    /// As [`FiniteElementBrake::new`]; a draw without an operating point.
+    /// As [`FiniteElementBrake::new`].
     pub fn checked(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
         let mut brake = Self::new(case, progress)?;
         let mut trained: Vec<Trained> = Vec::new();
@@ -48,14 +50,14 @@ impl FiniteElementBrake {
             let all = (0..count).into_par_iter().map(one).collect::<Result<Vec<_>, Error>>()?;
             progress.end();
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
-            let sum = all.iter().fold(none, |sum, one| sum.with(one.found));
+            let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));
             let is_enough = round == MOST_ROUNDS || !(sum.has_other_modes() || sum.residuals_above > 0);
             brake.full_checks = Some(sum);
             if is_enough {
                 break;
             }
             let open = |one: &OneCheck| one.found.has_other_modes() || one.found.residuals_above > 0;
-            trained.extend(all.into_iter().filter(open).map(|one| one.at));
+            trained.extend(all.into_iter().filter(open).filter_map(|one| one.at));
             let Self { case, full_checks, .. } = brake;
             brake = Self { full_checks, ..Self::with_points(case, Bases::OfEach, &[], &trained, progress)? };
         }
@@ -63,12 +65,21 @@ impl FiniteElementBrake {
     }
 }
 
-/// Comparison of one draw, in one scene, with the whole brake.
+/// Comparison of one draw, in one scene, with the whole brake. One without an operating point, as where contacts have no equilibrium, is counted as
+/// failed, as a sample is.
 fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error> {
     let (mut rng, scenes) = (stream(brake.case.header.seed, number), &brake.plan.scenes);
-    let scene = &scenes[rng.random_range(0..scenes.len())];
+    let number = rng.random_range(0..scenes.len());
+    let scene = &scenes[number];
     let sample = brake.draw(&mut rng)?;
-    let point = brake.operating_point(scene, &sample)?;
+    let Ok(point) = brake.operating_point(scene, &sample) else {
+        let divergence =
+            BTreeMap::from([(number, DivergenceCounts { draws: 1, open: 1, ..DivergenceCounts::default() })]);
+        return Ok(OneCheck {
+            found: FullChecks { samples: 1, failed: 1, divergence, ..FullChecks::default() },
+            at: None,
+        });
+    };
     let (at, part, threshold) = (brake.full_point(scene, &point), brake.part(scene), brake.plan.threshold);
     let reduced = part.reduced.modes(&at)?.lambdas;
     let system = brake.sets[part.set].system.assemble(&at)?;
@@ -96,6 +107,12 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let other: Vec<Complex<f64>> = not_counted.chain(wrongly_counted).collect();
     let surely_grows = |lambda: &&Complex<f64>| threshold.margin(**lambda) > error * lambda.norm();
     let growing_beside: Vec<f64> = beside.iter().filter(surely_grows).map(|&lambda| frequency_hz(lambda)).collect();
+    let divergence = DivergenceCounts {
+        draws: 1,
+        diverging: u64::from(diverging.as_ref().is_some_and(|growing| !growing.is_empty())),
+        open: u64::from(diverging.is_none()),
+        fastest: diverging.iter().flatten().copied().fold(0.0, f64::max),
+    };
     let found = FullChecks {
         samples: 1,
         modes: whole.len() as u64,
@@ -105,14 +122,13 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         residuals_above: sampled.iter().filter(|mode| mode.residual.is_some_and(|residual| residual.is_above)).count()
             as u64,
         growing_beside: u64::from(!growing_beside.is_empty()),
-        diverging: u64::from(diverging.as_ref().is_some_and(|growing| !growing.is_empty())),
-        divergence: diverging.iter().flatten().copied().fold(0.0, f64::max),
-        divergence_open: u64::from(diverging.is_none()),
+        divergence: BTreeMap::from([(number, divergence)]),
         beside_hz: growing_beside.iter().map(|&hz| [hz, hz]).reduce(wider),
         largest_distance: distance,
+        failed: 0,
         trained_on: 0,
     };
-    Ok(OneCheck { found, at: Trained { set: part.set, closed: brake.closed(scene).to_vec(), at } })
+    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }) })
 }
 
 /// True if an eigenvalue is one of some, within [`AT_BORDER`] of its size.

@@ -23,7 +23,7 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use reduction::{ReducedModes, ReductionError, RouteCounts, Rung};
+use reduction::{ReducedModes, ReductionError, RouteCounts, Rung, grows_too_fast};
 use study::{
     BandMode, Bridge, CoarsePath, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable,
     NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
@@ -203,9 +203,9 @@ impl FiniteElementBrake {
         points::of_brake(&self.case, self.closed(scene), at)
     }
 
-    /// Growth rates, 1/s, of what diverges in a scene, at an operating point of the brake: real eigenvalues of the whole brake up to the end of
-    /// the band, and what grows faster than it oscillates beyond that in the spectrum of the reduced one, which says that it does and not how fast. `None`
-    /// where a search does not tell.
+    /// Growth rates, 1/s, of what diverges in a scene, at an operating point of the brake: real eigenvalues of the whole brake and pairs that grow
+    /// faster than they oscillate, up to the end of the band in size, and what does so beyond that in the spectrum of the reduced one, which says
+    /// that it does and not how fast. `None` where a search does not tell, or the reduced brake alone has such an eigenvalue below that end.
     ///
     /// # Errors
     /// A point that the brake refuses.
@@ -213,12 +213,21 @@ impl FiniteElementBrake {
         let part = self.part(scene);
         let whole = reduce::diverging(&self.case, &self.sets[part.set].system.assemble(at)?, &self.plan.threshold);
         let ([_, highest], error) = (self.case.reduction.frequencies, self.relative_error(scene));
-        let is_fast =
-            |lambda: &Complex<f64>| lambda.im >= 0.0 && lambda.re > lambda.im && lambda.norm() > TAU * highest;
-        let grows = |lambda: &Complex<f64>| self.plan.threshold.margin(*lambda) > error * lambda.norm();
-        let fast = reduced.eigenvalues.iter().copied().filter(is_fast).filter(grows).map(|lambda| lambda.re);
-        let fast: Vec<f64> = fast.collect();
-        Ok(if fast.is_empty() { whole } else { Some(whole.into_iter().flatten().chain(fast).collect()) })
+        let is_fast = |lambda: &&Complex<f64>| {
+            lambda.im >= 0.0
+                && grows_too_fast(**lambda)
+                && lambda.norm() > reduce::slowest_divergence(&self.case)
+                && self.plan.threshold.margin(**lambda) > error * lambda.norm()
+        };
+        let (beyond, below): (Vec<&Complex<f64>>, Vec<_>) =
+            reduced.eigenvalues.iter().filter(is_fast).partition(|lambda| lambda.norm() > TAU * highest);
+        Ok(match whole {
+            whole if !beyond.is_empty() => {
+                Some(whole.into_iter().flatten().chain(beyond.iter().map(|lambda| lambda.re)).collect())
+            }
+            Some(whole) if whole.is_empty() && !below.is_empty() => None,
+            whole => whole,
+        })
     }
 
     /// Law of a scene, and the distributions from which its friction is drawn; `None` without a contact.
@@ -468,8 +477,8 @@ impl ModeSource for FiniteElementBrake {
         vec![("coarse", coarse), ("spectra", spectra)]
     }
 
-    fn full_checks(&self) -> Option<FullChecks> {
-        self.full_checks
+    fn full_checks(&self) -> Option<&FullChecks> {
+        self.full_checks.as_ref()
     }
 }
 

@@ -22,9 +22,6 @@ use crate::case::FiniteElementCase;
 
 /// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
 const BEYOND: f64 = 1.5;
-/// Height of the strip on the real axis in which eigenvalues are looked for that do not oscillate, as a part of the lowest frequency of the
-/// band; chosen: above what rounding makes of two equal ones.
-const REAL: f64 = 1e-6;
 /// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
 /// motions.
 const SLOWEST: f64 = 1e-3;
@@ -200,21 +197,29 @@ pub(super) fn modes_beside(
     modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
 }
 
-/// Real eigenvalues of a whole brake that surely are beyond a threshold, 1/s, ascending: divergence, whatever the band of the case. They are
-/// looked for from a thousandth of the lowest frequency of the band, as those of a body that is free to move are zero, to the highest. `None`
-/// where the search does not come to an end.
+/// Smallest growth that is looked for as divergence of a case, 1/s.
+pub(super) fn slowest_divergence(case: &FiniteElementCase) -> f64 {
+    SLOWEST * rectangle(case).im[0]
+}
+
+/// Growth rates of what surely is beyond a threshold and grows faster than it oscillates in a whole brake, 1/s, ascending: divergence, whatever
+/// the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
+/// zero, to the highest in size. `None` where the search does not come to an end.
 pub(super) fn diverging(
     case: &FiniteElementCase,
     system: &SparseSecondOrder,
     threshold: &Threshold,
 ) -> Option<Vec<f64>> {
-    let [lowest, highest] = rectangle(case).im;
-    let from = threshold.growth_above().max(SLOWEST * lowest);
-    let axis = Rectangle { re: [from, from + highest], im: [0.0, REAL * lowest] };
-    let found = eigenpairs_in(system, &axis, &sparse::Options::default(), &mut |_| {}).ok()?;
+    let [_, highest] = rectangle(case).im;
+    let from = threshold.growth_above().max(slowest_divergence(case));
+    let right = Rectangle { re: [from, from + highest], im: [0.0, highest] };
+    let found = eigenpairs_in(system, &right, &sparse::Options::default(), &mut |_| {}).ok()?;
+    let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);
     let is_beyond = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound) == Verdict::Unstable;
-    let of = |pair: Eigenpair| repeat_n(pair.lambda.re, if is_beyond(&pair) { real_count(pair.lambda) } else { 0 });
-    Some(found.pairs.into_iter().flat_map(of).collect())
+    let of = |pair: Eigenpair| repeat_n(pair.lambda.re, real_count(pair.lambda).max(1));
+    let mut growing: Vec<f64> = found.pairs.into_iter().filter(is_fast).filter(is_beyond).flat_map(of).collect();
+    growing.sort_by(f64::total_cmp);
+    Some(growing)
 }
 
 fn modes_in(

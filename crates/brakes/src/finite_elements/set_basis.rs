@@ -124,8 +124,8 @@ fn of_modes(
         solved(&snapshots, points, progress)?.iter().try_for_each(|found| snapshots.add(found))?;
     }
     let mut drawn_once: Vec<Drawn> = Vec::new();
-    // What is drawn may be nothing at all, or have no operating point, which is counted where it is sampled.
-    for drawn in draws(case, swept, MOST_SOLUTIONS + HELD_OUT).into_iter().flatten() {
+    // There may be nothing that is drawn.
+    for drawn in draws(case, swept, MOST_SOLUTIONS + HELD_OUT)? {
         if !known.contains(&drawn.at) && !drawn_once.contains(&drawn) {
             drawn_once.push(drawn);
         }

@@ -7,7 +7,7 @@ use montecarlo::stream;
 use osc_model::ContactArrangement;
 use sparse::Rectangle;
 
-use super::points::{State, draw, law_and_speed, of_brake, scene_point, speeds_of};
+use super::points::{State, at_medians, draw, law_and_speed, of_brake, scene_point, speeds_of};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law, ReductionGoal};
 
@@ -16,6 +16,8 @@ use crate::case::{FiniteElementCase, Law, ReductionGoal};
 const SEARCHED: f64 = 0.25;
 /// Most complete solutions for the basis of a part; chosen: one that needs more is as large as its limit.
 pub(super) const MOST_SOLUTIONS: usize = 60;
+/// Draws of a stream after which none of them is taken to have an operating point; chosen.
+const MOST_DRAWS: usize = 20;
 /// The first stream of draws that the basis of a set is made of, far from those of samples, of full checks and of training points.
 const FIRST_STREAM: u64 = u64::MAX / 4;
 /// Parts of 1 by which scenes and speeds of these draws advance: golden ratios of one and of two dimensions, which spread any number of them.
@@ -75,9 +77,8 @@ pub(super) struct Drawn {
     pub at: OperatingPoint,
 }
 
-/// Draws by their number from 0, spread over all scenes and over their ranges of speed; or the points that a sweep goes through, from end to end. A draw
-/// without an operating point is an error of its own, which a study counts.
-pub(super) fn draws(case: &FiniteElementCase, swept: &[OperatingPoint], count: usize) -> Vec<Result<Drawn, Error>> {
+/// Draws by their number from 0, spread over all scenes and over their ranges of speed; or the points that a sweep goes through, from end to end.
+pub(super) fn draws(case: &FiniteElementCase, swept: &[OperatingPoint], count: usize) -> Result<Vec<Drawn>, Error> {
     let arrangements = arrangements(case);
     let scenes = scenes(case, &arrangements);
     let part = |number: usize, step: f64| (number as f64 * step).fract();
@@ -106,19 +107,26 @@ fn scenes<'a>(case: &FiniteElementCase, arrangements: &'a [Closed]) -> Vec<(&'a 
     arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect()
 }
 
-/// A draw of a random stream in a scene, at a quantile of its range of speed.
+/// The first draw of a random stream that has an operating point in a scene, at a quantile of its range of speed: one without, as where no equilibrium of
+/// contacts is, has no modes to hold, and fails as a sample. Where none of some draws has one it is the point at which modes are named.
 fn drawn_at(
     case: &FiniteElementCase,
     (closed, state): (&Closed, State),
     number: u64,
     speed: f64,
 ) -> Result<OperatingPoint, Error> {
-    let mut sample = draw(case, &mut stream(case.header.seed, number))?;
-    if let Some(contacts) = &mut sample.contacts {
-        contacts.speed_quantile = speed;
+    let mut rng = stream(case.header.seed, number);
+    for _ in 0..MOST_DRAWS {
+        let mut sample = draw(case, &mut rng)?;
+        if let Some(contacts) = &mut sample.contacts {
+            contacts.speed_quantile = speed;
+        }
+        let friction = law_and_speed(case, state, &sample);
+        if let Ok(point) = scene_point(case, closed, friction, &sample) {
+            return Ok(of_brake(case, closed, &point));
+        }
     }
-    let friction = law_and_speed(case, state, &sample);
-    Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
+    at_medians(case)
 }
 
 /// Numbers from 0 to 1: both ends, then the middle, quarters and so on, by the radical inverse (van der Corput).

@@ -177,7 +177,8 @@ impl Made<'_> {
         out.channels.extend(across);
         out.channels.extend(opening);
         let load = own.iter().map(|&at| forces[at]).sum::<f64>() / own.len() as f64;
-        let shares = own.iter().map(|&at| forces[at] / load).collect();
+        // One that the medians lift off has no load to share, and is in equilibrium: its forces are found anew wherever it holds down.
+        let shares = own.iter().map(|&at| if load > 0.0 { forces[at] / load } else { 0.0 }).collect();
         let channels = first..out.channels.len();
         out.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points, places });
         Ok(())

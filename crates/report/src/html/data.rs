@@ -13,7 +13,11 @@ use super::tables::{grouped_on_page, on_page, read, with_rows};
 use crate::Error;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
-const TABLES: [(&str, &str); 10] = [
+const TABLES: [(&str, &str); 11] = [
+    (
+        "divergence.csv",
+        "Draws of the whole brake in which something grows faster than it oscillates: of all, by law and by panel",
+    ),
     ("modes.csv", "The modes of each set of constraints where they have their names"),
     (
         "growth.csv",

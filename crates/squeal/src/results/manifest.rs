@@ -163,7 +163,7 @@ impl Manifest {
             largest_residual: plan
                 .band
                 .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),
-            full_checks: results.full_checks,
+            full_checks: results.full_checks.clone(),
             notes: results.notes(),
             stopped: None,
             routes: BTreeMap::new(),

@@ -81,7 +81,7 @@ impl Results {
         let comparisons = study::comparisons(&plan, &panels);
         let source = study.brake().mode_source();
         let (labels, full_checks, has_band_modes) =
-            (plan.mode_labels, source.and_then(|source| source.full_checks()), source.is_some());
+            (plan.mode_labels, source.and_then(|source| source.full_checks()).cloned(), source.is_some());
         let notes = Mutex::default();
         Self { labels, plan, origins, references, summary, full_checks, has_band_modes, panels, comparisons, notes }
     }
@@ -93,6 +93,7 @@ impl Results {
             summary: self.summary.clone(),
             panels: self.panels.clone(),
             comparisons: self.comparisons.clone(),
+            full_checks: self.full_checks.clone(),
             notes: Mutex::default(),
             plan: Arc::clone(&self.plan),
             origins: Arc::clone(&self.origins),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use montecarlo::{Confidence, QuantileSketch};
 use output::Table;
-use study::{ComparisonKind, Panel, SceneLabels, SetLinks, set_links};
+use study::{ComparisonKind, FullChecks, Panel, SceneKey, SceneLabels, SetLinks, set_links};
 
 use super::Results;
 use super::modes::{links_table, modes};
@@ -15,7 +15,8 @@ use crate::Error;
 
 impl Results {
     /// The numbers of a study as tables: `modes` with a table of shapes for each set of constraints, `links`, `occurrence`, `growth`,
-    /// `panels`, `differences`, `net_work`, `family_work`, `sensitivities` and `failures`; `reasons` are those of [`reasons`](super::reasons()).
+    /// `panels`, `differences`, `net_work`, `family_work`, `sensitivities` and `failures`, and `divergence` of a reduced brake whose draws were
+    /// solved with the full model; `reasons` are those of [`reasons`](super::reasons()).
     ///
     /// # Errors
     /// Those of following modes from one set of constraints to another.
@@ -40,6 +41,7 @@ impl Results {
             sensitivities(self.plan(), reasons),
             failures(self),
         ]);
+        tables.extend(self.full_checks.as_ref().map(|checks| divergence(self, checks)));
         Ok(tables)
     }
 }
@@ -133,6 +135,40 @@ fn panels(results: &Results) -> Table {
         row
     });
     Table::new("panels", header, rows)
+}
+
+/// The table `divergence`: how many draws of the full model diverge, of all, of each law and of each panel; a column is empty where a row is over
+/// all that it tells apart.
+fn divergence(results: &Results, checks: &FullChecks) -> Table {
+    let (labels, scenes) = (&results.plan().labels, &results.plan().scenes);
+    let empty = || [const { String::new() }; 4];
+    let row = |names: [String; 4], is_of: &dyn Fn(&SceneKey) -> bool| {
+        let found = checks.divergence_where(|scene| is_of(&scenes[scene].key));
+        let (proportion, number) =
+            (found.proportion(), |of: Option<f64>| of.map_or_else(String::new, |of| of.to_string()));
+        let limits = proportion.interval(Confidence::P95);
+        let counts = [found.draws, found.diverging, found.open].map(|count| count.to_string());
+        let share = number(proportion.estimate().map(|part| part.lower));
+        let numbers = [
+            share,
+            limits.lower.to_string(),
+            limits.upper.to_string(),
+            number((found.fastest > 0.0).then_some(found.fastest)),
+        ];
+        names.into_iter().chain(counts).chain(numbers).collect::<Vec<_>>()
+    };
+    let mut rows = vec![row(empty(), &|_| true)];
+    for (law, label) in labels.laws.iter().enumerate() {
+        let [constraints, _, speed, in_contact] = empty();
+        rows.push(row([constraints, label.name.clone(), speed, in_contact], &|key| key.law == law));
+    }
+    for panel in results.panels() {
+        let [constraints, law, speed] = labels.key_columns(panel.key);
+        let in_contact = labels.panels[panel.key.panel].in_contact.to_string();
+        rows.push(row([constraints, law, speed, in_contact], &|key| *key == panel.key));
+    }
+    let own = ["draws", "diverging", "open", "share", "lower", "upper", "fastest"];
+    Table::new("divergence", [&["constraints", "law", "speed", "in_contact"][..], &own].concat(), rows)
 }
 
 /// The table `differences`: by how much the mean number of unstable modes differs between two panels on the same draws.

@@ -196,7 +196,7 @@ pub fn confirm<B: UncertainBrake>(
         scenes: plan.scenes.len() as u64,
         failures,
         growing: growing_modes(&study, 0),
-        divergence_doubt: divergence_doubt(source.is_some(), source.and_then(|source| source.full_checks())),
+        divergence_doubt: divergence_doubt(plan, source.is_some(), source.and_then(|source| source.full_checks())),
     })
 }
 
