@@ -394,6 +394,60 @@ fn equilibrium_is_found_anew_where_friction_or_pressure_differ() {
     assert!(states.len() > 2, "points open and close");
 }
 
+/// A patch at the end of a pad that is pressed at its other end: at the medians it lifts off, and is no reason to refuse the case. Where a second piston, which
+/// is at rest there, presses it down, and where it is in contact alone, matrices are those of a case that has this piston from the beginning.
+#[test]
+fn a_patch_that_lifts_off_at_the_medians_holds_down_elsewhere() {
+    let folder = Folder::new();
+    let deck_path = folder.folder.path().join("brake.inp");
+    let mut deck = std::fs::read_to_string(&deck_path).unwrap();
+    let first = folder.parse(in_equilibrium()).unwrap();
+    let nodes = &first.mesh.as_ref().unwrap().nodes;
+    let face: BTreeMap<i64, f64> = first.contact.as_ref().unwrap().patches[0]
+        .pairs
+        .iter()
+        .map(|pair| (pair[0], nodes.iter().find(|node| node.label == pair[0]).unwrap().position[0]))
+        .collect();
+    let [least, most] = [f64::INFINITY, f64::NEG_INFINITY]
+        .map(|start| face.values().fold(start, |end: f64, x| if start > 0.0 { end.min(*x) } else { end.max(*x) }));
+    let far = least + 0.3 * (most - least);
+    let all_of_pad = || nodes.iter().filter(|node| node.label > 1000 && node.position[2] > -1.0);
+    for (name, is_in) in [("LEFT", &(|x: f64| x < far) as &dyn Fn(f64) -> bool), ("RIGHT", &|x: f64| x >= far)] {
+        writeln!(deck, "*NSET, NSET={name}").unwrap();
+        all_of_pad().filter(|node| is_in(node.position[0])).for_each(|node| writeln!(deck, "{}", node.label).unwrap());
+    }
+    for (name, is_in) in [("EDGE", &(|x: f64| x > 0.0) as &dyn Fn(f64) -> bool), ("END", &|x: f64| x < far)] {
+        writeln!(deck, "*NSET, NSET={name}").unwrap();
+        let backs = all_of_pad().filter(|node| node.position[2] == 11.0 && is_in(node.position[0]));
+        backs.for_each(|node| writeln!(deck, "{}", node.label).unwrap());
+    }
+    std::fs::write(&deck_path, deck).unwrap();
+    let piston = "[[forces]]\nname = \"second\"\nnodes = \"END\"\nforce = [0.0, 0.0, -2500.0]\ncoefficient = \"q\"\n";
+    let text = |q: f64| {
+        pressed_off_the_middle()
+            .replace("slave = \"LINING\"\n", "slave = \"LINING\"\npatches = [\"LEFT\", \"RIGHT\"]\n")
+            .replace(
+                "[all_contacts]",
+                &format!("{piston}[parameters.q]\ndistribution = \"constant\"\nvalue = {q:?}\n[all_contacts]"),
+            )
+    };
+    let case = folder.parse(text(0.0)).unwrap();
+    let [lifted, pressed] = [0, 1].map(|patch| case.contact.as_ref().unwrap().patches[patch].load);
+    assert!(lifted == 0.0 && pressed > 0.0, "{lifted} {pressed}");
+    let note = "\"LEFT\": none of its points is closed at the medians with all patches";
+    assert!(case.header.notes.iter().any(|said| said.contains(note)), "{:?}", case.header.notes);
+    assert!(brakes::loads_at_medians(&case).unwrap().iter().flatten().all(|load| load.is_finite()));
+    let mut changed = folder.parse(text(0.0)).unwrap();
+    changed.parameters.iter_mut().filter(|own| own.name == "q").for_each(|own| own.distribution = constant(3.0));
+    let fresh = folder.parse(text(3.0)).unwrap();
+    assert!(fresh.contact.as_ref().unwrap().patches[0].load > 0.0);
+    let [a, b] = [&changed, &fresh].map(|case| case.system.assemble(&brakes::at_medians(case).unwrap()).unwrap());
+    for (a, b) in [(&a.c, &b.c), (&a.k, &b.k)] {
+        let largest = b.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        assert!((a - b).values().iter().all(|value| value.abs() < 1e-9 * largest));
+    }
+}
+
 /// Elements that are not integrated over: neither do they vanish from a set, nor is a face towards them one at which a body ends. Where a
 /// surface has it by its number it is refused, of the outer faces of a set it is none.
 #[test]
