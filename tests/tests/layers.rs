@@ -40,7 +40,7 @@ const LAYERS: [(&str, &str); 28] = [
 
 /// What the library must not bring along: a command line, fonts, pictures, parsers of case files.
 const NOT_IN_THE_LIBRARY: [&str; 9] =
-    ["clap", "indicatif", "ttf-parser", "svg", "tiny-skia", "png", "toml", "exmex", "formats"];
+    ["clap", "indicatif", "skrifa", "svg", "tiny-skia", "png", "toml", "exmex", "formats"];
 
 /// The names in the table of dependencies of a package.
 fn dependencies(folder: &str) -> Vec<String> {

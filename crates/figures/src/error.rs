@@ -55,7 +55,7 @@ pub enum FigureError {
     Statistics(#[from] montecarlo::MonteCarloError),
     /// The font in the program cannot be read.
     #[error("the font of the figures cannot be read: {0}")]
-    Font(#[from] ttf_parser::FaceParsingError),
+    Font(#[from] skrifa::raw::ReadError),
     /// The picture is too large to be rasterised.
     #[error("a picture of {width} x {height} pixels cannot be drawn")]
     PictureSize {
@@ -67,6 +67,9 @@ pub enum FigureError {
     /// The picture cannot be written as PNG.
     #[error("the picture cannot be written as PNG: {0}")]
     Png(#[from] png::EncodingError),
+    /// The picture cannot be written as PDF.
+    #[error("the picture cannot be written as PDF: {0}")]
+    Pdf(std::io::Error),
     /// The numbers of the figure cannot be written as CSV.
     #[error("the table of the figure cannot be written as CSV: {0}")]
     Csv(#[from] csv::Error),

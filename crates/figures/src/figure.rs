@@ -6,9 +6,9 @@ use output::{Table, replace};
 
 use super::canvas::Canvas;
 use super::error::FigureError;
-use super::{raster, vector};
+use super::{pdf, raster, vector};
 
-/// A figure, ready to be written in three formats.
+/// A figure, ready to be written as SVG, PNG, PDF and CSV.
 pub struct Figure {
     pub(super) canvas: Canvas,
     pub(super) table: Table,
@@ -30,6 +30,14 @@ impl Figure {
         raster::to_png(&self.canvas)
     }
 
+    /// The picture as PDF, one page of its printed size, for documents that are printed.
+    ///
+    /// # Errors
+    /// [`FigureError::Pdf`] if it cannot be compressed.
+    pub fn pdf(&self) -> Result<Vec<u8>, FigureError> {
+        pdf::to_pdf(&self.canvas)
+    }
+
     /// The numbers behind the picture as CSV with a header: one observation per row, floats in their shortest form that
     /// reads back to the same value.
     ///
@@ -39,11 +47,11 @@ impl Figure {
         Ok(self.table.csv()?)
     }
 
-    /// Writes `stem.svg`, `stem.png` and `stem.csv` into the existing folder `dir`. Each file is written under another
+    /// Writes `stem.svg`, `stem.png`, `stem.pdf` and `stem.csv` into the existing folder `dir`. Each file is written under another
     /// name first and renamed when whole, so that no reader ever sees half of one.
     ///
     /// # Errors
-    /// [`FigureError::Write`] with the path of the file that cannot be written; also those of [`png`](Self::png) and
+    /// [`FigureError::Write`] with the path of the file that cannot be written; also those of [`png`](Self::png), [`pdf`](Self::pdf) and
     /// [`csv`](Self::csv), in which case nothing is written.
     pub fn save(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
         let csv = self.csv()?;
@@ -51,14 +59,15 @@ impl Figure {
         write(dir, stem, "csv", &csv)
     }
 
-    /// Writes `stem.svg` and `stem.png` as [`save`](Self::save) does, where the numbers are in other tables.
+    /// Writes `stem.svg`, `stem.png` and `stem.pdf` as [`save`](Self::save) does, where the numbers are in other tables.
     ///
     /// # Errors
     /// As [`save`](Self::save).
     pub fn save_pictures(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
-        let png = self.png()?;
+        let (png, pdf) = (self.png()?, self.pdf()?);
         write(dir, stem, "svg", self.svg().as_bytes())?;
-        write(dir, stem, "png", &png)
+        write(dir, stem, "png", &png)?;
+        write(dir, stem, "pdf", &pdf)
     }
 }
 

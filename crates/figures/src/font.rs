@@ -1,7 +1,11 @@
 //! The font of the figures: Arimo, whose letters are as wide as those of Arial and Helvetica. The layout measures with it,
 //! the PNG is drawn with it, and the SVG names it with its equals as substitutes.
 
-use ttf_parser::{Face, GlyphId, OutlineBuilder};
+use skrifa::charmap::Charmap;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::metrics::GlyphMetrics;
+use skrifa::outline::{DrawSettings, OutlineGlyphCollection, OutlinePen};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 use super::error::FigureError;
 
@@ -11,27 +15,57 @@ pub(super) const FONT_FAMILIES: &str = "Arimo, Arial, Helvetica, 'Liberation San
 
 /// The font in both weights.
 pub(super) struct Fonts {
-    regular: Face<'static>,
-    bold: Face<'static>,
+    regular: Face,
+    bold: Face,
+}
+
+/// A weight of the font, in its own units.
+struct Face {
+    glyphs: Charmap<'static>,
+    metrics: GlyphMetrics<'static>,
+    outlines: OutlineGlyphCollection<'static>,
+    units_per_em: f32,
+}
+
+impl Face {
+    fn new(file: &'static [u8]) -> Result<Self, FigureError> {
+        let font = FontRef::new(file)?;
+        let (size, location) = (Size::unscaled(), LocationRef::default());
+        Ok(Self {
+            glyphs: font.charmap(),
+            metrics: font.glyph_metrics(size, location),
+            outlines: font.outline_glyphs(),
+            units_per_em: f32::from(font.metrics(size, location).units_per_em),
+        })
+    }
+
+    /// The glyph of a character; one that the font lacks becomes the box of glyph 0, as browsers show it.
+    fn glyph(&self, c: char) -> GlyphId {
+        self.glyphs.map(c).unwrap_or_default()
+    }
+
+    fn advance(&self, id: GlyphId) -> f32 {
+        self.metrics.advance_width(id).unwrap_or_default()
+    }
 }
 
 impl Fonts {
     pub fn load() -> Result<Self, FigureError> {
         Ok(Self {
-            regular: Face::parse(include_bytes!("fonts/arimo-regular.ttf"), 0)?,
-            bold: Face::parse(include_bytes!("fonts/arimo-bold.ttf"), 0)?,
+            regular: Face::new(include_bytes!("fonts/arimo-regular.ttf"))?,
+            bold: Face::new(include_bytes!("fonts/arimo-bold.ttf"))?,
         })
     }
 
-    fn face(&self, bold: bool) -> &Face<'static> {
+    fn face(&self, bold: bool) -> &Face {
         if bold { &self.bold } else { &self.regular }
     }
 
     /// Width of one line of text in points.
     pub fn width(&self, text: &str, size: f64, bold: bool) -> f64 {
         let face = self.face(bold);
-        let units: u64 = text.chars().map(|c| u64::from(advance(face, glyph(face, c)))).sum();
-        units as f64 * size / f64::from(face.units_per_em())
+        let units: f64 = text.chars().map(|c| f64::from(face.advance(face.glyph(c)))).sum();
+        units * size / f64::from(face.units_per_em)
     }
 
     /// Breaks text at its (breaking) spaces into lines no wider than `limit`; a single word that is wider stands alone.
@@ -57,27 +91,29 @@ impl Fonts {
         size: f64,
         bold: bool,
         place: impl Fn(f32, f32) -> (f32, f32),
-        pen: &mut impl OutlineBuilder,
+        pen: &mut impl OutlinePen,
     ) {
         let face = self.face(bold);
-        let scale = size as f32 / f32::from(face.units_per_em());
+        let scale = size as f32 / face.units_per_em;
         let mut start = 0.0;
         for c in text.chars() {
-            let id = glyph(face, c);
+            let id = face.glyph(c);
             let to_page = |x: f32, y: f32| place(start + x * scale, y * scale);
             let mut placed = Placed { pen, to_page };
-            if id == GlyphId(0) {
-                unknown(f32::from(advance(face, id)), &mut placed);
-            } else {
-                face.outline_glyph(id, &mut placed);
+            if id == GlyphId::NOTDEF {
+                unknown(face.advance(id), &mut placed);
+            } else if let Some(outline) = face.outlines.get(id) {
+                let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
+                // The font is our own: its outlines can be read.
+                let _ = outline.draw(settings, &mut placed);
             }
-            start += f32::from(advance(face, id)) * scale;
+            start += face.advance(id) * scale;
         }
     }
 }
 
 /// The box that stands for a character that the font lacks, as in browsers: a ring, as wide as glyph 0, which is empty here.
-fn unknown(width: f32, pen: &mut impl OutlineBuilder) {
+fn unknown(width: f32, pen: &mut impl OutlinePen) {
     // Outwards from the middle of the box: half of its width, its height and the width of its line, in units of the font, 2,048 a size.
     let (middle, [half, height, line]) = (0.5 * width, [0.36 * width, 1400.0, 110.0]);
     let mut rectangle = |corners: [(f32, f32); 4]| {
@@ -92,22 +128,13 @@ fn unknown(width: f32, pen: &mut impl OutlineBuilder) {
     rectangle([(left, line), (left, height - line), (right, height - line), (right, line)]);
 }
 
-/// The glyph of a character; 0 where the font lacks it.
-fn glyph(face: &Face, c: char) -> GlyphId {
-    face.glyph_index(c).unwrap_or_default()
-}
-
-fn advance(face: &Face, id: GlyphId) -> u16 {
-    face.glyph_hor_advance(id).unwrap_or_default()
-}
-
 /// Moves an outline to its place on the page.
 struct Placed<'a, P, F> {
     pen: &'a mut P,
     to_page: F,
 }
 
-impl<P: OutlineBuilder, F: Fn(f32, f32) -> (f32, f32)> OutlineBuilder for Placed<'_, P, F> {
+impl<P: OutlinePen, F: Fn(f32, f32) -> (f32, f32)> OutlinePen for Placed<'_, P, F> {
     fn move_to(&mut self, x: f32, y: f32) {
         let (x, y) = (self.to_page)(x, y);
         self.pen.move_to(x, y);

@@ -1,13 +1,13 @@
-//! Figures for print: plain data in, SVG, PNG and CSV out.
+//! Figures for print: plain data in, SVG, PNG, PDF and CSV out.
 //!
 //! Each function takes one struct of numbers and labels and returns a [`Figure`], 180 mm wide (A4 less its margins), with
-//! no text below 8 pt. [`Figure::save`] writes the picture twice, from one display list, and its numbers as one table in
+//! no text below 8 pt. [`Figure::save`] writes the picture three times, from one display list, and its numbers as one table in
 //! long format. The bytes depend on the data alone: no clock, no system font, no randomness.
 //!
 //! Colours are from the palette of Okabe and Ito (<https://jfly.uni-koeln.de/color/>), which colour-blind readers can
 //! tell apart; lightness, hatching and marker shapes say the same in grey print.
 //!
-//! Pixels come from tiny-skia, outlines of letters from ttf-parser, the document from the svg crate. A plotting library
+//! Pixels come from tiny-skia, outlines of letters from skrifa, the document from the svg crate. A plotting library
 //! would add little here (axes) and lack the rest (shared scales over rows of panels, hatched boxes side by side, mode
 //! shapes on a lattice), at three to five times the compile time.
 //!
@@ -27,7 +27,7 @@
 //! };
 //! let figure = loglog(&data)?;
 //! assert!(figure.svg().contains("plain Monte Carlo"));
-//! // figure.save("figures".as_ref(), "time_error") writes time_error.svg, .png and .csv into the folder.
+//! // figure.save("figures".as_ref(), "time_error") writes time_error.svg, .png, .pdf and .csv into the folder.
 //! # Ok::<(), figures::FigureError>(())
 //! ```
 
@@ -44,6 +44,8 @@ mod loglog;
 mod mode_work;
 mod model_diagram;
 mod occurrence;
+mod paths;
+mod pdf;
 mod raster;
 mod root_locus;
 mod scale;

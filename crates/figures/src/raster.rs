@@ -2,11 +2,11 @@
 
 use std::io::Write;
 
-use tiny_skia::{FillRule, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
-use ttf_parser::OutlineBuilder;
+use tiny_skia::{FillRule, Pixmap, Stroke, StrokeDash, Transform};
 
-use super::canvas::{Canvas, Color, Item, Label, Paint, TextAnchor};
+use super::canvas::{Canvas, Color};
 use super::error::FigureError;
+use super::paths::paths;
 
 const DOTS_PER_INCH: f64 = 300.0;
 
@@ -14,73 +14,20 @@ const DOTS_PER_INCH: f64 = 300.0;
 pub(super) fn to_png(canvas: &Canvas) -> Result<Vec<u8>, FigureError> {
     let scale = DOTS_PER_INCH / 72.0;
     let (width, height) = ((canvas.width * scale).round() as u32, (canvas.height * scale).round() as u32);
-    let mut page = Page {
-        pixels: Pixmap::new(width, height).ok_or(FigureError::PictureSize { width, height })?,
-        transform: Transform::from_scale(scale as f32, scale as f32),
-    };
-    page.pixels.fill(tiny_skia::Color::WHITE);
-    for item in &canvas.items {
-        match item {
-            Item::Open { .. } | Item::Close => {}
-            Item::Path { points, closed, paint } => {
-                let mut path = PathBuilder::new();
-                for (i, &(x, y)) in points.iter().enumerate() {
-                    let (x, y) = (x as f32, y as f32);
-                    if i == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
-                }
-                if *closed {
-                    path.close();
-                }
-                page.draw(path.finish(), paint);
-            }
-            Item::Circle { center, radius, paint } => {
-                page.draw(PathBuilder::from_circle(center.0 as f32, center.1 as f32, *radius as f32), paint);
-            }
-            Item::Text(label) => page.write(label, canvas),
-        }
-    }
-    encode(&page.pixels)
-}
-
-struct Page {
-    pixels: Pixmap,
-    transform: Transform,
-}
-
-impl Page {
-    /// Draws a path; none (an empty one) draws nothing.
-    fn draw(&mut self, path: Option<Path>, paint: &Paint) {
-        let Some(path) = path else { return };
+    let mut pixels = Pixmap::new(width, height).ok_or(FigureError::PictureSize { width, height })?;
+    let transform = Transform::from_scale(scale as f32, scale as f32);
+    pixels.fill(tiny_skia::Color::WHITE);
+    for (path, paint) in paths(canvas) {
         if let Some(color) = paint.fill {
-            self.pixels.fill_path(&path, &solid(color), FillRule::Winding, self.transform, None);
+            pixels.fill_path(&path, &solid(color), FillRule::Winding, transform, None);
         }
         if let Some((color, width)) = paint.stroke {
             let dash = paint.dash.and_then(|length| StrokeDash::new(vec![length as f32; 2], 0.0));
             let stroke = Stroke { width: width as f32, dash, ..Stroke::default() };
-            self.pixels.stroke_path(&path, &solid(color), &stroke, self.transform, None);
+            pixels.stroke_path(&path, &solid(color), &stroke, transform, None);
         }
     }
-
-    fn write(&mut self, label: &Label, canvas: &Canvas) {
-        let width = canvas.fonts.width(&label.text, label.size, label.bold);
-        let before = match label.anchor {
-            TextAnchor::Start => 0.0,
-            TextAnchor::Middle => width / 2.0,
-            TextAnchor::End => width,
-        } as f32;
-        let (x0, y0) = (label.at.0 as f32, label.at.1 as f32);
-        let place = |x: f32, y: f32| {
-            let along = x - before;
-            if label.upward { (x0 - y, y0 - along) } else { (x0 + along, y0 - y) }
-        };
-        let mut pen = Pen(PathBuilder::new());
-        canvas.fonts.outline(&label.text, label.size, label.bold, place, &mut pen);
-        let path = pen.0.finish();
-        if label.halo {
-            self.draw(path.clone(), &Paint::stroke(Color::WHITE, 2.0));
-        }
-        self.draw(path, &Paint::fill(label.color));
-    }
+    encode(&pixels)
 }
 
 fn solid(color: Color) -> tiny_skia::Paint<'static> {
@@ -106,29 +53,4 @@ fn encode(pixels: &Pixmap) -> Result<Vec<u8>, FigureError> {
     writer.finish()?;
     drop(header);
     Ok(bytes)
-}
-
-/// Collects glyph outlines.
-struct Pen(PathBuilder);
-
-impl OutlineBuilder for Pen {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.0.move_to(x, y);
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.0.line_to(x, y);
-    }
-
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.0.quad_to(x1, y1, x, y);
-    }
-
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.0.cubic_to(x1, y1, x2, y2, x, y);
-    }
-
-    fn close(&mut self) {
-        self.0.close();
-    }
 }

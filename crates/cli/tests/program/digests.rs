@@ -47,7 +47,7 @@ fn digest(arguments: &str, out: &Path) -> String {
         return fingerprint(&said);
     }
     // Pictures are there as text too, the page names the commit.
-    let is_kept = |name: &str| !name.ends_with(".png") && name != "report.html";
+    let is_kept = |name: &str| ![".png", ".pdf"].iter().any(|picture| name.ends_with(picture)) && name != "report.html";
     let files = results(out).into_iter().filter(|(name, _)| is_kept(name));
     fingerprint(
         &files.map(|(name, bytes)| format!("{name}\n{}\n", String::from_utf8(bytes).unwrap())).collect::<String>(),

@@ -62,7 +62,7 @@ fn influence_has_the_same_bytes_with_any_number_of_threads() {
     let ((said, one), (_, two)) = (ask("1"), ask("2"));
     assert_same(&one, &two);
     let files: Vec<&str> = one.keys().map(String::as_str).collect();
-    assert_eq!(files, ["influence.csv", "influence.png", "influence.svg", "study.txt", "summary.md"]);
+    assert_eq!(files, ["influence.csv", "influence.pdf", "influence.png", "influence.svg", "study.txt", "summary.md"]);
     assert!(said.contains("growth of any mode") && said.contains("explains"), "{said}");
     let rows = columns(
         &folder.path().join("1/influence.csv"),

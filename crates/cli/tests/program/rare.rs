@@ -60,6 +60,7 @@ fn rare_squeal_has_its_tables_and_its_likeliest_brake_as_a_case_on_any_number_of
     let files: Vec<&str> = one.keys().map(String::as_str).collect();
     let expected = [
         "design_points.csv",
+        "design_points.pdf",
         "design_points.png",
         "design_points.svg",
         "likeliest.toml",

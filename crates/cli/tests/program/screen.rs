@@ -20,6 +20,7 @@ fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
         "checkpoint.json",
         "report.html",
         "screen.csv",
+        "screen.pdf",
         "screen.png",
         "screen.svg",
         "screen_differences.csv",

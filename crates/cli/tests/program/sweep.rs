@@ -9,8 +9,17 @@ fn tables_and_figures_are_the_same_bytes_with_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("brake.toml");
     std::fs::write(&case, SMALL).unwrap();
-    let one = ["branches.csv", "coalescences.csv", "onsets.csv", "report.html", "study.txt", "sweep.png", "sweep.svg"];
-    let two = ["boundary.csv", "regions.csv", "report.html", "study.txt", "sweep.png", "sweep.svg"];
+    let one = [
+        "branches.csv",
+        "coalescences.csv",
+        "onsets.csv",
+        "report.html",
+        "study.txt",
+        "sweep.pdf",
+        "sweep.png",
+        "sweep.svg",
+    ];
+    let two = ["boundary.csv", "regions.csv", "report.html", "study.txt", "sweep.pdf", "sweep.png", "sweep.svg"];
     for (options, files) in [
         (&["--over", "mu=0:1"][..], &one[..]),
         (&["--law", "velocity-dependent", "--over", "mu_k=0.1:0.6", "--over", "v=0.1:10"][..], &two[..]),
