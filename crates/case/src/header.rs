@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use cea::Threshold;
-use study::{Plan, StudySource, Units};
+use study::{Measured, Plan, StudySource, Units};
 
 use super::CaseError;
 use super::check::{Accuracy, Check};
+use super::heard::MeasuredTable;
 use super::squeal::SquealTable;
 
 /// The file of a case of any kind, and the study that it asks for.
@@ -28,6 +29,8 @@ pub struct CaseHeader {
     pub half_width: Option<f64>,
     /// Threshold from where on a growing mode counts as unstable.
     pub threshold: Threshold,
+    /// Squeal that was measured, if the case has any.
+    pub measured: Option<Measured>,
     /// Units of the numbers of the case.
     pub units: Units,
     /// Commit of the program that reads the case, for manifest and pages; `None` unless the program says it.
@@ -46,6 +49,7 @@ impl CaseHeader {
         plan.source_file =
             Some(StudySource { path: self.path.clone(), text: self.text.clone(), set: self.set.clone() });
         (plan.threshold, plan.units, plan.commit) = (self.threshold, self.units, self.commit);
+        plan.measured = self.measured.clone();
         plan
     }
 
@@ -64,6 +68,7 @@ impl Check<'_> {
         (name, samples, seed): (String, u64, u64),
         accuracy: Option<Accuracy>,
         squeal: Option<SquealTable>,
+        measured: Option<MeasuredTable>,
     ) -> Result<CaseHeader, CaseError> {
         self.line("study.name", &name)?;
         if !(1..=CaseHeader::MOST_SAMPLES).contains(&samples) {
@@ -79,6 +84,7 @@ impl Check<'_> {
             seed,
             half_width,
             threshold,
+            measured: self.measured(measured)?,
             units: self.units,
             commit: None,
             notes: Vec::new(),

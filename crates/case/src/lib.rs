@@ -19,6 +19,7 @@ mod expression;
 mod file;
 mod finite_elements;
 mod header;
+mod heard;
 pub mod held;
 mod identity;
 pub mod input;

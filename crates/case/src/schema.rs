@@ -23,6 +23,7 @@ pub(super) struct LatticeFile {
     pub paper: Option<super::Paper>,
     pub accuracy: Option<super::check::Accuracy>,
     pub squeal: Option<super::squeal::SquealTable>,
+    pub measured: Option<super::heard::MeasuredTable>,
     pub correlation: Option<super::correlation::CorrelationTable>,
 }
 

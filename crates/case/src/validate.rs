@@ -46,10 +46,11 @@ impl LatticeCase {
             paper,
             accuracy,
             squeal,
+            measured,
             correlation,
         } = file;
         let schema::StudyTable { name, laws, samples, seed } = study;
-        let header = check.header(text, (name, samples, seed), accuracy, squeal)?;
+        let header = check.header(text, (name, samples, seed), accuracy, squeal, measured)?;
         if laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use output::write;
+use report::{compare_figure, write_compare_page};
 use squeal::compare::compare;
 use squeal::folder::RunFolder;
 
@@ -16,14 +17,14 @@ use crate::Error;
 /// where the shapes have not their degrees of freedom in common.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example: squeal run brake.toml --keep-samples --out as-is; squeal run brake.toml --set shim=40 --keep-samples \
+    after_help = "Example: squeal run brake.toml --keep-samples --out as-is; squeal run brake.toml --set mu=0.6 --keep-samples \
                   --out with-shim; squeal compare as-is with-shim"
 )]
 pub struct CompareArgs {
     /// Folders of `squeal run`, at least two
     #[arg(required = true, num_args = 2.., value_name = "DIR")]
     pub studies: Vec<PathBuf>,
-    /// Folder for compare.csv and summary.md: new, empty, or that of the same comparison
+    /// Folder for report.html, the figure, compare.csv and summary.md: new, empty, or that of the same comparison
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// JSON for machines: the rows of the table
@@ -41,8 +42,13 @@ impl CompareArgs {
         let (table, text) = (found.table(), found.text());
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &found.identity)?;
+            let figure = compare_figure(&found)?;
             folder.publish(|stage| -> Result<(), Error> {
                 table.write(stage)?;
+                if let Some(figure) = &figure {
+                    figure.save_pictures(stage, "compare")?;
+                }
+                write_compare_page(&found, figure.as_ref(), stage)?;
                 Ok(write(&stage.join("summary.md"), found.summary().as_bytes())?)
             })?;
         }

@@ -28,6 +28,7 @@ const SUMMARISED_PANELS: usize = 4;
 ///
 /// A run that was stopped, even killed, is continued by the same command; one that has finished, by a larger --samples.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: squeal run brake.toml --set mu=0.6 --samples 500 --out results")]
 pub struct RunArgs {
     /// The case
     #[command(flatten)]
@@ -180,6 +181,7 @@ impl RunArgs {
                 0..=SUMMARISED_PANELS => results.text()?,
                 _ => results.in_short(),
             };
+            summary += &results.measured_text()?;
             Ok(())
         };
         let manifest = match parts {

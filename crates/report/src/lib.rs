@@ -5,6 +5,7 @@
 //! | a study | [`draw_occurrence`] | [`write_page`] |
 //! | a sweep | [`sweep_figure`] | [`write_sweep_page`] |
 //! | a screening | [`screen_figure`] | [`write_screen_page`] |
+//! | studies side by side | [`compare_figure`] | [`write_compare_page`] |
 //! | the influence of inputs | [`influence_figure`] | |
 //! | likely squealing brakes | [`rare_figure`] | |
 //!
@@ -15,9 +16,13 @@ mod html;
 mod pictures;
 
 pub use error::Error;
-pub use html::{BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_page, write_screen_page, write_sweep_page};
+pub use html::{
+    BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_compare_page, write_page, write_screen_page,
+    write_sweep_page,
+};
 pub use pictures::{
-    draw_damping, draw_occurrence, influence_figure, occurrence, rare_figure, screen_figure, set_heading, sweep_figure,
+    compare_figure, draw_damping, draw_occurrence, influence_figure, occurrence, rare_figure, screen_figure,
+    set_heading, sweep_figure,
 };
 
 /// The README's example, compiled and run as a doctest.

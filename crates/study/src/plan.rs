@@ -10,7 +10,7 @@ use num_complex::Complex;
 use osc_model::Brake;
 use serde::{Deserialize, Serialize};
 
-use super::{Contradiction, ModeLabel, Units};
+use super::{Contradiction, Measured, ModeLabel, Units};
 
 /// Key that tells scenes apart: indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -263,6 +263,8 @@ pub struct Plan {
     pub is_named_at_medians: bool,
     /// Units in which numbers are printed; no number depends on it.
     pub units: Units,
+    /// Squeal that was measured, with which results are compared, if there is any; no sample depends on it.
+    pub measured: Option<Measured>,
     /// Labels for the keys of the scenes.
     pub labels: SceneLabels,
     /// Origins of the names of modes.
@@ -297,6 +299,7 @@ impl Plan {
             threshold: Threshold::AXIS,
             is_named_at_medians: false,
             units: Units::Si,
+            measured: None,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),

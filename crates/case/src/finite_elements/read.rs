@@ -58,12 +58,13 @@ impl FiniteElementCase {
             reduction,
             accuracy,
             squeal,
+            measured,
             correlation,
         } = file;
         check.units = super::units::units(&check, units.as_ref())?;
         let check = check;
         let reduction = goal(&check, &reduction)?;
-        let mut header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal)?;
+        let mut header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal, measured)?;
         let parameters = parameters
             .into_iter()
             .map(|(name, given)| parameter(&check, name, given))

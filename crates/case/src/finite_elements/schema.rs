@@ -15,6 +15,7 @@ use super::units::UnitsTable;
 
 use crate::check::Accuracy;
 use crate::correlation::CorrelationTable;
+use crate::heard::MeasuredTable;
 use crate::matrices::schema::{Formula, ParameterTable};
 use crate::schema::{BristleDampingEntry, SpeedsTable};
 use crate::squeal::SquealTable;
@@ -49,6 +50,7 @@ pub(super) struct FiniteElementsFile {
     pub reduction: ReductionTable,
     pub accuracy: Option<Accuracy>,
     pub squeal: Option<SquealTable>,
+    pub measured: Option<MeasuredTable>,
     pub correlation: Option<CorrelationTable>,
 }
 

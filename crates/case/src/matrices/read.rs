@@ -46,9 +46,10 @@ impl MatricesCase {
             constraints,
             accuracy,
             squeal,
+            measured,
             correlation,
         } = file;
-        let header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal)?;
+        let header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal, measured)?;
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);

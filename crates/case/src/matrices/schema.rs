@@ -8,6 +8,7 @@ use serde::Deserialize;
 
 use crate::check::Accuracy;
 use crate::correlation::CorrelationTable;
+use crate::heard::MeasuredTable;
 use crate::squeal::SquealTable;
 use crate::symmetry::SymmetryEntry;
 
@@ -27,6 +28,7 @@ pub(super) struct MatricesFile {
     pub constraints: Vec<ConstraintsTable>,
     pub accuracy: Option<Accuracy>,
     pub squeal: Option<SquealTable>,
+    pub measured: Option<MeasuredTable>,
     pub correlation: Option<CorrelationTable>,
 }
 

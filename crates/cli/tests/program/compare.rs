@@ -121,7 +121,10 @@ fn pairs_are_counted_sample_by_sample_and_a_study_does_not_differ_from_itself() 
     assert!(differ > 0, "nothing differs");
     let out = of("compared");
     let output = compare(&[&of("one"), &of("two")], &["--out", out.to_str().unwrap()]);
-    assert!(output.status.success() && out.join("compare.csv").is_file() && out.join("summary.md").is_file());
+    assert!(
+        output.status.success()
+            && ["compare.csv", "summary.md", "report.html"].iter().all(|name| out.join(name).is_file())
+    );
     refusal(&compare(&[&of("one"), &of("one")], &["--out", out.to_str().unwrap()]), &["compared"]);
 }
 

@@ -1,7 +1,7 @@
 //! The answer of a study as HTML.
 
 use output::{Block, Cell, Cells};
-use squeal::results::Results;
+use squeal::results::{LIGHT, Results};
 
 use super::text::escaped;
 use crate::Error;
@@ -15,7 +15,7 @@ pub(super) fn answer(results: &Results) -> Result<String, Error> {
 }
 
 /// A block of a document.
-fn html(block: &Block, is_lead: bool) -> String {
+pub(super) fn html(block: &Block, is_lead: bool) -> String {
     match block {
         Block::Warning(text) => format!("<p class=\"doubt\">Warning: {}</p>\n", escaped(text)),
         Block::Heading(text) => format!("<h3>{}</h3>\n", escaped(text)),
@@ -48,13 +48,15 @@ fn strong(text: &str) -> String {
 fn table(Cells { caption, columns, rows }: &Cells) -> String {
     let caption = escaped(caption);
     let heads: String = columns.iter().map(|column| format!("<th scope=\"col\">{}</th>", escaped(column))).collect();
-    let cell = |cell: &Cell| match cell.value {
+    let light = columns.iter().position(|column| column == LIGHT);
+    let cell = |(at, cell): (usize, &Cell)| match cell.value {
+        None if Some(at) == light => format!("<td class=\"light {0}\">{0}</td>", escaped(&cell.text)),
         Some(value) => format!("<td class=\"number\" data-value=\"{value}\">{}</td>", escaped(&cell.text)),
         None => format!("<td>{}</td>", escaped(&cell.text)),
     };
     let row = |cells: &Vec<Cell>| {
         let first = cells.first().map_or_else(String::new, |cell| escaped(&cell.text));
-        let others: String = cells.iter().skip(1).map(cell).collect();
+        let others: String = cells.iter().enumerate().skip(1).map(cell).collect();
         format!("<tr><th scope=\"row\">{first}</th>{others}</tr>\n")
     };
     format!(

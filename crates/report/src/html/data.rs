@@ -13,7 +13,7 @@ use super::tables::{grouped_on_page, on_page, read, with_rows};
 use crate::Error;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
-const TABLES: [(&str, &str); 11] = [
+const TABLES: [(&str, &str); 12] = [
     (
         "divergence.csv",
         "Draws of the whole brake in which something grows faster than it oscillates: of all, by law and by panel",
@@ -23,6 +23,7 @@ const TABLES: [(&str, &str); 11] = [
         "growth.csv",
         "How fast unstable modes grow, at which frequency and damping ratio, over the draws in which they do",
     ),
+    ("measured.csv", "Measured frequencies with the modes next to them, and modes that were not measured"),
     ("panels.csv", "Unstable modes per analysis in each panel"),
     (
         "differences.csv",

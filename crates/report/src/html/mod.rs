@@ -8,6 +8,7 @@
 //! The content security policy allows the page's own style and script, by their hashes, and nothing else.
 
 mod answer;
+mod compare;
 mod data;
 mod facts;
 mod geometry;
@@ -21,6 +22,7 @@ mod sweep_answer;
 mod tables;
 mod text;
 
+pub use compare::write_compare_page;
 pub use geometry::{BasisOf, Geometry, MeshMotion, ModeOf};
 pub use mesh::MeshSurface;
 pub use screen::write_screen_page;
@@ -36,7 +38,7 @@ use self::text::escaped;
 use crate::Error;
 use crate::pictures::damping;
 
-/// Name of the page of a study, a sweep or a screening, in the folder of its other results.
+/// Name of the page of a study, a sweep, a screening or a comparison, in the folder of its other results.
 const FILE: &str = "report.html";
 
 /// The figures of damping ratio against frequency; empty where no set of constraints has modes.

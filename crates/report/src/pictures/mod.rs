@@ -1,5 +1,6 @@
 //! The pictures of what was found: data of `squeal`, drawn by `figures`.
 
+mod compare;
 mod damping;
 mod influence;
 mod occurrence;
@@ -7,6 +8,7 @@ mod rare;
 mod screen;
 mod sweep;
 
+pub use compare::compare_figure;
 pub(crate) use damping::damping;
 pub use damping::draw_damping;
 pub use influence::influence_figure;

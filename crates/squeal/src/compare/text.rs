@@ -1,7 +1,5 @@
 //! The comparison in words.
 
-use std::fmt::Write as _;
-
 use output::{hertz, printable};
 
 use super::{Against, Compared, ComparedStudies, Link, LinkedBy};
@@ -10,58 +8,86 @@ use super::{Against, Compared, ComparedStudies, Link, LinkedBy};
 const MOST_LINES: usize = 20;
 
 impl ComparedStudies {
-    /// The comparison in words: of each study what changes most first.
+    /// What the numbers are, for whoever reads them.
+    pub const ABOUT: &str = "Differences of the occurrence of modes, each with its own 95 % interval: of many modes one in twenty may differ by chance.";
+
+    /// Of each study a heading, and lines on what changes, what changes most first.
+    #[must_use]
+    pub fn said(&self) -> Vec<(String, Vec<String>)> {
+        let first = self.first.display().to_string();
+        self.others.iter().map(|other| (heading(other, &first), lines(other))).collect()
+    }
+
+    /// The comparison in words.
     #[must_use]
     pub fn text(&self) -> String {
-        self.others
-            .iter()
-            .map(|other| of_study(other, &self.first.display().to_string()))
-            .collect::<Vec<_>>()
-            .join("\n")
+        let one = |(heading, lines): (String, Vec<String>)| {
+            let lines: String = lines.iter().map(|line| format!("  {line}\n")).collect();
+            format!("{heading}\n{lines}")
+        };
+        self.said().into_iter().map(one).collect::<Vec<_>>().join("\n")
     }
 
     /// The same as Markdown.
     #[must_use]
     pub fn summary(&self) -> String {
-        let lines = |text: &str| -> String {
-            let item = |line: &str| match line.strip_prefix("  ") {
-                Some(item) => format!("- {item}\n"),
-                None => format!("\n**{line}**\n\n"),
-            };
-            text.lines().map(item).collect()
+        let one = |(heading, lines): (String, Vec<String>)| {
+            let lines: String = lines.iter().map(|line| format!("- {line}\n")).collect();
+            format!("\n**{heading}**\n\n{lines}")
         };
-        format!(
-            "# Studies side by side\n\nDifferences of the occurrence of modes, each with its own 95 % interval: of many modes one in twenty may \
-             differ by chance.\n{}",
-            lines(&self.text())
-        )
+        format!("# Studies side by side\n\n{}\n{}", Self::ABOUT, self.said().into_iter().map(one).collect::<String>())
     }
 }
 
-fn of_study(other: &Against, first: &str) -> String {
-    let mut text = printable(&format!("{} against {first}: {}", other.path.display(), other.notes.join("; "))) + "\n";
-    // A mode that is linked to none differs by all that it has.
-    let of_one = |row: &Compared| {
-        let parts = row.occurrences.iter().flatten().filter_map(|of| of.estimate()).map(|part| part.lower);
-        parts.fold(0.0, f64::max)
-    };
-    let size = |row: &Compared| match row.difference {
-        Some((difference, _)) => difference.value.map_or(0.0, f64::abs),
-        None => of_one(row),
-    };
-    let mut rows: Vec<&Compared> = other.rows.iter().filter(|row| is_ever(row)).collect();
-    rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    for row in rows.iter().take(MOST_LINES) {
-        let scene: Vec<&str> = row.scene.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
-        let _ = writeln!(text, "{}", printable(&format!("  {}: {}", scene.join(", "), in_words(row))));
-    }
+fn heading(other: &Against, first: &str) -> String {
+    printable(&format!("{} against {first}: {}", other.path.display(), other.notes.join("; ")))
+}
+
+fn lines(other: &Against) -> Vec<String> {
+    let rows = other.largest_first();
+    let line = |row: &&Compared| printable(&format!("{}: {}", row.scene_in_words(), in_words(row)));
+    let mut lines: Vec<String> = rows.iter().take(MOST_LINES).map(line).collect();
     if rows.is_empty() {
-        text += "  nothing is ever unstable in either\n";
+        lines.push("nothing is ever unstable in either".into());
     }
     if rows.len() > MOST_LINES {
-        let _ = writeln!(text, "  and {} more with smaller differences, in compare.csv", rows.len() - MOST_LINES);
+        lines.push(format!("and {} more with smaller differences, in compare.csv", rows.len() - MOST_LINES));
     }
-    text
+    lines
+}
+
+impl Against {
+    /// What is ever unstable in either study, the largest difference first.
+    #[must_use]
+    pub fn largest_first(&self) -> Vec<&Compared> {
+        // A mode that is linked to none differs by all that it has.
+        let of_one = |row: &Compared| {
+            let parts = row.occurrences.iter().flatten().filter_map(|of| of.estimate()).map(|part| part.lower);
+            parts.fold(0.0, f64::max)
+        };
+        let size = |row: &Compared| match row.difference {
+            Some((difference, _)) => difference.value.map_or(0.0, f64::abs),
+            None => of_one(row),
+        };
+        let mut rows: Vec<&Compared> = self.rows.iter().filter(|row| is_ever(row)).collect();
+        rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        rows
+    }
+}
+
+impl Compared {
+    /// Name of what is compared: modes of both studies with their frequencies, or anything at all.
+    #[must_use]
+    pub fn name_in_words(&self) -> String {
+        self.link.as_ref().map_or_else(|| "anything unstable".to_owned(), mode_in_words)
+    }
+
+    /// The scene: constraints, law, speed and contacts.
+    #[must_use]
+    pub fn scene_in_words(&self) -> String {
+        let names: Vec<&str> = self.scene.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+        names.join(", ")
+    }
 }
 
 /// True if anything is or may be unstable.
@@ -70,10 +96,7 @@ fn is_ever(row: &Compared) -> bool {
 }
 
 fn in_words(row: &Compared) -> String {
-    let what = match &row.link {
-        None => "anything unstable".to_owned(),
-        Some(link) => mode_in_words(link),
-    };
+    let what = row.name_in_words();
     let value = |at: usize| row.occurrences[at].and_then(|of| of.estimate()).map(|part| part.lower);
     let [first, second] = [value(0), value(1)].map(|of| of.map_or_else(|| "?".into(), |of| format!("{of:.4}")));
     match row.difference {

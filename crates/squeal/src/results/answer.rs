@@ -7,6 +7,7 @@ use study::{ModeLabel, SetLinks};
 
 use super::bands::by_third_octaves;
 use super::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
+use super::measured::{RULE, in_cells};
 use super::study_results::Estimate;
 use super::{Results, set_letter};
 use crate::Error;
@@ -40,6 +41,12 @@ impl Results {
             answer.push(Block::Paragraph(lights.into()));
             answer.extend(bands);
         }
+        let beside = self.beside_measured(&findings);
+        if !beside.is_empty() {
+            answer.push(Block::Heading("Beside what was measured".into()));
+            answer.push(Block::Paragraph(RULE.into()));
+            answer.extend(beside.iter().enumerate().map(|(set, of_set)| in_cells(of_set, set_in_words(self, set))));
+        }
         answer.push(Block::Heading("What helps".into()));
         answer.extend(helps(self));
         answer.push(Block::Heading("How sure that is".into()));
@@ -50,7 +57,7 @@ impl Results {
     }
 
     /// The findings of the samples on each set of constraints.
-    fn findings(&self) -> Result<Vec<SetFindings<'_>>, Error> {
+    pub(super) fn findings(&self) -> Result<Vec<SetFindings<'_>>, Error> {
         (0..self.plan().labels.constraints.len()).map(|set| SetFindings::new(self, set)).collect()
     }
 

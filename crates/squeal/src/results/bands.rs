@@ -11,6 +11,9 @@ use super::findings::{ModeRange, SetFindings};
 /// Nominal middles of the ten third octaves of a decade (IEC 61260-1).
 const NOMINAL: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
 
+/// Heading of the column with `red`, `amber` and `green`.
+pub const LIGHT: &str = "Light";
+
 /// Number of the third octave that a frequency lies in, 0 of the one about 1 Hz: middles are 10^(n/10) Hz, edges 10^(n/10 -+ 1/20).
 fn third_octave(hz: f64) -> i32 {
     (10.0 * hz.log10()).round() as i32
@@ -40,8 +43,7 @@ pub(super) fn by_third_octaves(
     let mut has_unplaced = false;
     for (name, range) in &found.unstable {
         let strength = results.strength(set, *name);
-        let median = strength.as_ref().and_then(|strength| strength.frequency_hz.median().ok());
-        let Some(hz) = median.or(results.frequency(set, *name)).filter(|hz| *hz > 0.0) else {
+        let Some(hz) = results.unstable_frequency(set, *name) else {
             has_unplaced = true;
             continue;
         };
@@ -76,7 +78,7 @@ pub(super) fn by_third_octaves(
         ]
     };
     let columns =
-        ["Third octave, Hz", "Light", "Modes", "Largest occurrence", "Largest growth, 1/s", "Worst damping ratio"];
+        ["Third octave, Hz", LIGHT, "Modes", "Largest occurrence", "Largest growth, 1/s", "Worst damping ratio"];
     let rows = (first..=last).map(row).collect();
     Some(Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows }))
 }

@@ -7,6 +7,7 @@ mod estimates;
 pub mod findings;
 mod json;
 mod manifest;
+mod measured;
 mod modes;
 mod reasons;
 mod strengths;
@@ -15,6 +16,7 @@ mod summary;
 mod summary_page;
 mod tables;
 
+pub use bands::LIGHT;
 pub use estimates::Estimates;
 pub use manifest::{Manifest, Source, Stopped, Times, VERSION};
 pub use modes::set_letter;

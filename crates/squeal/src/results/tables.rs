@@ -6,17 +6,17 @@ use montecarlo::{Confidence, QuantileSketch};
 use output::Table;
 use study::{ComparisonKind, FullChecks, Panel, SceneKey, SceneLabels, SetLinks, set_links};
 
-use super::Results;
 use super::modes::{links_table, modes};
 use super::reasons::{SceneReasons, sensitivities};
 use super::strengths::growth;
 use super::summary_page::write_summary;
+use super::{Results, measured};
 use crate::Error;
 
 impl Results {
     /// The numbers of a study as tables: `modes` with a table of shapes for each set of constraints, `links`, `occurrence`, `growth`,
-    /// `panels`, `differences`, `net_work`, `family_work`, `sensitivities` and `failures`, and `divergence` of a reduced brake whose draws were
-    /// solved with the full model; `reasons` are those of [`reasons`](super::reasons()).
+    /// `panels`, `differences`, `net_work`, `family_work`, `sensitivities`, `failures`, `divergence` of a reduced brake whose draws were solved with the
+    /// full model, and `measured` of a brake on which squeal was measured; `reasons` are those of [`reasons`](super::reasons()).
     ///
     /// # Errors
     /// Those of following modes from one set of constraints to another.
@@ -42,6 +42,9 @@ impl Results {
             failures(self),
         ]);
         tables.extend(self.full_checks.as_ref().map(|checks| divergence(self, checks)));
+        if self.plan().measured.is_some() {
+            tables.push(measured::table(self, &self.beside_measured(&self.findings()?)));
+        }
         Ok(tables)
     }
 }

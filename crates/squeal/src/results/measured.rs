@@ -1,0 +1,235 @@
+//! What squeals beside what was measured: hits, misses, and modes that nobody heard.
+
+use std::fmt::Write as _;
+
+use output::{Block, Cell, Cells, Table, hertz, significant};
+use study::{Measured, MeasuredFrequency, ModeLabel};
+
+use super::findings::SetFindings;
+use super::{Estimate, Results};
+
+/// Rule of the comparison, for whoever reads one.
+pub(super) const RULE: &str = "A measured frequency is hit where the occurrence of an unstable mode within its tolerance surely is above the \
+     share, in the arrangement where it is largest; open where it may be; missed where none is. A mode lies where the median of its frequency \
+     does, over the draws in which it is unstable. Modes that may be unstable in more than the share of the draws, next to no measured \
+     frequency, stand below as not measured.";
+
+/// Finding on a measured frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Found {
+    /// A mode within the tolerance surely squeals in more than the share of the draws.
+    Hit,
+    /// One may, or a mode without a frequency may be there.
+    Open,
+    /// None does.
+    Missed,
+    /// None does, and the frequency is outside of the band that is studied.
+    NotStudied,
+}
+
+impl Found {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Hit => "hit",
+            Self::Open => "open",
+            Self::Missed => "missed",
+            Self::NotStudied => "outside of the band",
+        }
+    }
+}
+
+/// Mode that is ever unstable, with its frequency.
+struct Placed {
+    name: ModeLabel,
+    label: String,
+    hz: f64,
+    occurrence: Estimate,
+}
+
+/// A set of constraints beside what was measured.
+pub(super) struct Beside<'a> {
+    set: usize,
+    measured: Vec<(&'a MeasuredFrequency, Found)>,
+    /// Modes that are ever unstable, ascending in frequency.
+    modes: Vec<Placed>,
+    share: f64,
+}
+
+impl<'a> Beside<'a> {
+    fn new(results: &'a Results, set: usize, found: &SetFindings<'_>, measured: &'a Measured) -> Self {
+        let (mut modes, mut has_unplaced) = (Vec::new(), false);
+        for (name, range) in found.unstable.iter().filter(|(name, _)| *name != ModeLabel::DIVERGENCE) {
+            let occurrence = range.largest;
+            match results.unstable_frequency(set, *name) {
+                Some(hz) => modes.push(Placed { name: *name, label: results.mode_label(set, *name), hz, occurrence }),
+                None => has_unplaced |= occurrence.upper > measured.share,
+            }
+        }
+        modes.sort_by(|a, b| a.hz.total_cmp(&b.hz));
+        let is_outside = |hz: f64| {
+            results.plan().band.is_some_and(|[from, to]| !(from..=to).contains(&(std::f64::consts::TAU * hz)))
+        };
+        let verdict = |frequency: &'a MeasuredFrequency| {
+            let near = || modes.iter().filter(|mode| is_near(frequency, mode));
+            let found = if near().any(|mode| mode.occurrence.lower > measured.share) {
+                Found::Hit
+            } else if near().any(|mode| mode.occurrence.upper > measured.share) {
+                Found::Open
+            } else if is_outside(frequency.hz) {
+                Found::NotStudied
+            } else if has_unplaced {
+                Found::Open
+            } else {
+                Found::Missed
+            };
+            (frequency, found)
+        };
+        let measured_frequencies = measured.frequencies.iter().map(verdict).collect();
+        Self { set, measured: measured_frequencies, modes, share: measured.share }
+    }
+
+    fn near(&self, frequency: &MeasuredFrequency) -> Vec<&Placed> {
+        self.modes.iter().filter(|mode| is_near(frequency, mode)).collect()
+    }
+
+    /// Modes that may be squeal and are next to nothing that was measured.
+    fn not_measured(&self) -> Vec<&Placed> {
+        let is_measured = |mode: &Placed| self.measured.iter().any(|(frequency, _)| is_near(frequency, mode));
+        self.modes.iter().filter(|mode| mode.occurrence.upper > self.share && !is_measured(mode)).collect()
+    }
+
+    /// Number of measured frequencies with a finding.
+    fn count(&self, found: Found) -> usize {
+        self.measured.iter().filter(|(_, other)| *other == found).count()
+    }
+}
+
+fn is_near(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
+    (mode.hz - frequency.hz).abs() <= frequency.tolerance_hz
+}
+
+impl Results {
+    /// Frequency of a mode where it is unstable, Hz: the median over those draws, or that of the medians where it has no strength; `None` of
+    /// what has none.
+    pub(super) fn unstable_frequency(&self, set: usize, name: ModeLabel) -> Option<f64> {
+        let median = self.strength(set, name).and_then(|strength| strength.frequency_hz.median().ok());
+        median.or(self.frequency(set, name)).filter(|hz| *hz > 0.0)
+    }
+
+    /// Each set of constraints beside what was measured; none where the plan has nothing measured.
+    pub(super) fn beside_measured<'a>(&'a self, findings: &[SetFindings<'_>]) -> Vec<Beside<'a>> {
+        let Some(measured) = &self.plan().measured else { return Vec::new() };
+        findings.iter().enumerate().map(|(set, found)| Beside::new(self, set, found, measured)).collect()
+    }
+
+    /// Text of what squeals beside what was measured, for people; empty where nothing was.
+    ///
+    /// # Errors
+    /// None for the results of a study.
+    pub fn measured_text(&self) -> Result<String, crate::Error> {
+        let mut text = String::new();
+        for beside in self.beside_measured(&self.findings()?) {
+            let (hits, all) = (beside.count(Found::Hit), beside.measured.len());
+            let set = &self.plan().labels.constraints[beside.set];
+            let _ = writeln!(text, "measured, {set}: {hits} of {all} frequencies hit, {}", shares(beside.share));
+            for (frequency, found) in &beside.measured {
+                let near: Vec<String> = beside.near(frequency).into_iter().map(in_words).collect();
+                let near = if near.is_empty() { String::new() } else { format!(": {}", near.join(", ")) };
+                let (hz, tolerance) = (significant(frequency.hz, 6), significant(frequency.tolerance_hz, 3));
+                let _ = writeln!(text, "  {hz} Hz +- {tolerance}: {}{near}", found.name());
+            }
+            let others: Vec<String> = beside.not_measured().into_iter().map(in_words).collect();
+            if !others.is_empty() {
+                let _ = writeln!(text, "  unstable and not measured: {}", others.join(", "));
+            }
+        }
+        Ok(text)
+    }
+}
+
+/// Words on the share above which a mode counts.
+fn shares(share: f64) -> String {
+    format!("by modes unstable in more than {} % of the draws", significant(100.0 * share, 3))
+}
+
+fn in_words(mode: &Placed) -> String {
+    let Estimate { value, lower, upper } = mode.occurrence;
+    let [value, lower, upper] = [value, lower, upper].map(|part| 100.0 * part);
+    format!("mode {} ({} Hz) {value:.1} % ({lower:.1} to {upper:.1})", mode.label, hertz(mode.hz))
+}
+
+/// Table of a set of constraints for people.
+pub(super) fn in_cells(beside: &Beside<'_>, caption: String) -> Block {
+    let number = |value: f64, text: String| Cell { text, value: Some(value) };
+    let dash = || Cell::from("-".to_owned());
+    let of_mode = |mode: Option<&Placed>| match mode {
+        None => vec![dash(), dash(), dash()],
+        Some(mode) => {
+            let Estimate { value, lower, upper } = mode.occurrence;
+            let [percent, lower, upper] = [value, lower, upper].map(|part| 100.0 * part);
+            let limits = format!("{percent:.1}\u{a0}% ({lower:.1} to {upper:.1})");
+            vec![mode.label.clone().into(), number(mode.hz, hertz(mode.hz)), number(value, limits)]
+        }
+    };
+    let mut rows = Vec::new();
+    for (frequency, found) in &beside.measured {
+        let near = beside.near(frequency);
+        let modes: Vec<Option<&Placed>> =
+            if near.is_empty() { vec![None] } else { near.into_iter().map(Some).collect() };
+        for mode in modes {
+            let mut row = vec![
+                number(frequency.hz, significant(frequency.hz, 6)),
+                number(frequency.tolerance_hz, significant(frequency.tolerance_hz, 3)),
+                found.name().to_owned().into(),
+            ];
+            row.extend(of_mode(mode));
+            rows.push(row);
+        }
+    }
+    for mode in beside.not_measured() {
+        let first = [dash(), dash(), "not measured".to_owned().into()];
+        rows.push(first.into_iter().chain(of_mode(Some(mode))).collect());
+    }
+    let columns = ["Measured, Hz", "Tolerance, Hz", "Found", "Mode", "Hz", "Largest occurrence"];
+    let (hits, all) = (beside.count(Found::Hit), beside.measured.len());
+    let caption = format!("{caption}: {hits} of {all} frequencies hit, {}", shares(beside.share));
+    Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows })
+}
+
+/// The table `measured`: a row for each mode next to a measured frequency, or for that without one; then modes that were not measured.
+pub(super) fn table(results: &Results, all: &[Beside<'_>]) -> Table {
+    let mut rows = Vec::new();
+    for beside in all {
+        let set = &results.plan().labels.constraints[beside.set];
+        let of_mode = |mode: Option<&Placed>| {
+            let Some(Placed { name, label, hz, occurrence: Estimate { value, lower, upper } }) = mode else {
+                return vec![String::new(); 6];
+            };
+            let numbers = [hz, value, lower, upper].map(ToString::to_string);
+            [name.to_string(), label.clone()].into_iter().chain(numbers).collect()
+        };
+        for (frequency, found) in &beside.measured {
+            let (near, MeasuredFrequency { hz, tolerance_hz }) = (beside.near(frequency), frequency);
+            let first = [set.clone(), hz.to_string(), tolerance_hz.to_string(), found.name().to_owned()];
+            let modes: Vec<Option<&Placed>> =
+                if near.is_empty() { vec![None] } else { near.into_iter().map(Some).collect() };
+            rows.extend(modes.into_iter().map(|mode| first.iter().cloned().chain(of_mode(mode)).collect::<Vec<_>>()));
+        }
+        let first = [set.clone(), String::new(), String::new(), "not measured".to_owned()];
+        let others = beside.not_measured().into_iter();
+        rows.extend(others.map(|mode| first.iter().cloned().chain(of_mode(Some(mode))).collect::<Vec<_>>()));
+    }
+    let header = [
+        "constraints",
+        "measured_hz",
+        "tolerance_hz",
+        "found",
+        "mode",
+        "label",
+        "frequency_hz",
+        "occurrence",
+        "lower",
+        "upper",
+    ];
+    Table::new("measured", header, rows)
+}
