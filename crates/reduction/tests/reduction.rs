@@ -200,6 +200,48 @@ fn the_residual_is_that_of_the_full_system_whatever_its_size() {
     assert!(smallest < 1e-9, "{smallest:e}");
 }
 
+/// Of a large system residuals are known by random combinations alone: bounds that are not far above.
+#[test]
+fn residuals_of_a_large_system_are_bounds() {
+    let n = 6_100;
+    let tridiagonal = |diagonal: f64, beside: f64| {
+        let mut coo = CooMatrix::new(n, n);
+        for i in 0..n {
+            coo.push(i, i, diagonal + 0.1 * (i % 7) as f64);
+            if i > 0 {
+                coo.push(i, i - 1, beside);
+                coo.push(i - 1, i, beside);
+            }
+        }
+        CscMatrix::from(&coo)
+    };
+    let matrices =
+        SparseSecondOrder::new(tridiagonal(1.0, 0.1), tridiagonal(0.02, 0.0), tridiagonal(2.0, -0.9)).unwrap();
+    let term = SparseTerm { name: "chain".into(), family: "chain".into(), matrices };
+    let friction = Channel::new("friction", "friction", vec![(10, 1.0), (11, -1.0)], vec![(20, 3.0), (21, -3.0)]);
+    let system = SparseAffineSystem::new(vec![term], vec![friction]).unwrap();
+    let wave = |i: usize, j: usize| ((j + 1) as f64 * 0.37 * i as f64 + j as f64).sin();
+    let basis = DMatrix::from_fn(n, 5, wave).qr().q();
+    let at = OperatingPoint {
+        coefficients: vec![1.3],
+        channels: vec![ChannelGain { mu: 0.4, slope: -0.1, ..ChannelGain::default() }],
+    };
+    let reduced = Reduced::new(&system, basis.clone(), RECTANGLE, &[], &Options::default()).unwrap();
+    let full = system.assemble(&at).unwrap();
+    for (turn, lambda) in
+        [Complex::new(0.1, 1.2), Complex::new(-0.2, 3.0), Complex::new(0.0, 0.7)].into_iter().enumerate()
+    {
+        let y = DVector::from_fn(5, |i, _| Complex::new(((i + turn) % 3) as f64 - 0.6, (i % 2) as f64));
+        let x = reduced.lift(&y);
+        let times = |a: &CscMatrix<f64>| (a * x.map(|z| z.re)).zip_map(&(a * x.map(|z| z.im)), Complex::new);
+        let image = times(&full.m) * (lambda * lambda) + times(&full.c) * lambda + times(&full.k);
+        let norm = |a: &CscMatrix<f64>| a.values().iter().map(|value| value * value).sum::<f64>().sqrt();
+        let size = lambda.norm_sqr() * norm(&full.m) + lambda.norm() * norm(&full.c) + norm(&full.k);
+        let (direct, found) = (image.norm() / (size * x.norm()), reduced.residual(&at, lambda, &y).unwrap());
+        assert!(found >= direct && found < 3.0 * direct, "{found:e} {direct:e}");
+    }
+}
+
 #[test]
 fn an_unstable_mode_that_the_first_basis_does_not_hold_is_found_and_reported() {
     let system = plate();

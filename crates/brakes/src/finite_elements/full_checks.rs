@@ -10,6 +10,7 @@ use reduction::{Compared, compared};
 use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, wider};
 
 use super::reduce::{Trained, modes_beside};
+use super::set_basis::is_of_responses;
 use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
 use super::{Bases, FiniteElementBrake};
 use crate::Error;
@@ -27,7 +28,7 @@ struct OneCheck {
 
 impl FiniteElementBrake {
     /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares draws with the whole one, chosen at random among all scenes. Where
-    /// they do not agree, or residuals are above the one asked for, these draws are trained on too, some times at most. It follows from the
+    /// they do not agree, or residuals of a basis of responses are above the one asked for, these draws are trained on too, some times at most. It follows from the
     /// case alone, whatever the number of samples is.
     ///
     /// # Errors
@@ -51,18 +52,24 @@ impl FiniteElementBrake {
             progress.end();
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));
-            let is_enough = round == MOST_ROUNDS || !(sum.has_other_modes() || sum.residuals_above > 0);
+            let is_enough = round == MOST_ROUNDS || !is_open(&brake.case, &sum);
             brake.full_checks = Some(sum);
             if is_enough {
                 break;
             }
-            let open = |one: &OneCheck| one.found.has_other_modes() || one.found.residuals_above > 0;
-            trained.extend(all.into_iter().filter(open).filter_map(|one| one.at));
+            let open = all.into_iter().filter(|one| is_open(&brake.case, &one.found));
+            trained.extend(open.filter_map(|one| one.at));
             let Self { case, full_checks, .. } = brake;
             brake = Self { full_checks, ..Self::with_points(case, Bases::OfEach, &[], &trained, progress)? };
         }
         Ok(brake)
     }
+}
+
+/// True if draws call for more training: those with other modes, and residuals above the one asked for of a basis of responses. Of a basis of modes the
+/// distance of eigenvalues is what was trained for.
+fn is_open(case: &FiniteElementCase, found: &FullChecks) -> bool {
+    found.has_other_modes() || (found.residuals_above > 0 && case.contact.as_ref().is_some_and(is_of_responses))
 }
 
 /// Comparison of one draw, in one scene, with the whole brake. One without an operating point, as where contacts have no equilibrium, is counted as
