@@ -8,7 +8,7 @@ fn git(arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
 }
 
-/// Whether the repository of this folder is the project's own, which has the crate in `crates/cli`. One into which the crate was copied,
+/// True if the repository of this folder is the project's own, which has the crate in `crates/cli`. One into which the crate was copied,
 /// or that of a folder far above it, has other commits.
 fn is_own_repository() -> bool {
     let real = |path: PathBuf| path.canonicalize().ok();

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use brakes::Purpose;
-use brakes::case::ChosenSpeed;
 use output::{printable, write};
 use report::influence_figure;
 use serde_json::json;
@@ -15,12 +14,11 @@ use squeal::influence::{influence, influence_table};
 use squeal::study::{Study, UncertainBrake, divergence_doubt};
 use squeal::workers;
 
-use super::options::{MemoryArgs, check_threads, override_run, threads, whole_number};
-use super::scene::SceneArgs;
-use super::{results_folder, sized};
+use super::options::{check_threads, whole_number};
+use super::results_folder;
+use super::scene::DrawnSceneArgs;
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
-use crate::case_file::CaseArgs;
 
 /// Fewest and most draws, and rows of a design; chosen: with fewer an interval has no information, and more take gigabytes.
 const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
@@ -31,33 +29,18 @@ const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
 /// design of their own.
 #[derive(Debug, clap::Args)]
 pub struct InfluenceArgs {
-    /// The case
+    /// The scene with its draws
     #[command(flatten)]
-    pub case: CaseArgs,
-    /// The scene
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// Range of sliding speed by name [default: the case's first]
-    #[arg(long, value_name = "NAME", conflicts_with = "speed")]
-    pub range: Option<String>,
+    pub drawn: DrawnSceneArgs,
     /// Draws, instead of the case's samples
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub samples: Option<u64>,
     /// Also total indices, from so many points, each of which takes as many analyses as there are inputs, and two
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub total: Option<u64>,
-    /// Seed of the random streams, instead of the case's
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
-    pub seed: Option<u64>,
     /// Folder for influence.csv, summary.md and a figure: new, empty, or that of the same question
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Memory that may be taken
-    #[command(flatten)]
-    pub memory: MemoryArgs,
 }
 
 impl InfluenceArgs {
@@ -66,17 +49,14 @@ impl InfluenceArgs {
     /// # Errors
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        check_threads(self.threads)?;
+        check_threads(self.drawn.machine.threads)?;
         for (option, given) in [("--samples", self.samples), ("--total", self.total)] {
             if let Some(given) = given.filter(|given| !ALLOWED.contains(given)) {
                 let allowed = format!("{} to {}", ALLOWED.start(), ALLOWED.end());
                 return Err(Error::Option { option, value: given.to_string(), allowed });
             }
         }
-        let mut case = self.case.read()?;
-        override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
-        let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
-        let text = self.influence(&sized::brake(case, Purpose::Study, self.memory, self.threads)?)?;
+        let text = self.influence(&self.drawn.brake(self.samples, Purpose::Study)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
@@ -93,7 +73,7 @@ impl InfluenceArgs {
             RunFolder::check(dir, &identity)?;
         }
         let solver = cea::BatchSolver;
-        let found = workers(self.threads)?.install(|| {
+        let found = workers(self.drawn.machine.threads)?.install(|| {
             let study = Study::with_progress(brake, &solver, &Bar::of(PREPARED))?;
             influence(&study, 0, draws, self.total, &Bar::of(EVALUATED))
         })?;
@@ -122,7 +102,7 @@ impl InfluenceArgs {
                 "total": self.total,
                 "evaluations": found.evaluations,
             });
-            results_folder::write_manifest(&folder, plan, self.threads, seconds, own)?;
+            results_folder::write_manifest(&folder, plan, self.drawn.machine.threads, seconds, own)?;
         }
         let place = results_folder::place(self.out.as_deref());
         let evaluations = found.evaluations;

@@ -1,4 +1,4 @@
-//! The program's commands, each a function of its arguments that a test can call.
+//! The program `squeal`: its commands, each a function of its arguments that a test can call, its options, exit codes and bars of progress.
 
 pub mod bar;
 mod case_file;
@@ -35,11 +35,11 @@ pub use eig::{EigArgs, largest_order, search_options};
 pub use error::Error;
 pub use influence::InfluenceArgs;
 pub use merge::MergeArgs;
-pub use options::{MemoryArgs, override_run, threads, whole_number};
+pub use options::{MachineArgs, MemoryArgs, override_run, threads, whole_number};
 pub use program::program;
 pub use rare::RareArgs;
 pub use refuse::{finish, refuse};
 pub use run::RunArgs;
-pub use scene::SceneArgs;
+pub use scene::{DrawnSceneArgs, SceneArgs};
 pub use screen::ScreenArgs;
 pub use sweep::SweepArgs;

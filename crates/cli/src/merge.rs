@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use brakes::Purpose;
 use squeal::parts::completed;
 
-use super::options::{MemoryArgs, number, override_run, threads};
+use super::options::{MachineArgs, number, override_run};
 use super::run::RunArgs;
 use super::sized;
 use crate::Error;
@@ -33,12 +33,9 @@ pub struct MergeArgs {
     /// Let parts of other programs, and of processors that round differently, pass; manifest.json lists what made them
     #[arg(long)]
     pub mixed: bool,
-    /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Memory that may be taken
+    /// Threads and memory
     #[command(flatten)]
-    pub memory: MemoryArgs,
+    pub machine: MachineArgs,
 }
 
 impl MergeArgs {
@@ -52,7 +49,7 @@ impl MergeArgs {
         let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.
         let samples = parts.iter().map(|part| part.of).max();
-        override_run(case.header_mut(), samples, parts.first().map(|part| part.seed), self.threads)?;
+        override_run(case.header_mut(), samples, parts.first().map(|part| part.seed), self.machine.threads)?;
         let run = RunArgs {
             case: self.case.clone(),
             out: self.out.clone(),
@@ -63,10 +60,9 @@ impl MergeArgs {
             keep_samples: parts.iter().any(|part| part.identity.contains(" samples=kept")),
             shard: None,
             from: 0,
-            threads: self.threads,
-            memory: self.memory,
+            machine: self.machine,
         };
-        let brake = sized::brake(case, Purpose::Study, self.memory, self.threads)?;
+        let brake = sized::brake(case, Purpose::Study, self.machine)?;
         run.study(&brake, run.half_width, Some((&self.parts, self.mixed)), &Bars, out)
     }
 }

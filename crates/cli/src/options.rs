@@ -32,7 +32,7 @@ pub fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "allowed: a number".to_owned())
 }
 
-/// How much memory a command may take.
+/// Memory that a command may take.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct MemoryArgs {
     /// Memory that may be taken, as 512M or 8G; what takes more is refused [default: what the machine has]
@@ -45,6 +45,23 @@ impl MemoryArgs {
     #[must_use]
     pub fn budget(self) -> u64 {
         self.memory.unwrap_or_else(memory::of_machine)
+    }
+}
+
+/// Threads and memory that a command may take.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct MachineArgs {
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+impl From<MemoryArgs> for MachineArgs {
+    fn from(memory: MemoryArgs) -> Self {
+        Self { threads: None, memory }
     }
 }
 

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::case::{ChosenSpeed, with_constants};
+use brakes::case::with_constants;
 use brakes::{CaseBrake, Purpose};
 use cea::BatchSolver;
 use output::{printable, write};
@@ -16,9 +16,9 @@ use squeal::rare::{Options, Rare, design_points_table, rare, rare_table};
 use squeal::study::Study;
 use squeal::workers;
 
-use super::options::{MemoryArgs, check_threads, number, override_run, threads, whole_number};
-use super::scene::SceneArgs;
-use super::{results_folder, sized};
+use super::options::{check_threads, number, whole_number};
+use super::results_folder;
+use super::scene::{DrawnSceneArgs, SceneArgs};
 use crate::Error;
 use crate::bar::{Bar, PREPARED};
 use crate::case_file::CaseArgs;
@@ -30,15 +30,9 @@ use crate::case_file::CaseArgs;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: squeal rare CASE --relative 0.1 --out results")]
 pub struct RareArgs {
-    /// The case
+    /// The scene with its draws
     #[command(flatten)]
-    pub case: CaseArgs,
-    /// The scene
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// Range of sliding speed by name [default: the case's first]
-    #[arg(long, value_name = "NAME", conflicts_with = "speed")]
-    pub range: Option<String>,
+    pub drawn: DrawnSceneArgs,
     /// Standard error to reach, relative to the probability, above 0 and below 1
     #[arg(long, value_name = "R", default_value_t = Options::default().relative, allow_negative_numbers = true, value_parser = number)]
     pub relative: f64,
@@ -48,18 +42,9 @@ pub struct RareArgs {
     /// Random directions from which the likeliest squealing brakes are looked for, beside both of each input
     #[arg(long, value_name = "N", default_value_t = Options::default().directions as u64, allow_negative_numbers = true, value_parser = whole_number)]
     pub directions: u64,
-    /// Seed of the random streams, instead of the case's
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
-    pub seed: Option<u64>,
     /// Folder for tables, a figure and the likeliest squealing brake as a case: new, empty, or that of the same question
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Memory that may be taken
-    #[command(flatten)]
-    pub memory: MemoryArgs,
 }
 
 /// Most directions; chosen: more are a study of their own.
@@ -71,12 +56,9 @@ impl RareArgs {
     /// # Errors
     /// Faults of the case or of an option, a scene whose squeal is not rare, and estimates that contradict each other.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        check_threads(self.threads)?;
+        check_threads(self.drawn.machine.threads)?;
         self.options(0)?;
-        let mut case = self.case.read()?;
-        override_run(case.header_mut(), None, self.seed, self.threads)?;
-        let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
-        let text = self.rare(&sized::brake(case, Purpose::Analysis, self.memory, self.threads)?)?;
+        let text = self.rare(&self.drawn.brake(None, Purpose::Analysis)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
@@ -107,7 +89,7 @@ impl RareArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let found = workers(self.threads)?.install(|| {
+        let found = workers(self.drawn.machine.threads)?.install(|| {
             let study = Study::with_progress(brake, &BatchSolver, &Bar::of(PREPARED))?;
             rare(&study, 0, &options, &BatchSolver, &Bar::of("spectra"))
         })?;
@@ -142,7 +124,7 @@ impl RareArgs {
                 "elsewhere": found.elsewhere,
                 "spectra": found.spectra,
             });
-            results_folder::write_manifest(&folder, plan, self.threads, seconds, own)?;
+            results_folder::write_manifest(&folder, plan, self.drawn.machine.threads, seconds, own)?;
         }
         let place = results_folder::place(self.out.as_deref());
         let spectra = found.spectra;
@@ -152,17 +134,18 @@ impl RareArgs {
     /// The likeliest squealing brake as a case; `None` where no squeal was found, and where inputs have no field of a case of their own.
     fn likeliest(&self, found: &Rare) -> Result<Option<String>, Error> {
         // A brake of a user's own type has no case file.
-        let Some(point) = found.design_points.first().filter(|_| self.case.case.is_file()) else { return Ok(None) };
+        let DrawnSceneArgs { case: CaseArgs { case: path, set }, scene, range, .. } = &self.drawn;
+        let Some(point) = found.design_points.first().filter(|_| path.is_file()) else { return Ok(None) };
         let names = found.inputs.iter().map(|input| input.name.clone());
         let values: Vec<(String, f64)> = names.zip(point.squealing.iter().copied()).collect();
-        let Some(case) = with_constants((&self.case.case, &self.case.set), &values, self.range.as_deref())? else {
+        let Some(case) = with_constants((path, set), &values, range.as_deref())? else {
             return Ok(None);
         };
-        let SceneArgs { law, contact, constraints, speed } = &self.scene;
+        let SceneArgs { law, contact, constraints, speed } = scene;
         let mut command = "squeal cea likeliest.toml".to_owned();
         let contact = contact.as_ref().map(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>().join(","));
         // Of a range that is not the first one its draw has to be said.
-        let of_range = || values.iter().find(|(name, _)| self.range.is_some() && name == "v").map(|(_, value)| *value);
+        let of_range = || values.iter().find(|(name, _)| range.is_some() && name == "v").map(|(_, value)| *value);
         let speed = speed.or_else(of_range).map(|speed| speed.to_string());
         let given = [("law", law), ("contact", &contact), ("constraints", constraints), ("speed", &speed)];
         for (option, value) in given.into_iter().filter_map(|(option, value)| Some((option, value.as_ref()?))) {
@@ -170,7 +153,7 @@ impl RareArgs {
         }
         Ok(Some(format!(
             "# The likeliest squealing brake of {}, just beyond its onset: {command}\n{case}",
-            self.case.case.display()
+            path.display()
         )))
     }
 }

@@ -14,7 +14,7 @@ use squeal::study::{DivergenceCounts, FullChecks, Study};
 use squeal::{RunOptions, RunProgress, run_study_with};
 
 use super::mesh_shapes::{geometry, write_mesh_shapes};
-use super::options::{MemoryArgs, number, override_run, threads, whole_number};
+use super::options::{MachineArgs, number, override_run, whole_number};
 use super::reduction::write_reduction;
 use super::sized;
 use crate::Error;
@@ -57,12 +57,9 @@ pub struct RunArgs {
     /// With --shard: the first sample of all parts, where those before it are in parts already
     #[arg(long, value_name = "K", default_value_t = 0, requires = "shard", value_parser = whole_number)]
     pub from: u64,
-    /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Memory that may be taken
+    /// Threads and memory
     #[command(flatten)]
-    pub memory: MemoryArgs,
+    pub machine: MachineArgs,
 }
 
 /// `I/N`.
@@ -83,13 +80,13 @@ impl RunArgs {
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = self.case.read()?;
-        override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
+        override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
         let half_width = self.half_width.or(case.header().half_width);
         if self.shard.is_some() {
             // A part has no report: what draws of the full model say belongs to the whole.
-            return self.part(&sized::brake(case, Purpose::Study, self.memory, self.threads)?, out);
+            return self.part(&sized::brake(case, Purpose::Study, self.machine)?, out);
         }
-        self.run_brake(&sized::brake(case, Purpose::Study, self.memory, self.threads)?, half_width, out)
+        self.run_brake(&sized::brake(case, Purpose::Study, self.machine)?, half_width, out)
     }
 
     /// The complaint about a study of which more than half has failed: its results are written, but of the other half.
@@ -105,7 +102,7 @@ impl RunArgs {
     fn part<B: CaseBrake>(&self, brake: &B, out: &mut dyn Write) -> Result<(), Error> {
         let Some((number, of)) = self.shard else { return Ok(()) };
         let bars = RunBars::default();
-        let options = RunOptions::default().with_threads(self.threads).with_progress(bars.progress());
+        let options = RunOptions::default().with_threads(self.machine.threads).with_progress(bars.progress());
         let shard = Shard { number, of, from: self.from };
         let done = run_part(brake, shard, &self.out, options.keeping_samples(self.keep_samples))?;
         writeln!(
@@ -158,7 +155,7 @@ impl RunArgs {
         let mut most_failed = None;
         let (preparation, evaluation, reasons) = (told.stage(PREPARED), told.stage(EVALUATED), told.stage(REASONS));
         let progress = RunProgress { preparation: &*preparation, evaluation: &*evaluation, reasons: &*reasons };
-        let options = RunOptions::default().with_threads(self.threads).with_progress(progress);
+        let options = RunOptions::default().with_threads(self.machine.threads).with_progress(progress);
         let options = options.until_half_width(self.until_half_width).keeping_samples(self.keep_samples);
         let mut draw = |study: &Study<'_, B>, results: &Results, dir: &Path| -> Result<(), Error> {
             draw_occurrence(results, dir)?;

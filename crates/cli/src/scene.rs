@@ -1,10 +1,13 @@
 //! Choice of the scene of a case that a command is about.
 
 use brakes::case::{CaseError, CaseFile, ChosenSpeed, SceneChoice};
+use brakes::{AnyBrake, Purpose};
 use cea::Threshold;
 
-use super::options::number;
+use super::options::{MachineArgs, number, override_run, whole_number};
+use super::sized;
 use crate::Error;
+use crate::case_file::CaseArgs;
 
 /// The options that choose one scene of a case.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -35,6 +38,39 @@ impl SceneArgs {
             CaseError::Choice { what, value, allowed } => Error::Option { option: option(what), value, allowed },
             other => other.into(),
         })
+    }
+}
+
+/// A scene of a case, and the random streams of its draws.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct DrawnSceneArgs {
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
+    /// The scene
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Range of sliding speed by name [default: the case's first]
+    #[arg(long, value_name = "NAME", conflicts_with = "speed")]
+    pub range: Option<String>,
+    /// Seed of the random streams, instead of the case's
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
+    pub seed: Option<u64>,
+    /// Threads and memory
+    #[command(flatten)]
+    pub machine: MachineArgs,
+}
+
+impl DrawnSceneArgs {
+    /// The brake of the scene, made for a purpose, with so many samples instead of the case's own.
+    ///
+    /// # Errors
+    /// Faults of the case or of an option.
+    pub(super) fn brake(&self, samples: Option<u64>, purpose: Purpose<'_>) -> Result<AnyBrake, Error> {
+        let mut case = self.case.read()?;
+        override_run(case.header_mut(), samples, self.seed, self.machine.threads)?;
+        let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
+        sized::brake(case, purpose, self.machine)
     }
 }
 

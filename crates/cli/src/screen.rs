@@ -15,7 +15,7 @@ use squeal::study::Units;
 use squeal::workers;
 
 use super::mesh_shapes::geometry;
-use super::options::{MemoryArgs, number, override_run, threads, whole_number};
+use super::options::{MachineArgs, number, override_run, whole_number};
 use super::scene::chosen;
 use super::{results_folder, sized};
 use crate::Error;
@@ -71,12 +71,9 @@ pub struct ScreenArgs {
     /// JSON for machines
     #[arg(long)]
     pub json: bool,
-    /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Memory that may be taken
+    /// Threads and memory
     #[command(flatten)]
-    pub memory: MemoryArgs,
+    pub machine: MachineArgs,
 }
 
 impl ScreenArgs {
@@ -86,9 +83,9 @@ impl ScreenArgs {
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = self.case.read()?;
-        override_run(case.header_mut(), self.samples, self.seed, self.threads)?;
+        override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
         self.options(&case.constraint_sets(), case.header().units)?;
-        let text = self.screen(&sized::brake(case, Purpose::Screen, self.memory, self.threads)?)?;
+        let text = self.screen(&sized::brake(case, Purpose::Screen, self.machine)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
@@ -149,12 +146,12 @@ impl ScreenArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let ranking = workers(self.threads)?.install(|| rank(brake, &options, &Bar::of("sets of changes")))?;
+        let ranking = workers(self.machine.threads)?.install(|| rank(brake, &options, &Bar::of("sets of changes")))?;
         let predicted = start.elapsed().as_secs_f64();
         let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
         let (preparation, evaluation) = (Bar::of(PREPARED), Bar::of(EVALUATED));
         let how = Confirmation::new(plan.samples)
-            .with_threads(self.threads)
+            .with_threads(self.machine.threads)
             .with_checkpoint(self.out.as_ref().map(|dir| dir.join("checkpoint.json")))
             .with_progress(&preparation, &evaluation);
         let screen = confirm(brake, ranking, &options, &how)?;
@@ -181,7 +178,7 @@ impl ScreenArgs {
                 "counts": screen.counts(),
                 "seconds_of_prediction": predicted,
             });
-            results_folder::write_manifest(folder, plan, self.threads, seconds, own)?;
+            results_folder::write_manifest(folder, plan, self.machine.threads, seconds, own)?;
         }
         if self.json {
             return Ok(format!("{:#}\n", screen.json()));

@@ -6,7 +6,7 @@ use output::{bytes_in_words, in_words};
 use squeal::study::{Cost, UncertainBrake as _};
 use squeal::workers;
 
-use super::options::MemoryArgs;
+use super::options::MachineArgs;
 use crate::Error;
 use crate::bar::Bar;
 use crate::terminal::note;
@@ -18,8 +18,7 @@ const ANNOUNCED: f64 = 5.0;
 pub(super) fn brake(
     case: CaseFile,
     purpose: Purpose<'_>,
-    memory: MemoryArgs,
-    threads: Option<usize>,
+    MachineArgs { memory, threads }: MachineArgs,
 ) -> Result<AnyBrake, Error> {
     if let Some(cost) = brakes::cost_of_making(&case) {
         cost.check(&case.header().source(), memory.budget())?;

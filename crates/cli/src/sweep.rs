@@ -17,7 +17,7 @@ use squeal::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sw
 use squeal::workers;
 
 use super::mesh_shapes::geometry;
-use super::options::{MemoryArgs, check_threads, threads};
+use super::options::{MachineArgs, check_threads};
 use super::scene::{SceneArgs, counts_from};
 use super::{results_folder, sized};
 use crate::Error;
@@ -44,12 +44,9 @@ pub struct SweepArgs {
     /// JSON for machines: what is found, frequencies in rad/s
     #[arg(long)]
     pub json: bool,
-    /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Memory that may be taken
+    /// Threads and memory
     #[command(flatten)]
-    pub memory: MemoryArgs,
+    pub machine: MachineArgs,
 }
 
 /// `NAME=FROM:TO`.
@@ -68,9 +65,9 @@ impl SweepArgs {
     /// # Errors
     /// Faults of the case or of an option; a parameter that cannot be swept.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        check_threads(self.threads)?;
+        check_threads(self.machine.threads)?;
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
-        let brake = sized::brake(case, Purpose::Sweep(&self.over), self.memory, self.threads)?;
+        let brake = sized::brake(case, Purpose::Sweep(&self.over), self.machine)?;
         let text = self.sweep(&brake)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
@@ -86,7 +83,7 @@ impl SweepArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let pool = workers(self.threads)?;
+        let pool = workers(self.machine.threads)?;
         let (found, modes) = pool.install(|| -> Result<(Found, Vec<BoundaryMode>), Error> {
             let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
             let found = match &self.over[..] {
@@ -129,7 +126,7 @@ impl SweepArgs {
                 "evaluations": found.evaluations(),
                 "fine_grid": found.fine_grid(),
             });
-            results_folder::write_manifest(&folder, plan, self.threads, seconds, own)?;
+            results_folder::write_manifest(&folder, plan, self.machine.threads, seconds, own)?;
         }
         if self.json {
             let mut all = found.json();

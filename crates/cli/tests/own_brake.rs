@@ -18,7 +18,8 @@ use squeal::run_study;
 use squeal::study::{Drawn, IndependentBrake, Scene, Study};
 use squeal::sweep::Over;
 use squeal_cli::{
-    CaseArgs, CeaArgs, CheckArgs, InfluenceArgs, MemoryArgs, RareArgs, RunArgs, SceneArgs, ScreenArgs, SweepArgs,
+    CaseArgs, CeaArgs, CheckArgs, DrawnSceneArgs, InfluenceArgs, MachineArgs, RareArgs, RunArgs, SceneArgs, ScreenArgs,
+    SweepArgs,
 };
 
 /// Elements of the beam, which is 0.4 m long, 30 mm wide and 10 mm high, and its length for each.
@@ -147,7 +148,8 @@ fn on_a_belt(laws: &'static [usize]) -> impl CaseBrake<Sample = Vec<f64>> {
 fn a_brake_of_ones_own_goes_through_every_command() {
     let dir = tempfile::tempdir().unwrap();
     let case = CaseArgs { case: "a beam".into(), set: Vec::new() };
-    let memory = MemoryArgs::default();
+    let machine = MachineArgs::default();
+    let memory = machine.memory;
     let folder = |name: &str| Some(dir.path().join(name));
     for (laws, lambda, onset, occurrence) in [
         (&[0_usize][..], [0.249_768_841, 2_028.555_704_466], 0.389_936_904_961, 0.5806),
@@ -167,8 +169,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
 
         let over = vec![Over { name: "mu".into(), from: 0.05, to: 1.2 }];
         let out = folder(&format!("sweep-{name}"));
-        let sweep =
-            SweepArgs { case: case.clone(), over, scene: scene.clone(), out, json: true, threads: None, memory };
+        let sweep = SweepArgs { case: case.clone(), over, scene: scene.clone(), out, json: true, machine };
         let found: Value = serde_json::from_str(&sweep.sweep(&brake).unwrap()).unwrap();
         let at = found["onsets"][0]["at"].as_f64().unwrap();
         assert!((at - onset).abs() < 1e-9, "{at} {onset}");
@@ -192,8 +193,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         keep_samples: true,
         shard: None,
         from: 0,
-        threads: None,
-        memory,
+        machine,
     };
     let mut said = Vec::new();
     run.run_brake(&both, Some(0.05), &mut said).unwrap();
@@ -216,35 +216,14 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         seed: None,
         out: folder("screen"),
         json: false,
-        threads: None,
-        memory,
+        machine,
     };
     assert!(screen.screen(&both).unwrap().contains("pad"));
-    let influence = InfluenceArgs {
-        case: case.clone(),
-        scene: SceneArgs::default(),
-        range: None,
-        samples: None,
-        total: Some(100),
-        seed: None,
-        out: None,
-        threads: None,
-        memory,
-    };
+    let drawn = DrawnSceneArgs { case: case.clone(), ..DrawnSceneArgs::default() };
+    let influence = InfluenceArgs { drawn: drawn.clone(), samples: None, total: Some(100), out: None };
     let said = influence.influence(&both).unwrap();
     assert!(["mu", "kc", "beta"].iter().all(|name| said.contains(name)), "{said}");
-    let rare = RareArgs {
-        case: case.clone(),
-        scene: SceneArgs::default(),
-        range: None,
-        relative: 0.2,
-        budget: 1_000,
-        directions: 8,
-        seed: None,
-        out: folder("rare"),
-        threads: None,
-        memory,
-    };
+    let rare = RareArgs { drawn, relative: 0.2, budget: 1_000, directions: 8, out: folder("rare") };
     // More than half of the draws squeal.
     let refused = rare.rare(&both).unwrap_err().to_string();
     assert!(refused.contains("fails with all inputs at their medians"), "{refused}");

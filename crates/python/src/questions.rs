@@ -19,7 +19,7 @@ use squeal::study::{Cost, Study, UncertainBrake};
 use squeal::sweep::{Found, Over, stability_map, sweep as over_one};
 use squeal::{RunOptions, RunProgress, workers};
 use squeal_cli::bar::Stages;
-use squeal_cli::{CaseArgs, CeaArgs, Error, MemoryArgs, RunArgs, SceneArgs};
+use squeal_cli::{CaseArgs, CeaArgs, Error, MachineArgs, MemoryArgs, RunArgs, SceneArgs};
 
 use crate::away::{Ends, Watch, away};
 use crate::brake::{Brake, Source};
@@ -61,8 +61,7 @@ fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half
         keep_samples,
         shard: None,
         from: 0,
-        threads,
-        memory: MemoryArgs::default(),
+        machine: MachineArgs { threads, ..MachineArgs::default() },
     }
 }
 
@@ -251,7 +250,7 @@ pub(crate) fn screen(
     })
 }
 
-/// What is known of one point of the plain function.
+/// A point of the plain function, evaluated.
 #[derive(Clone)]
 struct Evaluated {
     /// The eigenvalue of largest real part.

@@ -67,7 +67,7 @@ impl CheckArgs {
         }
         let model = if let CaseFile::FiniteElements(case) = &case { Some(self.model(case)?) } else { None };
         out.write_all(model.unwrap_or_default().as_bytes()).map_err(Error::StandardOutput)?;
-        let text = self.check(&sized::brake(case, Purpose::Analysis, self.memory, None)?)?;
+        let text = self.check(&sized::brake(case, Purpose::Analysis, self.memory.into())?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
