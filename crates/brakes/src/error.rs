@@ -24,9 +24,9 @@ pub enum Error {
     /// Friction whose motion is not followed, only its tangent.
     #[error("{what} has no motion here, only a tangent; allowed: {allowed}")]
     Motion {
-        /// What it is, in words.
+        /// Name of the friction, in words.
         what: &'static str,
-        /// What is allowed, in words.
+        /// Friction whose motion is followed, in words.
         allowed: &'static str,
     },
     /// Equations of the motion after the onset.
@@ -62,18 +62,8 @@ impl From<Error> for study::Error {
     }
 }
 
-/// Errors that a study knows.
-macro_rules! of_study {
-    ($($error:ty),+) => {
-        $(impl From<$error> for Error {
-            fn from(error: $error) -> Self {
-                Self::Study(error.into())
-            }
-        })+
-    };
-}
-
-of_study!(
+study::from_errors!(
+    Error:
     osc_model::OscModelError,
     friction::FrictionError,
     linsys::LinsysError,

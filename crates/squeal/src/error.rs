@@ -77,7 +77,7 @@ pub enum Error {
     Input {
         /// Name of the input.
         input: String,
-        /// What it is, in words.
+        /// Fault of the input, in words.
         value: String,
         /// Inputs allowed, in words.
         allowed: String,
@@ -127,7 +127,7 @@ pub enum Error {
     NotComparable {
         /// The folder.
         path: PathBuf,
-        /// What stands against it, in words.
+        /// Obstacle, in words.
         found: String,
     },
     /// A folder that another run writes to.
@@ -180,18 +180,8 @@ impl From<sweep::Error> for Error {
     }
 }
 
-/// Errors that a study knows.
-macro_rules! of_study {
-    ($($error:ty),+) => {
-        $(impl From<$error> for Error {
-            fn from(error: $error) -> Self {
-                Self::Study(error.into())
-            }
-        })+
-    };
-}
-
-of_study!(
+study::from_errors!(
+    Error:
     osc_model::OscModelError,
     friction::FrictionError,
     linsys::LinsysError,

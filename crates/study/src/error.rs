@@ -73,3 +73,15 @@ impl Error {
         matches!(self, Self::MonteCarlo(montecarlo::MonteCarloError::Cancelled))
     }
 }
+
+/// Conversions of errors that a study knows into an error of a crate above it, which has a variant `Study` of [`Error`].
+#[macro_export]
+macro_rules! from_errors {
+    ($above:ty: $($error:ty),+ $(,)?) => {
+        $(impl From<$error> for $above {
+            fn from(error: $error) -> Self {
+                Self::Study(error.into())
+            }
+        })+
+    };
+}

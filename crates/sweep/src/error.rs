@@ -61,18 +61,8 @@ impl Error {
     }
 }
 
-/// Errors that a study knows.
-macro_rules! of_study {
-    ($($error:ty),+) => {
-        $(impl From<$error> for Error {
-            fn from(error: $error) -> Self {
-                Self::Study(error.into())
-            }
-        })+
-    };
-}
-
-of_study!(
+study::from_errors!(
+    Error:
     linsys::LinsysError,
     osc_model::OscModelError,
     cea::CeaError,
