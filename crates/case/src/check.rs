@@ -73,7 +73,7 @@ fn beginning(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
 }
 
-/// Makes errors that name the file, and collects what its user should know besides.
+/// Maker of errors that name the file, and collector of sentences that its user should know.
 pub(super) struct Check<'a> {
     pub path: &'a Path,
     /// Units of the numbers of the case.
@@ -88,6 +88,7 @@ impl<'a> Check<'a> {
 }
 
 impl Check<'_> {
+    /// The error for a value that is not allowed.
     pub fn value(&self, field: &str, value: impl ToString, allowed: &str) -> CaseError {
         CaseError::Value {
             path: self.path.to_owned(),
@@ -97,6 +98,7 @@ impl Check<'_> {
         }
     }
 
+    /// The error for a refusal of the lattice, with the table that it refuses.
     pub fn lattice(&self, table: &str) -> impl Fn(OscModelError) -> CaseError {
         let (path, table) = (self.path.to_owned(), table.to_owned());
         move |source| {
@@ -119,6 +121,7 @@ impl Check<'_> {
         }
     }
 
+    /// An error unless all names differ.
     pub fn no_repeats(&self, field: &str, names: impl Iterator<Item = String>) -> Result<(), CaseError> {
         let mut seen = std::collections::BTreeSet::new();
         for name in names {
@@ -139,7 +142,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// Text for people, in headings and legends.
+    /// An error unless a text fits into headings and legends: short, and without characters that are not seen.
     pub fn line(&self, field: &str, text: &str) -> Result<(), CaseError> {
         /// Most characters; chosen: two lines of a figure.
         const LONGEST_LINE: usize = 200;
@@ -278,7 +281,7 @@ pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseEr
     let source = text.lines().nth(line - 1).unwrap_or_default();
     let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
     let message = error.message();
-    // What no whole number of 64 bits is: the parser says of it only that it expected something else.
+    // Of a whole number that does not fit into 64 bits the parser says only that it expected something else.
     if let Some((_, rest)) = message.split_once("integer `").filter(|_| message.contains("128")) {
         let number: String = rest.chars().take_while(|&c| c != '`').collect();
         let message = format!(

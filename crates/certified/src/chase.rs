@@ -5,8 +5,7 @@ use super::lane::{Lane, Reflection};
 use super::planar::Planar;
 use crate::francis::{Chase, Place};
 
-/// Reflections of rows that are put off together: few columns are near them, and a register's detour to gather rows
-/// pays. Chosen.
+/// Number of reflections in a chunk, which share one pass over the columns to their right, so that registers gather these rows once; chosen.
 const CHUNK: usize = 8;
 
 impl<T: Lane> Chase<T> for Planar<T> {
@@ -22,8 +21,8 @@ impl<T: Lane> Chase<T> for Planar<T> {
         self.set(k, k - 1, T::default());
     }
 
-    /// Chases the bulge. What a reflection of rows does to columns that the next [`CHUNK`] reflections of columns leave alone waits until
-    /// these are through.
+    /// Chases the bulge down the diagonal, in chunks of [`CHUNK`] reflections. A reflection of rows acts at once on the columns that its chunk
+    /// still changes; on the columns to the right of these all reflections of the chunk act together, at its end.
     fn chase(&mut self, Place { first, start, last }: Place, mut v: [T; 3]) {
         let end = last + 1;
         for chunk in (start..last - 1).step_by(CHUNK) {

@@ -1,4 +1,5 @@
-//! The general dense problem `(lambda^2 M + lambda C + K) x = 0`: any real M, C and K, singular or not, in any units.
+//! All eigenvalues of the dense problem `(lambda^2 M + lambda C + K) x = 0`, each with a bound of its error: any real M, C and K, singular or
+//! not, in any units.
 //!
 //! [`solve`] finds all eigenvalues, [`certify`] how right each one is. How a problem is solved depends on what the
 //! matrices are and is told in [`Route`]:

@@ -12,7 +12,7 @@ pub type SystemAt<'a, E> = &'a dyn Fn(f64) -> Result<ContactSystem, E>;
 /// The mode near which motions are: angular frequency, rad/s, and shape.
 pub type NearMode<'a> = (f64, &'a [Complex<f64>]);
 
-/// How far a branch goes, and in which steps.
+/// Limits of a branch, and of its steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reach {
     /// Least and greatest value of the parameter.
@@ -37,13 +37,13 @@ pub struct BranchPoint {
 /// Why a branch ends.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BranchEnd {
-    /// It leaves the range of the parameter.
+    /// End of the range of the parameter.
     Range,
-    /// It comes down to steady sliding.
+    /// Steady sliding, to which the branch comes down.
     Sliding,
-    /// It is as long as a branch may be, and goes on.
+    /// Largest number of points; the branch goes on.
     MostPoints,
-    /// It could not be followed any further, though it may go on: the reason, in words.
+    /// Failure to follow the branch any further, though it may go on: the reason, in words.
     Lost(String),
 }
 

@@ -6,7 +6,7 @@ use crate::dopri::{Flow, Integrator};
 use crate::shooting::shoot;
 use crate::{ContactSystem, Cycle, Error};
 
-/// How a motion is integrated, and how long.
+/// Settings of the integration of a motion: its error and its length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Allowed error of a step, relative to the scales of the motion; chosen 1e-9.
@@ -23,16 +23,16 @@ impl Default for Settings {
     }
 }
 
-/// What a motion from somewhere becomes.
+/// Fate of a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
-    /// It repeats itself, and neighbouring motions come to it.
+    /// A stable limit cycle: the motion repeats itself, and neighbouring motions come to it.
     Cycle(Cycle),
-    /// It comes to rest in steady sliding.
+    /// Rest in steady sliding.
     Rest,
-    /// It grows beyond all bounds of the model: no contact that opens or sticks stops it.
+    /// Growth beyond all bounds of the model: no contact that opens or sticks stops it.
     Unbounded,
-    /// It does not repeat itself within the periods allowed.
+    /// A motion that does not repeat itself within the periods allowed.
     NotPeriodic {
         /// Time that was looked at, s.
         time: f64,
@@ -51,7 +51,7 @@ const ALIKE: f64 = 1e-4;
 /// Distance of a cycle from the passage that it was found from, relative to the size of the motion, at most; chosen.
 const NEAR: f64 = 0.05;
 
-/// What the motion of a cycle would go in a period at the rate of its start, relative to its size, at least; chosen.
+/// Distance that the motion of a cycle would go in a period at the rate of its start, relative to its size, at least; chosen.
 const MOVING: f64 = 1e-3;
 
 /// A motion with a plane that it passes once a period of its mode, or oftener.

@@ -1,4 +1,4 @@
-//! Solid finite elements of a brake: what is integrated over a mesh whose matrices another program exports, or none does.
+//! Solid finite elements: mass, stiffness, loads and what turning adds, integrated over a mesh whose other matrices another program exports.
 //!
 //! | where | what |
 //! | --- | --- |

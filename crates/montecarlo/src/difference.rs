@@ -12,7 +12,7 @@ pub struct Difference {
     pub interval: Interval,
 }
 
-/// Whether an event occurs in each of some pairs of trials, as of one draw in two studies; pairs are independent of each other.
+/// Occurrences of an event in pairs of trials, as of one draw in two studies; pairs are independent of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PairedTrials {
     /// Pairs by the first and the second trial: no, ambiguous, yes.

@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_millis(20);
 /// Stack of the thread that works, bytes: that of a main thread.
 const STACK: usize = 8 << 20;
 
-/// What the thread that works and the calling thread say to each other.
+/// Messages between the thread that works and the calling thread.
 #[derive(Default)]
 pub(crate) struct Watch {
     cancelled: AtomicBool,
@@ -28,7 +28,7 @@ pub(crate) struct Watch {
     stages: Mutex<Vec<Counts>>,
 }
 
-/// How far a stage has come.
+/// Progress of a stage.
 struct Counts {
     what: &'static str,
     done: u64,
@@ -102,12 +102,12 @@ impl Progress for Stage<'_> {
     }
 }
 
-/// Whether work looks at [`Progress::is_cancelled`].
+/// End of work that is interrupted: by itself where it looks at [`Progress::is_cancelled`].
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ends {
-    /// It does, and is waited for: what it keeps is written when an interrupt is raised.
+    /// By itself, and it is waited for: what it keeps is written when an interrupt is raised.
     Itself,
-    /// It does not: it is left behind, and what it finds is dropped.
+    /// Never: it is left behind, and what it finds is dropped.
     LeftBehind,
 }
 

@@ -25,7 +25,7 @@ pub(crate) struct Brake {
     pub(crate) source: Source,
 }
 
-/// What a brake is made of.
+/// Parts of which a brake is made.
 #[derive(Clone)]
 pub(crate) struct Source {
     case: CaseFile,
@@ -37,7 +37,7 @@ pub(crate) struct Source {
 /// Coefficients by a callable.
 struct Computed {
     callable: Py<PyAny>,
-    /// What it computes, by the names that it uses.
+    /// Targets of the callable, by the names that it uses.
     targets: Vec<(String, Target)>,
 }
 
@@ -250,7 +250,7 @@ impl PythonBrake {
 }
 
 impl Computed {
-    /// What the callable computes for samples: of each target the values.
+    /// Values of each target that the callable computes for samples.
     fn values(&self, py: Python<'_>, case: &MatricesCase, samples: &[&Vec<f64>]) -> PyResult<Vec<Vec<f64>>> {
         let given = PyDict::new(py);
         for (at, parameter) in case.parameters.iter().enumerate() {

@@ -38,7 +38,7 @@ fn verdict(of: Verdict) -> i8 {
     }
 }
 
-/// What is known of one eigenvalue.
+/// Knowledge of one eigenvalue.
 struct Known<'v> {
     lambda: Complex<f64>,
     /// Bound, backward error, condition number.

@@ -1,4 +1,4 @@
-//! The native module `squeal._squeal`: what the typed functions of the package `squeal` call. Arrays go in and out, work is done with the
+//! The native module `squeal._squeal`: the functions that the typed ones of the package `squeal` call. Arrays go in and out, work is done with the
 //! interpreter free, and every error is an exception of `squeal._errors`.
 
 mod away;

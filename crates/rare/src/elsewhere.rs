@@ -52,7 +52,7 @@ impl Lengths {
         self.nearest + (place as f64 + inside) * (self.longest - self.nearest) / STEPS as f64
     }
 
-    /// What a point of this length weighs.
+    /// Weight of a point of this length.
     fn weight(&self, length: f64) -> f64 {
         let step = (self.longest - self.nearest) / STEPS as f64;
         let place = ((length - self.nearest) / step).floor();
@@ -67,7 +67,7 @@ impl Lengths {
     }
 }
 
-/// What the points elsewhere say.
+/// Answer of the points elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Elsewhere {
     /// Number of points that fail.

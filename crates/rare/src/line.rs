@@ -96,7 +96,7 @@ pub(crate) fn crossing<E>(
     Ok(between((a, at_a), (b, at_b)))
 }
 
-/// Where the chord between two places crosses zero; the middle where it is no number.
+/// Zero of the chord between two places; the middle where it is no number.
 fn between((a, at_a): (f64, f64), (b, at_b): (f64, f64)) -> f64 {
     let chord = a + (b - a) * at_a / (at_a - at_b);
     if chord.is_finite() { chord.clamp(a.min(b), a.max(b)) } else { 0.5 * (a + b) }

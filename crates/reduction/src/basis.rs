@@ -9,7 +9,7 @@ use super::norms::NormsAt;
 use super::{dense, split};
 use crate::ReductionError;
 
-/// What of the full modes at the known points spans the basis.
+/// Vectors of the full modes at the known points that span the basis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Vectors {
     /// Right vectors alone: the fewest columns for a residual.
@@ -138,7 +138,7 @@ pub(super) fn fewest(
 pub(super) struct ModesAt<'a> {
     /// The full system there.
     pub system: &'a SparseSecondOrder,
-    /// Its norms.
+    /// Norms of the system.
     pub norms: &'a NormsAt,
     pub modes: &'a [Eigenpair],
 }

@@ -19,7 +19,7 @@ use crate::ReductionError;
 
 /// Part of the tolerance that the modes at a known point may use, so that there is room between known points.
 const AT_KNOWN_POINTS: f64 = 0.5;
-/// How many times as fast as the fastest mode of a basis the modes of a full problem may grow that are looked for; chosen.
+/// Largest growth rate that is looked for in a full problem, over that of the fastest mode of a basis; chosen.
 const BEYOND: f64 = 1.5;
 
 /// A reduction with the history of its basis.
@@ -27,14 +27,14 @@ const BEYOND: f64 = 1.5;
 pub struct Reduction {
     /// The reduced brake.
     pub reduced: Reduced,
-    /// What each stage cost and reached.
+    /// Cost and residuals of each stage.
     pub report: Report,
 }
 
-/// What a reduction is to hold.
+/// Modes that a reduction shall hold, and the points at which.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
-    /// Where modes are wanted, and to its right: the largest growth rate says how far full problems are solved at least.
+    /// Rectangle in which modes are wanted, and to its right: the largest growth rate says how far full problems are solved at least.
     pub rectangle: Rectangle,
     /// Operating points at which the full problem is solved first, at least one.
     pub points: &'a [OperatingPoint],

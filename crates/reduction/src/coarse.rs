@@ -25,7 +25,7 @@ const WANTED_ERROR: f64 = 1e-5;
 const LEAST_ERROR: f64 = 1e-9;
 /// Distance from the rectangle, as a part of |lambda|, up to which modes shape the basis too; chosen: others come into it from there.
 const MARGIN: f64 = 0.01;
-/// How many times the largest distance at these points that of a sample may be; chosen.
+/// Largest distance of a sample over the largest one at these points; chosen.
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
 const MOST_ERROR: f64 = 1e-3;
@@ -35,7 +35,7 @@ const STATES: f64 = 1e-4;
 const WORTH: f64 = 0.8;
 /// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
 const MOST_ITERATIONS: usize = 4;
-/// What two modes next to each other may differ in without their coupling, as a part of |lambda|; chosen: an error of the coupling, times that, moves the
+/// Distance of two modes next to each other without their coupling, at most, as a part of |lambda|; chosen: an error of the coupling, times that, moves the
 /// square of half their distance, so that near a coalescence the error of each is the root of it.
 const DETUNING: f64 = 0.05;
 /// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen.

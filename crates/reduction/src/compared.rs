@@ -5,14 +5,14 @@ use num_complex::Complex;
 /// Distance, relative to |lambda|, up to which two eigenvalues are of the same mode.
 const SAME_MODE: f64 = 1e-3;
 
-/// Which eigenvalues have a counterpart.
+/// Eigenvalues of one system and their counterparts in another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     /// The largest distance of an eigenvalue from its counterpart, relative to its size.
     pub distance: f64,
-    /// Those without a counterpart within a thousandth of their size.
+    /// Eigenvalues without a counterpart within a thousandth of their size.
     pub missed: Vec<Complex<f64>>,
-    /// Those of the other that are nobody's counterpart.
+    /// Eigenvalues of the other that are nobody's counterpart.
     pub left: Vec<Complex<f64>>,
     /// Pairs of counterparts.
     pub pairs: Vec<[Complex<f64>; 2]>,

@@ -76,7 +76,7 @@ pub struct OnContactPath {
     pub shape: Vector,
 }
 
-/// What is at one place of a path and one number.
+/// Matrices at one place of a path and one number.
 struct Place {
     /// lambda to its powers, and W.
     powers: Vector,

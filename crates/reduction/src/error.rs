@@ -13,7 +13,7 @@ pub enum ReductionError {
     Option {
         /// The option.
         option: &'static str,
-        /// Its value.
+        /// Value of the option.
         value: f64,
         /// The values that it may have.
         allowed: &'static str,
@@ -24,7 +24,7 @@ pub enum ReductionError {
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
     #[error("the {what} could not be computed")]
     Decomposition {
-        /// What was computed.
+        /// Name of the computation.
         what: &'static str,
     },
     /// The large system, or a search in it.

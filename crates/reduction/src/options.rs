@@ -3,7 +3,7 @@
 use super::Vectors;
 use crate::ReductionError;
 
-/// What a reduction is asked for, with the limits of its cost.
+/// Goal of a reduction, and the limits of its cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// The residual that each wanted mode shall not exceed.
@@ -17,7 +17,7 @@ pub struct Options {
     /// Full problems in a row, each at the training point farthest from all known ones, that must show neither a missed mode
     /// nor a residual above the tolerance before the basis is taken to be complete.
     pub probes: usize,
-    /// What of the full modes enters the basis.
+    /// Vectors of the full modes that enter the basis.
     pub vectors: Vectors,
     /// Distance from the rectangle in which modes shape a basis too, because others may enter it from there, as a part of the largest |lambda| in the
     /// rectangle.

@@ -47,7 +47,7 @@ impl OuterRows {
         outer
     }
 
-    /// What of the products of the vectors comes from M, C or K. Their matrices are summed first: there are more vectors than terms.
+    /// Part of the products of the vectors that comes from M, C or K. Their matrices are summed first: there are more vectors than terms.
     fn product(&self, power: usize, coefficients: &[f64], y: &DMatrix<f64>) -> DMatrix<f64> {
         let parts = self.terms.iter().map(|term| &term[power]).zip(coefficients);
         let mut parts = parts.filter(|(part, theta)| part.nrows() > 0 && **theta != 0.0);

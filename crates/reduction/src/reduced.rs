@@ -37,7 +37,7 @@ pub struct ReducedModes {
     /// [`Reduced::residual_rank`] is 256 or more, one at or below the tolerance is twice the estimate of a random sketch, which is below the true
     /// one with a probability of less than 3e-18; of a system of 6,000 rows or more all are.
     pub residuals: Vec<f64>,
-    /// How they were found.
+    /// Route by which the modes were found.
     pub route: Route,
 }
 
@@ -106,7 +106,7 @@ impl Reduced {
         &self.basis
     }
 
-    /// Where modes are wanted.
+    /// Rectangle in which modes are wanted.
     #[must_use]
     pub fn rectangle(&self) -> &Rectangle {
         &self.rectangle
@@ -272,7 +272,7 @@ pub fn grows_too_fast(lambda: Complex<f64>) -> bool {
     lambda.re > lambda.im
 }
 
-/// What is said of a spectrum that is not there.
+/// Name of a spectrum that is not there, in messages.
 const NO_SPECTRUM: &str = "spectrum of a reduced system";
 /// Part of the wanted residual at which the modes of the reduced system itself have converged.
 const REDUCED_PART: f64 = 0.1;

@@ -19,7 +19,7 @@ pub struct Report {
     pub full_problems: usize,
     /// Sparse factorisations that they took.
     pub factorisations: u64,
-    /// Whether all training points were within the tolerance and the last full problems showed no missed mode.
+    /// True if all training points were within the tolerance and the last full problems showed no missed mode.
     pub is_reached: bool,
 }
 
@@ -31,16 +31,16 @@ impl Report {
     }
 }
 
-/// Why the full problem was solved at the last point of a stage.
+/// Reason for solving the full problem at the last point of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Why {
     /// The point was given.
     Given,
     /// A basis had a mode there that grows faster than was searched.
     Growth,
-    /// Its residual was the largest, and above the tolerance.
+    /// The point had the largest residual, and it was above the tolerance.
     LargestResidual,
-    /// It was the farthest from all known points.
+    /// The point was the farthest from all known points.
     Farthest,
 }
 
@@ -56,7 +56,7 @@ pub struct MissedMode {
 /// One basis: what it took, what it reaches, what an evaluation costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
-    /// Why its last point was taken.
+    /// Reason for its last point.
     pub why: Why,
     /// Columns of the basis, k.
     pub columns: usize,
@@ -70,7 +70,7 @@ pub struct Stage {
     pub missed: usize,
     /// Training points evaluated.
     pub training: usize,
-    /// Those with a residual above the tolerance.
+    /// Training points with a residual above the tolerance.
     pub above: usize,
     /// The largest residual of a mode at a training point.
     pub largest_residual: f64,
@@ -123,7 +123,7 @@ pub struct ResidualTally {
     pub modes: u64,
     /// Samples with a residual above the tolerance.
     pub above: u64,
-    /// Their numbers and largest residuals, the first thousand.
+    /// Numbers and largest residuals of these, the first thousand.
     pub listed: Vec<(u64, f64)>,
     /// The sample of the largest residual of all.
     pub largest: Option<(u64, f64)>,

@@ -30,7 +30,7 @@ const LEAST_SKETCHED: usize = 2;
 /// Rows of a system from which on residuals are known by random combinations alone; chosen: all directions of the stacked terms take longer there than
 /// the modes that the basis is made of.
 const LARGE: usize = 6000;
-/// What an estimate is multiplied by to be a bound. The squared norm of a sketch of 128 rows is that of the vector times a mean of 128
+/// Factor that makes an estimate a bound. The squared norm of a sketch of 128 rows is that of the vector times a mean of 128
 /// squared normal numbers at least: below a quarter of it with a probability of less than 3e-18 (Chernoff's bound).
 const SKETCH_FACTOR: f64 = 2.0;
 
@@ -38,7 +38,7 @@ const SKETCH_FACTOR: f64 = 2.0;
 #[derive(Debug, Clone)]
 pub(super) struct ResidualForm {
     rows: OuterRows,
-    /// What norms by these rows are multiplied by: 1, or more where they are random combinations themselves.
+    /// Factor of norms by these rows: 1, or more where they are random combinations themselves.
     factor: f64,
     /// Random combinations of the rows, where they are fewer by far.
     sketch: Option<OuterRows>,
@@ -60,7 +60,7 @@ pub(super) struct ResidualAt<'a> {
     dropped: [f64; 3],
 }
 
-/// What a residual form may leave out.
+/// Limits of what a residual form may leave out.
 pub(super) struct Truncation<'a> {
     /// Operating points whose coefficients weigh the terms.
     pub points: &'a [OperatingPoint],
@@ -75,9 +75,9 @@ struct Block {
     term: usize,
     /// 0 for M, 1 for C, 2 for K.
     power: usize,
-    /// What the columns are multiplied by in the stack.
+    /// Factor of the columns in the stack.
     weight: f64,
-    /// Its columns in the stack.
+    /// Columns in the stack.
     columns: DMatrix<f64>,
     start: usize,
     width: usize,
@@ -104,7 +104,7 @@ impl Block {
         Self { term, power, weight, columns, start: 0, width: 0, factor }
     }
 
-    /// What its columns became, as what `A V` becomes.
+    /// Image of `A V`, from that of the columns.
     fn through(&self, columns: DMatrix<f64>) -> DMatrix<f64> {
         match &self.factor {
             Some(factor) => columns * factor,

@@ -25,10 +25,10 @@ use crate::ReductionError;
 
 /// Frequencies of the first basis, equally spaced; chosen: a brake with two bodies needs no more.
 const FIRST_FREQUENCIES: usize = 5;
-/// How often frequencies are added between all those that there are, at most; chosen: 65 frequencies.
+/// Largest number of times that a frequency is added between each two; chosen: 65 frequencies.
 const MOST_REFINEMENTS: usize = 4;
 
-/// What a basis of responses is asked for.
+/// Goal of a basis of responses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResponseGoal {
     /// Lowest and highest frequency, rad/s.
@@ -106,7 +106,7 @@ pub fn response_basis(
     }
 }
 
-/// What the contacts' forces move at one frequency.
+/// Shapes that the contacts' forces make at one frequency.
 struct Response {
     /// i omega, rad/s.
     lambda: Complex<f64>,

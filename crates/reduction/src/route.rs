@@ -5,7 +5,7 @@ use std::ops::Add;
 
 use crate::Doubt;
 
-/// How the modes at a point were found.
+/// Route by which the modes at a point were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Route {

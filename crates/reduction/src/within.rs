@@ -33,7 +33,7 @@ pub struct Within {
     /// The largest distance, relative to |lambda|, of a mode of the smaller basis from that of the larger system, where all modes were
     /// found although every residual was small.
     pub distance: f64,
-    /// Whether every training point was within the tolerance, and the last complete solutions showed no missed mode.
+    /// True if every training point was within the tolerance, and the last complete solutions showed no missed mode.
     pub is_reached: bool,
 }
 
@@ -86,10 +86,10 @@ pub fn within(
     Ok(Within { basis, solved, missed: search.missed, first: search.first, distance: search.distance, is_reached })
 }
 
-/// What the first columns of a smaller basis hold.
+/// Error of the first columns of a smaller basis, taken as a basis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// How many columns.
+    /// Number of columns.
     pub columns: usize,
     /// The largest residual in the full system of a mode in the rectangle, at all given and training points.
     pub residual: f64,
@@ -125,7 +125,7 @@ pub fn rungs(
     columns.iter().map(rung).collect()
 }
 
-/// Those of some eigenvalues that are wanted.
+/// The wanted ones of some eigenvalues.
 fn in_rectangle(lambdas: &[Complex<f64>], wanted: &Wanted<'_>) -> Vec<Complex<f64>> {
     lambdas.iter().copied().filter(|&lambda| wanted.rectangle.contains_to_the_right(lambda, 0.0)).collect()
 }

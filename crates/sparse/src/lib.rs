@@ -1,4 +1,4 @@
-//! Brakes of thousands of degrees of freedom, as finite element programs export them.
+//! Systems of thousands of degrees of freedom, as finite element programs export them, and all their eigenvalues in a rectangle.
 //!
 //! | where | what |
 //! | --- | --- |

@@ -44,7 +44,7 @@ pub struct WholeEigenvalue {
 pub struct CoarsePath<'a> {
     /// The brake at both points.
     pub systems: [SecondOrder; 2],
-    /// These coordinates in terms of those of the scene, orthonormal columns.
+    /// Basis of these coordinates in terms of those of the scene, orthonormal columns.
     pub basis: &'a DMatrix<f64>,
 }
 

@@ -126,7 +126,7 @@ impl Command {
     }
 }
 
-/// What two tables of counts differ in: a name that is open in one may be any of several modes, and counts as none.
+/// Difference of two tables of counts: a name that is open in one may be any of several modes, and counts as none.
 fn compared(expected: &str, counts: &str) -> String {
     if expected == counts {
         return "same".into();

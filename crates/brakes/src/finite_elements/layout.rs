@@ -71,10 +71,10 @@ fn add_scenes(
     Ok(())
 }
 
-/// The reduced brake with some patches closed. What is constant in it, holders and closed patches unless their stiffness is drawn, is one
-/// term, and open patches have no channels.
+/// The reduced brake with some patches closed. Its constant parts, the holders, and the closed patches unless their stiffness is drawn, are
+/// summed in one term; open patches have neither a term nor channels.
 ///
-/// Columns of a basis belong to no body, so there is one body. Friction of each patch is a force family of its own.
+/// A reduced coordinate moves the whole brake, so that there is one body. The friction of each patch is a force family of its own.
 fn brake(case: &FiniteElementCase, on: &Reduced, closed: &[usize]) -> Result<Brake, Error> {
     let (reduced, own) = (on.system(), case.coefficients.len());
     let mut terms = reduced.terms()[..own].to_vec();

@@ -59,7 +59,7 @@ pub struct ContactState {
     pub forces: Vec<f64>,
     /// Stiffness of each point over that which its channel reads.
     pub stiffness: Vec<f64>,
-    /// Whether another state is in equilibrium too.
+    /// Uniqueness of the state, and how it is known.
     pub uniqueness: Uniqueness,
 }
 

@@ -156,7 +156,7 @@ pub struct Patch {
     pub load: f64,
     /// Ratios of the load of each pair to that mean: 1 where they share it equally.
     pub shares: Vec<f64>,
-    /// Where each pair is, and which way it looks.
+    /// Places of the pairs, with the directions of their normals and of the sliding.
     pub places: Vec<PairPlace>,
     /// Number of each pair in [`PatchContact::balance`]; none where loads are given.
     pub points: Vec<usize>,

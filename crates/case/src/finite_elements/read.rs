@@ -150,7 +150,7 @@ impl FiniteElementCase {
     }
 }
 
-/// Where the contacts are that have a draw each: the middles of the patches on the pad, or one place for all.
+/// Places of the contacts that have a draw each: the middles of the patches on the pad, or one place for all.
 fn draw_places(model: &Model<'_>, contact: &PatchContact) -> Result<Vec<[f64; 3]>, CaseError> {
     let middle = |patch: &Patch| {
         let nodes = patch.pairs.iter().map(|[pad, _]| model.position("contact.patches", *pad));

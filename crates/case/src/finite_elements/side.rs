@@ -9,11 +9,11 @@ use nalgebra::Vector3;
 use super::nodes::Model;
 use crate::CaseError;
 
-/// The least cosine of the angle between the normal and the direction into the body at a face; chosen: a normal that is 84 degrees off is
-/// none.
+/// The least cosine of the angle between the normal of the contact and the direction from a face into its body; chosen: at 84 degrees a body lies
+/// beside the contact, not behind it.
 const LEAST_OF_FACE: f64 = 0.1;
-/// The least cosine of the angle between the normal and the direction in which elements lie, which is that of the face no more than roughly;
-/// chosen.
+/// The least cosine of the angle between the normal of the contact and the direction from its nodes to the middles of elements; chosen, larger than
+/// that of faces, because middles tell the direction only roughly.
 const LEAST_OF_ELEMENTS: f64 = 0.3;
 
 /// Evidence in the mesh for the side of the contact on which a body lies.
@@ -41,7 +41,7 @@ impl fmt::Display for Side {
 /// the disc.
 ///
 /// # Errors
-/// A face or the elements of one of them say otherwise.
+/// A body whose faces, or whose elements, lie on the other side.
 pub(super) fn sides(model: &Model<'_>, nodes: [&[i64]; 2], normal: &Vector3<f64>) -> Result<[Side; 2], CaseError> {
     let Some(mesh) = &model.mesh else { return Ok([Side::Unknown; 2]) };
     let surface = Surface::new(mesh);
@@ -105,7 +105,7 @@ fn offsets(mesh: &Mesh, of_contact: &HashSet<usize>) -> Vec<Vector3<f64>> {
         let own: Vec<usize> = nodes.iter().copied().filter(|node| of_contact.contains(node)).collect();
         (!own.is_empty()).then(|| middle(nodes) - middle(&own))
     };
-    // What is flat or thin may lie in the plane of the contact.
+    // Shells and the like may lie in the plane of the contact, on no side of it.
     let solids = mesh.cells.iter().filter(|cell| matches!(cell.kind, CellKind::Tetrahedron | CellKind::Hexahedron));
     solids.filter_map(|cell| from_contact(&cell.nodes)).collect()
 }

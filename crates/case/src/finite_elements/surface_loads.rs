@@ -18,7 +18,7 @@ pub(super) struct Balanced {
     pub balance: ContactBalance,
 }
 
-/// What presses on contacts in equilibrium.
+/// Loads of contacts in equilibrium, with the friction and the stiffness that these have.
 pub(super) struct Pressing<'a> {
     pub forces: &'a [ForceTable],
     /// Factor of each of the forces, and their values at the medians.

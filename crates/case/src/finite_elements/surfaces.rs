@@ -27,7 +27,7 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    /// The patches of all contacts, with the forces that are given or in equilibrium.
+    /// The patches of all contacts, with the forces that are given or in equilibrium, which `balanced` finds.
     pub fn new(
         solids: &Solids<'_>,
         tables: &[FacesTable],

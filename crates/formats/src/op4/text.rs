@@ -8,7 +8,7 @@ use crate::numbers::{fortran, signed};
 use crate::problem::Problem;
 use crate::shortened::cut;
 
-/// Width of a whole number.
+/// Width of the field of a whole number, characters.
 const WHOLE: usize = 8;
 
 /// Layout of printed real numbers: how many on a line, and the characters of each.
@@ -71,7 +71,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     Ok(found)
 }
 
-/// Reads the numbers of a string.
+/// Reads the numbers of a string, which is what OP4 calls consecutive rows of a sparse column.
 fn stretch(lines: &mut Lines<'_>, open: &mut Open, row: i64, count: usize, print: Print) -> Result<(), Problem> {
     let row = open.stretch(row, count)?;
     let mut at = 0;
@@ -82,8 +82,8 @@ fn stretch(lines: &mut Lines<'_>, open: &mut Open, row: i64, count: usize, print
     Ok(())
 }
 
-/// Reads the numbers of a column that is one stretch. Its header says how many they are: as files have it the numbers themselves,
-/// as the manual has it their words, so that for double precision half as many come before the header of the next column.
+/// Reads the numbers of a dense column, whose header counts them. Files count the numbers themselves, the manual counts their words, two for each
+/// number in double precision: then the header of the next column comes after half as many.
 fn dense(lines: &mut Lines<'_>, open: &mut Open, row: i64, given: usize, print: Print) -> Result<(), Problem> {
     let first = open.stretch(row, 0)?;
     let mut at = 0;

@@ -30,12 +30,12 @@ pub(super) struct Point<'a> {
 
 /// Modes of the larger system in and next to the rectangle at a point.
 pub(super) struct Known {
-    /// Its place.
+    /// Index of the point.
     pub point: usize,
     pub lambdas: Vec<Complex<f64>>,
     /// Of unit length, split, k x 2 p.
     shapes: DMatrix<f64>,
-    /// How often they were corrected; 0 where all modes were found.
+    /// Number of corrections; 0 where all modes were found.
     corrections: usize,
 }
 
@@ -44,7 +44,7 @@ type Modes = (Vec<Complex<f64>>, DMatrix<f64>);
 
 /// Modes of a smaller system in and next to the rectangle at a point.
 pub(super) struct Judged {
-    /// Its place.
+    /// Index of the point.
     pub point: usize,
     pub lambdas: Vec<Complex<f64>>,
     /// In the coordinates of the larger system, split, k x 2 p.

@@ -56,7 +56,7 @@ pub(super) struct StudyFolder {
     pub kept: BTreeMap<SceneNames, Kept>,
     /// Modes by set of constraints.
     pub modes: BTreeMap<String, SetModes>,
-    /// What was drawn: of each input the cells by scene and sample.
+    /// Draws: of each input the cells by scene and sample.
     draws: BTreeMap<String, BTreeMap<(SceneNames, u64), String>>,
 }
 

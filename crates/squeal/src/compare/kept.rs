@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use montecarlo::{Proportion, Trial, occurring_labels};
 
-/// What is asked of a sample.
+/// Question about a sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Question<'a> {
-    /// Whether anything is unstable.
+    /// Is anything unstable?
     Anything,
-    /// Whether the mode with this name is.
+    /// Is the mode with this name unstable?
     Mode(&'a str),
 }
 
@@ -17,10 +17,10 @@ pub(super) enum Question<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Kept(BTreeMap<u64, Option<Unstable>>);
 
-/// What is unstable in a sample.
+/// Modes that are unstable in a sample.
 #[derive(Debug)]
 struct Unstable {
-    /// Whether each mode is, of those that may be.
+    /// Modes that are unstable, or may be.
     modes: BTreeMap<String, Trial>,
     /// A mode without a name is.
     has_unnamed: bool,
@@ -61,7 +61,7 @@ impl Kept {
         }
     }
 
-    /// How often a mode is unstable in so many samples.
+    /// Proportion of so many samples in which a mode is unstable.
     pub fn proportion(&self, samples: u64, name: &str) -> Proportion {
         let mut found = Proportion::default();
         (0..samples).for_each(|index| found.record(self.trial(index, Question::Mode(name))));

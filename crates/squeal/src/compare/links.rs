@@ -15,7 +15,7 @@ const MAC_MARGIN: f64 = 0.1;
 /// Largest distance of two frequencies that are linked, relative; chosen.
 const FREQUENCY_DISTANCE: f64 = 0.05;
 
-/// What a link of two modes rests on.
+/// Ground on which two modes are linked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LinkedBy {
     /// Shapes: each has the largest MAC of all with the other, at least 0.6, and 0.1 more than with the next.
@@ -48,7 +48,7 @@ pub struct Link {
     pub modes: [Option<String>; 2],
     /// Frequencies, Hz, where the modes have names.
     pub hz: [Option<f64>; 2],
-    /// What the link rests on; `None` of a mode without one.
+    /// Ground of the link; `None` of a mode without one.
     pub by: Option<LinkedBy>,
 }
 

@@ -22,7 +22,7 @@ use folder::{Occurrences, SceneNames, StudyFolder};
 use kept::{Kept, Question};
 use links::{Link, LinkedBy, links};
 
-/// How the interval of a difference was found.
+/// Pairing of the samples from which the interval of a difference was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pairing {
     /// Sample by sample, of kept samples of the same seed.
@@ -65,7 +65,7 @@ pub struct Against {
     pub path: PathBuf,
     /// Words on what both are: samples, seeds, which draws agree, scenes that only one has.
     pub notes: Vec<String>,
-    /// What was compared.
+    /// Rows of the comparison: a mode each, and anything at all.
     pub rows: Vec<Compared>,
 }
 
@@ -221,7 +221,7 @@ impl Scene<'_> {
         Compared { scene: self.scene.clone(), link, occurrences, difference }
     }
 
-    /// What the samples that both studies have say, in pairs.
+    /// Answers of the samples that both studies have, in pairs.
     fn pairs(&self, first: Question<'_>, second: Question<'_>) -> Option<PairedTrials> {
         let (of_first, of_second) = self.kept?;
         let mut pairs = PairedTrials::default();

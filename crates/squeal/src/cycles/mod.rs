@@ -17,7 +17,7 @@ use study::{Scene, SlidingContacts, UncertainBrake};
 
 use crate::Error;
 
-/// What the motion of a scene is asked for.
+/// Options of the motion of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleOptions {
     /// Starts of motions.
@@ -47,7 +47,7 @@ pub enum Start {
     Noise,
 }
 
-/// What the unstable modes of a scene become.
+/// Motions that the unstable modes of a scene grow into.
 #[derive(Debug, Clone)]
 pub struct Cycles {
     /// Deviation of the tangent from the system of the complex eigenvalue analysis, relative.
@@ -69,7 +69,7 @@ pub struct MotionOfMode {
     pub start: String,
     /// Eigenvalue of the mode, 1/s; of noise, that of the mode that grows fastest.
     pub lambda: Complex<f64>,
-    /// What the motion becomes.
+    /// Fate of the motion.
     pub motion: Motion,
     /// Measures of the cycle; `None` where the motion is none.
     pub measures: Option<Measures>,
@@ -96,7 +96,7 @@ impl GrowingMode {
     }
 }
 
-/// What needs the contacts of a brake, in words.
+/// Name of the computation that needs the contacts of a brake.
 pub const MOTION: &str = "the motion after the onset";
 
 /// Allowed error of a step of time, relative; chosen: cycles are known to some 1e-9.

@@ -138,7 +138,7 @@ fn cycle_of(motion: &Motion) -> Option<&Cycle> {
     }
 }
 
-/// What a motion became, in words.
+/// Fate of a motion, in words.
 fn kind(motion: &Motion) -> &'static str {
     match motion {
         Motion::Cycle(_) => "cycle",

@@ -183,7 +183,7 @@ fn likely_squeal<B: UncertainBrake>(
     })
 }
 
-/// How far the onset of the full model is from that of a reduced brake, in standard deviations to first order.
+/// Distance of the onset of the full model from that of a reduced brake, in standard deviations to first order.
 fn moved<B: UncertainBrake>(
     state: &SceneState<'_, B>,
     scene: &Scene,

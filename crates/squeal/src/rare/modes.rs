@@ -24,7 +24,7 @@ pub struct ModeProbability {
     pub open: f64,
 }
 
-/// What the study says of some points: the names that each unstable mode may have; nothing of a point that it finds stable.
+/// Answers of the study at some points: the names that each unstable mode may have; none at a point that it finds stable.
 pub(super) fn named<B: UncertainBrake>(
     state: &SceneState<'_, B>,
     points: &[&[f64]],
