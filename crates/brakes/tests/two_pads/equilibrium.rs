@@ -209,7 +209,7 @@ fn a_patch_that_lifts_off_at_the_medians_holds_down_elsewhere() {
     }
 }
 
-/// A piston that pulls in a quarter of the draws: contact alone holds its pad along the axis, so that these have no equilibrium. They fail as samples and
+/// A piston that pulls in two of five draws: contact alone holds its pad along the axis, so that these have no equilibrium. They fail as samples and
 /// among the draws of the whole brake, and bases are made of the others.
 #[test]
 fn draws_without_equilibrium_are_counted_and_end_no_study() {
@@ -217,7 +217,7 @@ fn draws_without_equilibrium_are_counted_and_end_no_study() {
     let text = in_equilibrium()
         .replace("load_factor = \"p\"\n", "")
         .replace("pressure = 1.5\n", "pressure = 1.5\ncoefficient = \"p\"\n")
-        .replace("from = 1.0\nto = 3.0", "from = -1.0\nto = 3.0")
+        .replace("from = 1.0\nto = 3.0", "from = -2.0\nto = 3.0")
         .replace("samples = 10", "samples = 20")
         .replace("frequencies = [1000.0, 8000.0]", "frequencies = [1000.0, 3000.0]\ntraining = 3\nfull_checks = 8");
     let case = folder.parse(text).unwrap();
