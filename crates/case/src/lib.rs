@@ -42,8 +42,8 @@ pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
 pub use finite_elements::{
-    Acting, ContactBalance, ContactState, EQUILIBRIUM, FiniteElementCase, LOAD_FACTOR, MissingRows, NamesOnMesh,
-    OWN_SPEED, OwnSpeed, PairPlace, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR, Side,
+    Acting, ContactBalance, ContactState, Draft, DraftFiles, EQUILIBRIUM, FiniteElementCase, LOAD_FACTOR, MissingRows,
+    NamesOnMesh, OWN_SPEED, OwnSpeed, PairPlace, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR, Side,
 };
 pub use header::CaseHeader;
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};

@@ -29,6 +29,7 @@ use crate::case_file::CaseArgs;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: squeal cea brake.toml --set mu=0.6 --why")]
 pub struct CeaArgs {
     /// The case
     #[command(flatten)]

@@ -28,7 +28,7 @@ use crate::case_file::CaseArgs;
 ///
 /// At median parameters, from each unstable mode; over a parameter, the branches of cycles from each onset.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: squeal cycle cases/hoffmann.toml --over mu=0.5:1.1")]
+#[command(after_help = "Example: squeal cycle brake.toml --over mu=0.5:1.1")]
 pub struct CycleArgs {
     /// The case
     #[command(flatten)]

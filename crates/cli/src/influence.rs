@@ -28,6 +28,7 @@ const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
 /// First-order indices are from the draws that a study of the case evaluates, in one of its scenes; total ones, with --total, from a
 /// design of their own.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: squeal influence brake.toml --out influence")]
 pub struct InfluenceArgs {
     /// The scene with its draws
     #[command(flatten)]

@@ -17,6 +17,9 @@ use crate::case_file::CaseArgs;
 ///
 /// Parts are folders of `squeal run --shard`, in any order; a part that is there twice counts once. What is missing is said.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: squeal run brake.toml --shard 1/2 --out parts/1; squeal run brake.toml --shard 2/2 --out parts/2; squeal merge brake.toml parts/1 parts/2 --out results"
+)]
 pub struct MergeArgs {
     /// The case
     #[command(flatten)]

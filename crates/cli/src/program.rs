@@ -7,7 +7,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
-    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, RareArgs, RunArgs,
+    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, NewArgs, RareArgs, RunArgs,
     ScreenArgs, SweepArgs, finish, refuse,
 };
 
@@ -28,6 +28,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    New(NewArgs),
     Run(RunArgs),
     Merge(MergeArgs),
     Cea(CeaArgs),
@@ -40,12 +41,20 @@ enum Command {
     Screen(ScreenArgs),
     Compare(CompareArgs),
     /// Print completions of these commands for a shell, to be put where it looks for them.
+    #[command(after_help = "Example: squeal completions bash > squeal.bash")]
     Completions {
         /// The shell
         shell: Shell,
     },
-    /// Print the manual of all commands, for man: `squeal man > squeal.1`.
+    /// Print the manual of all commands, for man.
+    #[command(after_help = "Example: squeal man > squeal.1")]
     Man,
+}
+
+/// The commands and options of the program, for what is made of them: completions, manuals, tests.
+#[must_use]
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 /// Runs the program with these arguments, of which the first is its own name, and returns its exit code.
@@ -56,6 +65,7 @@ pub fn program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let mut out = std::io::stdout().lock();
     let result = match &cli.command {
+        Command::New(args) => args.run(&mut out),
         Command::Run(args) => args.run(&mut out),
         Command::Merge(args) => args.run(&mut out),
         Command::Cea(args) => args.run(&mut out),
@@ -76,13 +86,13 @@ pub fn program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 fn completions(shell: Shell, out: &mut dyn Write) -> Result<(), Error> {
     // The generator panics where it cannot write.
     let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "squeal", &mut script);
+    clap_complete::generate(shell, &mut command(), "squeal", &mut script);
     out.write_all(&script).map_err(Error::StandardOutput)
 }
 
 /// The page of the program, and after it those of its commands.
 fn manual(out: &mut dyn Write) -> std::io::Result<()> {
-    let mut program = Cli::command();
+    let mut program = command();
     program.build();
     clap_mangen::Man::new(program.clone()).render(out)?;
     for command in program.get_subcommands().filter(|command| command.get_name() != "help") {

@@ -28,7 +28,7 @@ use crate::case_file::CaseArgs;
 /// Of one scene of the case: design points, line sampling, and points elsewhere that must not contradict them. Two thousand spectra do what
 /// plain samples need millions for.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: squeal rare CASE --relative 0.1 --out results")]
+#[command(after_help = "Example: squeal rare brake.toml --relative 0.1 --out rare")]
 pub struct RareArgs {
     /// The scene with its draws
     #[command(flatten)]

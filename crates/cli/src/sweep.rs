@@ -28,6 +28,7 @@ use crate::case_file::CaseArgs;
 ///
 /// Over one: branches of the root locus, onsets, coalescences. Over two: the stability map with its boundary.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: squeal sweep brake.toml --over mu=0:1.3 --out sweep")]
 pub struct SweepArgs {
     /// The case
     #[command(flatten)]

@@ -64,6 +64,43 @@ fn every_key_of_a_spectrum_is_described() {
     assert!(missing.is_empty(), "{missing:?}");
 }
 
+/// Keys of all objects in a document, and in what it holds.
+fn all_keys(value: &serde_json::Value, found: &mut BTreeSet<String>) {
+    match value {
+        serde_json::Value::Object(all) => {
+            for (key, value) in all {
+                // After a blank stands a name of the case.
+                found.insert(key.split(' ').next().unwrap().to_owned());
+                all_keys(value, found);
+            }
+        }
+        serde_json::Value::Array(list) => list.iter().for_each(|value| all_keys(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_key_of_the_other_commands_is_described() {
+    let (hoffmann, small) = (root("cases/hoffmann.toml"), root("cases/two-by-two.toml"));
+    let (hoffmann, small) = (hoffmann.to_str().unwrap(), small.to_str().unwrap());
+    let page = std::fs::read_to_string(root("docs/json.md")).unwrap();
+    let described: BTreeSet<&str> = page.split(['"', ' ', ',']).collect();
+    for (command, own) in [
+        (&["sweep", hoffmann, "--over", "mu=0:1.3"][..], None),
+        (&["sweep", small, "--over", "mu=0:1.3", "--over", "x_damping=50:400"], None),
+        (&["screen", small, "--kinds", "constraint", "--up-to", "1", "--samples", "20"], None),
+        (&["cycle", hoffmann], None),
+        (&["cycle", hoffmann, "--over", "mu=0.5:1.1"], Some("mu")),
+    ] {
+        let document = squeal(&[command, &["--json"]].concat());
+        let mut found = BTreeSet::new();
+        all_keys(&serde_json::from_str(&document).unwrap(), &mut found);
+        let missing: Vec<_> =
+            found.iter().filter(|key| !described.contains(key.as_str()) && Some(key.as_str()) != own).collect();
+        assert!(missing.is_empty(), "{command:?}: {missing:?}");
+    }
+}
+
 #[test]
 fn the_small_case_runs_and_every_column_is_described() {
     let case = root("cases/two-by-two.toml");

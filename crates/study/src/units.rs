@@ -31,6 +31,7 @@ impl Units {
             (Self::MmTonneSecond, "kg") => "t",
             (Self::MmTonneSecond, "m") => "mm",
             (Self::MmTonneSecond, "N/m") => "N/mm",
+            (Self::MmTonneSecond, "N/m^3") => "N/mm^3",
             (Self::MmTonneSecond, "Ns/m") => "Ns/mm",
             (Self::MmTonneSecond, "m/s") => "mm/s",
             (Self::MmTonneSecond, "1/m") => "1/mm",

@@ -4,8 +4,10 @@
 mod balance;
 mod contact;
 mod contacts;
+mod draft;
 mod entries;
 mod faces;
+mod facing;
 mod missing;
 mod names_on_mesh;
 mod nodes;
@@ -22,6 +24,7 @@ mod turning;
 mod units;
 
 pub use balance::{Acting, ContactBalance, ContactState};
+pub use draft::{Draft, DraftFiles};
 pub use missing::MissingRows;
 pub use names_on_mesh::NamesOnMesh;
 pub use side::Side;

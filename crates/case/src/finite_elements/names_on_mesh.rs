@@ -47,8 +47,8 @@ impl NamesOnMesh {
     }
 }
 
-/// The first nodes of bodies none of whose nodes is in `of_rows`.
-fn bodies_without(mesh: &Mesh, of_rows: &HashSet<i64>) -> Vec<i64> {
+/// The nodes of a mesh by their numbers, each with its body: what elements join has the same number, that of its first node.
+pub(super) fn bodies(mesh: &Mesh) -> impl Iterator<Item = (i64, usize)> + use<'_> {
     // A forest: each node leads to another of its body, the root to itself.
     let mut above: Vec<usize> = (0..mesh.nodes.len()).collect();
     fn root(above: &mut [usize], mut node: usize) -> usize {
@@ -64,9 +64,17 @@ fn bodies_without(mesh: &Mesh, of_rows: &HashSet<i64>) -> Vec<i64> {
             above[a.max(b)] = a.min(b);
         }
     }
+    // Of quadratic elements the mesh has the corners: nodes within edges are bodies of their own, which nobody asks about.
+    (0..mesh.nodes.len()).map(move |node| (mesh.nodes[node].label, root(&mut above, node)))
+}
+
+/// The first nodes of bodies none of whose nodes is in `of_rows`.
+fn bodies_without(mesh: &Mesh, of_rows: &HashSet<i64>) -> Vec<i64> {
+    let of_node: HashMap<i64, usize> = bodies(mesh).collect();
     let mut has_row: HashMap<usize, bool> = HashMap::new();
     for &node in mesh.cells.iter().flat_map(|cell| &cell.nodes) {
-        *has_row.entry(root(&mut above, node)).or_default() |= of_rows.contains(&mesh.nodes[node].label);
+        let label = mesh.nodes[node].label;
+        *has_row.entry(of_node[&label]).or_default() |= of_rows.contains(&label);
     }
     let mut without: Vec<i64> =
         has_row.iter().filter(|(_, has_row)| !**has_row).map(|(&root, _)| mesh.nodes[root].label).collect();

@@ -25,6 +25,7 @@ const LONGEST_PREPARATION: f64 = 300.0;
 
 /// Check a case and say what its study would compute, and roughly how long that takes.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: squeal check brake.toml --shards 64")]
 pub struct CheckArgs {
     /// The case
     #[command(flatten)]

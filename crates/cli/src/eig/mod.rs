@@ -35,6 +35,7 @@ pub use symmetry::SaidSymmetry;
 /// them, and bounds are then to first order. Up to 10,000 degrees of freedom, and above with --count, they are counted a second time in
 /// another way; docs/large-problems.md says how, and with what limits.
 #[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Example: squeal eig --mass M.mtx --damping C.mtx --stiffness K.mtx")]
 pub struct EigArgs {
     /// M, a file of any format named above
     #[arg(long, value_name = "M.mtx")]
