@@ -132,7 +132,7 @@ class Spectrum:
 
     @property
     def damping_ratios(self) -> Floats:
-        """-Re lambda / |lambda|, negative where a motion grows; NaN of lambda = 0."""
+        """``-Re lambda / |lambda|``, negative where a motion grows; NaN of lambda = 0."""
         size = np.abs(self.eigenvalues)
         ratios = np.full(len(self), np.nan)
         np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)
@@ -300,7 +300,7 @@ def _with_held(vectors: Complexes, held: tuple[int, ...]) -> Complexes:
 def eigvals(M: Any, C: Any, K: Any, *, threads: int | None = None) -> Complexes:
     """Eigenvalues of stacks of systems, (..., 2 n), over all cores; no bounds.
 
-    Those of a system ascend by |Im lambda|, then Re lambda, then Im lambda: real ones first, conjugates next to each other. A column is
+    Those of a system ascend by ``|Im lambda|``, then Re lambda, then Im lambda: real ones first, conjugates next to each other. A column is
     no mode: where frequencies cross, modes change places.
     M, C, K are arrays (..., n, n) whose leading dimensions are broadcast against each other; `C` may be None. A system that the solver
     refuses, as one whose M is singular, has NaN, and there is a `FailureWarning`; `eig` takes those.
@@ -339,7 +339,7 @@ class MatrixHealth:
 
     #: Entries that are not zero.
     entries: int
-    #: The largest |a_ij - a_ji| as a part of the largest |a_ij|: 0 for a symmetric matrix, 2 for an antisymmetric one.
+    #: The largest ``|a_ij - a_ji|`` as a part of the largest ``|a_ij|``: 0 for a symmetric matrix, 2 for an antisymmetric one.
     asymmetry: float
     #: Rows, from 0, without an entry, neither in their column.
     empty_rows: npt.NDArray[np.int64]
