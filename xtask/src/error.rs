@@ -42,6 +42,9 @@ pub enum TaskError {
     /// Two commits that could not be compared.
     #[error("{0}")]
     Same(String),
+    /// Faults of what goes out with a release.
+    #[error("{0}")]
+    Release(String),
     /// Two commits of which commands differ.
     #[error("{0} of the commands differ")]
     Differ(usize),

@@ -1,9 +1,11 @@
-//! The tasks of this project: `cargo xtask reproduce`, `readings`, `accuracy`, `bench` and `same`.
+//! The tasks of this project: `cargo xtask reproduce`, `readings`, `accuracy`, `bench` and `same`; `release-check`, and what it needs:
+//! `refusals`, `licences` and `release-files`.
 
 mod accuracy;
 mod again;
 mod bench;
 mod error;
+mod release;
 mod reproduce;
 mod same;
 
@@ -22,7 +24,14 @@ struct Cli {
 enum Task {
     Accuracy(accuracy::AccuracyArgs),
     Bench(bench::BenchArgs),
+    /// Make THIRD-PARTY.md: what others wrote, and under which licences.
+    Licences,
     Readings(reproduction::readings::ReadingsArgs),
+    /// Make docs/refusals.md, which has every line with which the program refuses something.
+    Refusals,
+    /// Check that all is there that a release needs.
+    ReleaseCheck,
+    ReleaseFiles(release::ReleaseFilesArgs),
     Reproduce(reproduce::ReproduceArgs),
     Same(same::SameArgs),
 }
@@ -40,6 +49,10 @@ fn main() -> ExitCode {
     let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
         Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
         Task::Bench(args) => bench::run(args).map_err(Into::into),
+        Task::Licences => release::make_licences(&root()).map_err(Into::into),
+        Task::Refusals => release::make_refusals(&root()).map_err(Into::into),
+        Task::ReleaseCheck => release::check(&root()).map_err(Into::into),
+        Task::ReleaseFiles(args) => release::files(args).map_err(Into::into),
         Task::Readings(args) => reproduction::readings::run(args, &root()).map_err(Into::into),
         Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
         Task::Same(args) => same::run(args).map_err(Into::into),

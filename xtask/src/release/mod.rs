@@ -1,0 +1,31 @@
+//! What goes out with a release: pages and lists that are made, files for the archives, and the check that all is there.
+
+mod check;
+mod files;
+mod licences;
+mod made;
+mod packages;
+mod refusals;
+
+pub use check::run as check;
+pub use files::{ReleaseFilesArgs, run as files};
+
+use std::path::Path;
+
+use crate::error::TaskError;
+
+/// Makes `docs/refusals.md`.
+///
+/// # Errors
+/// As [`refusals::page`].
+pub fn make_refusals(root: &Path) -> Result<(), TaskError> {
+    refusals::page(root)?.write()
+}
+
+/// Makes `THIRD-PARTY.md`.
+///
+/// # Errors
+/// As [`licences::page`].
+pub fn make_licences(root: &Path) -> Result<(), TaskError> {
+    licences::page(root)?.write()
+}
