@@ -7,7 +7,7 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected \"whole\", \"upper\" or \"lower\", or one of them for each matrix, as { damping = \"whole\" }"
+    expecting = "expected \"whole\", \"upper\", \"lower\" or \"triangle\", or one of them for each matrix, as { damping = \"whole\" }"
 )]
 pub(crate) enum SymmetryEntry {
     All(Word),
@@ -20,6 +20,7 @@ pub(crate) enum Word {
     Whole,
     Upper,
     Lower,
+    Triangle,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -36,6 +37,7 @@ impl From<Word> for Symmetry {
             Word::Whole => Self::Whole,
             Word::Upper => Self::Upper,
             Word::Lower => Self::Lower,
+            Word::Triangle => Self::Triangle,
         }
     }
 }

@@ -434,7 +434,10 @@ fn cases_say_how_a_one_sided_file_is_stored() {
         &cea(&term("C.mtx", "symmetry = \"upper\"")),
         &["stiffness = \"J_STIF1.mtx\"", "with entries below the diagonal"],
     );
-    refusal(&cea(&term("C.mtx", "symmetry = \"full\"")), &["symmetry", "expected \"whole\", \"upper\" or \"lower\""]);
+    refusal(
+        &cea(&term("C.mtx", "symmetry = \"full\"")),
+        &["symmetry", "expected \"whole\", \"upper\", \"lower\" or \"triangle\""],
+    );
     // Names of rows that differ leave a matrix without names nowhere to go.
     written(folder.path(), "J_MASS1.mtx", &abaqus(&m[..5].to_vec()));
     refusal(
