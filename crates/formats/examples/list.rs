@@ -1,4 +1,4 @@
-//! Prints what a file holds: `cargo run -p formats --example list -- brake.sti`.
+//! Prints what a file holds: `cargo run -p brake-squeal-formats --example list -- brake.sti`.
 
 use std::path::Path;
 

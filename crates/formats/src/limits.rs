@@ -3,7 +3,7 @@
 /// Bounds on what a reader takes, so that no file, however small, can fill the memory.
 ///
 /// A reader never allocates from a size that a file declares; it grows with what is there. Measured with
-/// `cargo run --release -p formats --example list` on a triangle of 4.5 million entries (132 MB of text), in order and shuffled: a
+/// `cargo run --release -p brake-squeal-formats --example list` on a triangle of 4.5 million entries (132 MB of text), in order and shuffled: a
 /// peak of 214 MB, 24 bytes for each of the 9 million entries of the whole matrix. An `.npz` archive is held in memory besides, as
 /// it is on disk. Contents that are compressed can be far larger than the file; these limits bound them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

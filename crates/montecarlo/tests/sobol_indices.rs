@@ -212,7 +212,7 @@ fn intervals_of_rare_outputs_cover() {
     check_rare(&[[0.05, 0.5, 0.6]], 3_000, 100);
 }
 
-/// With 20,000 samples, of which 0.3 % and more are not zero: `cargo test --release -p montecarlo --test sobol_indices -- --ignored --nocapture`.
+/// With 20,000 samples, of which 0.3 % and more are not zero: `cargo test --release -p brake-squeal-montecarlo --test sobol_indices -- --ignored --nocapture`.
 #[test]
 #[ignore = "20,000 samples in 400 replicates of 21 outputs"]
 fn intervals_of_rare_outputs_cover_with_many_samples() {

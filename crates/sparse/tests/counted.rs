@@ -373,7 +373,7 @@ fn every_eigenvalue_once_by_the_search() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// `SYSTEMS=1000 cargo test --release -p sparse --test counted -- --ignored --nocapture`
+/// `SYSTEMS=1000 cargo test --release -p brake-squeal-sparse --test counted -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes"]
 fn a_thousand_systems_by_both_routes() {

@@ -313,7 +313,7 @@ fn narrow_islands_are_estimated() {
     islands_are_estimated(3, 2_000);
 }
 
-/// `cargo test -p squeal --test instability -- --ignored 75_islands`, some minutes.
+/// `cargo test -p brake-squeal --test instability -- --ignored 75_islands`, some minutes.
 #[test]
 #[ignore = "minutes"]
 fn all_75_islands_are_estimated() {

@@ -3,7 +3,7 @@
 /// Chosen numbers of [`continuation`](crate::continuation), [`corrector`](crate::corrector) and [`step_control`](crate::step_control).
 ///
 /// None has a unit. Measured on 1,000 modes of chains of five masses without symmetry, each to another chain, by matrices
-/// (`cargo test -p tracking at_half -- --ignored --nocapture`): how many are lost, which costs spectra, and the factorisations of each that
+/// (`cargo test -p brake-squeal-tracking at_half -- --ignored --nocapture`): how many are lost, which costs spectra, and the factorisations of each that
 /// reaches its end; no mode ends as another one but where it says so. As chosen: 3 lost, 13.1.
 ///
 /// | | at half | at double |

@@ -1,6 +1,6 @@
 //! Bounds and verdicts against problems whose eigenvalues are known exactly.
 //!
-//! `cargo test --release -p cea --test exact -- --include-ignored --nocapture` prints how many of each kind were tried and
+//! `cargo test --release -p brake-squeal-cea --test exact -- --include-ignored --nocapture` prints how many of each kind were tried and
 //! what came out.
 
 #![allow(clippy::unwrap_used, clippy::panic)]

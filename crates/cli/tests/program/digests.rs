@@ -79,7 +79,7 @@ fn small_runs_have_the_digests_that_they_had() {
         found.iter().filter(|(key, digest)| known.get(*key) != Some(&digest.as_str())).map(|(key, _)| key).collect();
     assert!(
         changed.is_empty(),
-        "other results than before: {changed:?}; where that is meant, {UPDATE}=1 cargo test -p squeal-cli --test program digests, and say in the \
+        "other results than before: {changed:?}; where that is meant, {UPDATE}=1 cargo test -p brake-squeal-cli --test program digests, and say in the \
          commit which numbers changed and why"
     );
 }

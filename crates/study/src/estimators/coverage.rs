@@ -248,7 +248,7 @@ fn half_the_width_of_an_interval_that_ends_at_0_would_not_do() {
     assert!(coverage.missed_by_halves > 200, "{coverage:?}");
 }
 
-/// Command: `cargo test --release -p study --lib coverage -- --ignored --nocapture`
+/// Command: `cargo test --release -p brake-squeal-study --lib coverage -- --ignored --nocapture`
 #[test]
 #[ignore = "a hundred thousand simulated estimates"]
 fn coverage_of_every_estimator() {

@@ -247,7 +247,7 @@ fn sweeps_of_every_kind_count_as_spectra_do() {
 }
 
 /// All of the thousand, or those that `SWEEPS=from:to` says:
-/// `SWEEPS=0:250 cargo test --release -p squeal --test sweep -- --ignored --nocapture a_thousand`
+/// `SWEEPS=0:250 cargo test --release -p brake-squeal --test sweep -- --ignored --nocapture a_thousand`
 #[test]
 #[ignore = "some minutes"]
 fn a_thousand_sweeps_count_as_20001_spectra_do() {
@@ -294,7 +294,7 @@ fn islands_of_a_fifth_of_a_per_cent_are_found() {
     find_islands(0..12);
 }
 
-/// `cargo test -p squeal --test sweep -- --ignored two_hundred`
+/// `cargo test -p brake-squeal --test sweep -- --ignored two_hundred`
 #[test]
 #[ignore = "half a minute"]
 fn two_hundred_islands_are_found() {
@@ -413,7 +413,7 @@ fn maps_count_as_spectra_do_or_are_refused() {
     assert!(map_all(0..4, 30) <= 1);
 }
 
-/// `cargo test -p squeal --test sweep -- --ignored --nocapture sixty_maps`
+/// `cargo test -p brake-squeal --test sweep -- --ignored --nocapture sixty_maps`
 #[test]
 #[ignore = "some minutes"]
 fn sixty_maps_count_as_spectra_do_or_are_refused() {

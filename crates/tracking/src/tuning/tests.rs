@@ -1,4 +1,4 @@
-//! What each number does at half and at double: printed by `cargo test -p tracking tuning -- --ignored --nocapture`.
+//! What each number does at half and at double: printed by `cargo test -p brake-squeal-tracking tuning -- --ignored --nocapture`.
 
 use std::cell::Cell;
 
