@@ -29,8 +29,7 @@ enum Task {
     Readings(reproduction::readings::ReadingsArgs),
     /// Make docs/refusals.md, which has every line with which the program refuses something.
     Refusals,
-    /// Check that all is there that a release needs.
-    ReleaseCheck,
+    ReleaseCheck(release::ReleaseCheckArgs),
     ReleaseFiles(release::ReleaseFilesArgs),
     Reproduce(reproduce::ReproduceArgs),
     Same(same::SameArgs),
@@ -51,7 +50,7 @@ fn main() -> ExitCode {
         Task::Bench(args) => bench::run(args).map_err(Into::into),
         Task::Licences => release::make_licences(&root()).map_err(Into::into),
         Task::Refusals => release::make_refusals(&root()).map_err(Into::into),
-        Task::ReleaseCheck => release::check(&root()).map_err(Into::into),
+        Task::ReleaseCheck(args) => release::check(args, &root()).map_err(Into::into),
         Task::ReleaseFiles(args) => release::files(args).map_err(Into::into),
         Task::Readings(args) => reproduction::readings::run(args, &root()).map_err(Into::into),
         Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),

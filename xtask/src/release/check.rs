@@ -9,18 +9,26 @@ use super::packages::{Packages, text_of};
 use super::{licences, refusals};
 use crate::error::TaskError;
 
-/// Largest file of a published package, bytes; chosen: fixtures of more belong to tests that stay here.
-const LARGEST_FILE: u64 = 1_000_000;
+/// Largest published package, bytes of its archive; chosen, twice the largest there is: fixtures belong to tests, which stay here.
+const LARGEST_PACKAGE: u64 = 250_000;
 /// Texts that every published package says of itself.
-const SAID: [&str; 6] = ["description", "license", "repository", "readme", "rust_version", "documentation"];
+const SAID: [&str; 4] = ["description", "license", "readme", "rust_version"];
 /// Most keywords and categories of a registry.
 const MOST_WORDS: usize = 5;
+
+/// Check that all is there that a release needs: versions, metadata, licences, the change log, pages that are made, sizes of packages.
+#[derive(Debug, clap::Args)]
+pub struct ReleaseCheckArgs {
+    /// Also what only whoever publishes knows: where the repository is
+    #[arg(long)]
+    to_publish: bool,
+}
 
 /// Checks everything and lists all faults.
 ///
 /// # Errors
-/// The faults, a line each.
-pub fn run(root: &Path) -> Result<(), TaskError> {
+/// The faults.
+pub fn run(args: &ReleaseCheckArgs, root: &Path) -> Result<(), TaskError> {
     let packages = Packages::read(root)?;
     let mut faults: Vec<String> = Vec::new();
     faults.extend(refusals::page(root)?.fault());
@@ -31,7 +39,11 @@ pub fn run(root: &Path) -> Result<(), TaskError> {
     };
     for package in &published {
         faults.extend(of_package(package, version));
+        if args.to_publish && text_of(package, "repository").is_empty() {
+            faults.push(format!("{}: no repository; workspace.package.repository says it", text_of(package, "name")));
+        }
     }
+    faults.extend(of_archives(root, &packages, &published)?);
     for (file, needed) in [
         ("CHANGELOG.md", format!("## {version}")),
         ("CITATION.cff", format!("version: {version}")),
@@ -46,10 +58,10 @@ pub fn run(root: &Path) -> Result<(), TaskError> {
     }
     match faults.is_empty() {
         true => {
-            squeal_cli::terminal::say(&format!("{} packages of version {version} can be published", published.len()));
-            Ok(())
+            let said = format!("{} packages of version {version} can be published\n", published.len());
+            Ok(squeal_cli::terminal::say(&said)?)
         }
-        false => Err(TaskError::Release(faults.join("\nerror: "))),
+        false => Err(TaskError::Release(faults.join("; "))),
     }
 }
 
@@ -80,31 +92,65 @@ fn of_package(package: &Value, version: &str) -> Vec<String> {
             format!("{other} is needed as {requirement:?}{}", if of_tests { ", by tests" } else { "" }),
         );
     }
-    let folder = Path::new(text_of(package, "manifest_path")).parent().unwrap_or(Path::new(""));
-    match listed(folder) {
-        Err(error) => faults.push(format!("{name}: cargo package --list: {error}")),
-        Ok(files) => {
-            for file in files {
-                let size = std::fs::metadata(folder.join(&file)).map_or(0, |found| found.len());
-                if size > LARGEST_FILE {
-                    faults.push(format!("{name}: {file} has {size} bytes; allowed: {LARGEST_FILE}"));
-                }
-            }
-        }
-    }
     faults
 }
 
-/// The files of a package.
-fn listed(folder: &Path) -> Result<Vec<String>, String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .args(["package", "--list", "--allow-dirty", "--offline"])
-        .current_dir(folder)
-        .output()
-        .map_err(|error| error.to_string())?;
-    match output.status.success() {
-        true => Ok(String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect()),
-        false => Err(String::from_utf8_lossy(&output.stderr).replace('\n', " ")),
+/// Faults of the archives that a registry would get: all are made, without being built.
+fn of_archives(root: &Path, packages: &Packages, published: &[&Value]) -> Result<Vec<String>, TaskError> {
+    let made = root.join("target/release-check");
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(["package", "--workspace", "--no-verify", "--offline", "--allow-dirty", "--quiet"]);
+    for own in packages.own().filter(|package| !package["publish"].is_null()) {
+        command.args(["--exclude", text_of(own, "name")]);
+    }
+    let output = command.env("CARGO_TARGET_DIR", &made).current_dir(root).output().map_err(TaskError::Start)?;
+    if !output.status.success() {
+        return Ok(vec![format!("cargo package: {}", String::from_utf8_lossy(&output.stderr).replace('\n', " "))]);
+    }
+    let fault = |package: &&Value| {
+        let name = format!("{}-{}.crate", text_of(package, "name"), text_of(package, "version"));
+        match std::fs::metadata(made.join("package").join(&name)) {
+            Ok(archive) if archive.len() <= LARGEST_PACKAGE => None,
+            Ok(archive) => Some(format!("{name}: {} bytes; allowed: {LARGEST_PACKAGE}", archive.len())),
+            Err(error) => Some(format!("{name}: {error}")),
+        }
+    };
+    Ok(published.iter().filter_map(fault).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::of_package;
+
+    #[test]
+    fn what_a_package_lacks_is_said() {
+        let package = json!({
+            "name": "cea",
+            "version": "0.2.0",
+            "description": "Eigenvalues",
+            "license": null,
+            "readme": "README.md",
+            "rust_version": "1.89",
+            "keywords": [],
+            "categories": ["science"],
+            "dependencies": [
+                { "name": "brake-squeal-linsys", "path": "/linsys", "req": "*", "kind": null },
+                { "name": "brake-squeal-brakes", "path": "/brakes", "req": "=0.1.0", "kind": "dev" },
+                { "name": "brake-squeal-work", "path": "/work", "req": "=0.1.0", "kind": null },
+                { "name": "csv", "req": "^1", "kind": "dev" },
+            ],
+        });
+        let faults = of_package(&package, "0.1.0");
+        let said = [
+            "cea: its name does not begin with brake-squeal",
+            "cea: version 0.2.0, not 0.1.0",
+            "cea: no license",
+            "cea: 0 keywords; allowed: 1 to 5",
+            "cea: brake-squeal-linsys is needed as \"*\"",
+            "cea: brake-squeal-brakes is needed as \"=0.1.0\", by tests",
+        ];
+        assert_eq!(faults, said);
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn page(root: &Path) -> Result<Made, TaskError> {
     let packages = Packages::read(root)?;
     let (mut text, mut notices) = (HEAD.to_owned(), BTreeMap::<String, BTreeSet<String>>::new());
     text += "\n| package | version | licence | from |\n| --- | --- | --- | --- |\n";
-    for package in packages.in_the_program(&["squeal-cli", "brake-squeal-cli", "brake-squeal-python"]) {
+    for package in packages.in_the_program(&["brake-squeal-cli", "brake-squeal-python"]) {
         let (name, version, licence) =
             (text_of(package, "name"), text_of(package, "version"), text_of(package, "license"));
         if !is_allowed(licence) {

@@ -7,7 +7,7 @@ mod made;
 mod packages;
 mod refusals;
 
-pub use check::run as check;
+pub use check::{ReleaseCheckArgs, run as check};
 pub use files::{ReleaseFilesArgs, run as files};
 
 use std::path::Path;

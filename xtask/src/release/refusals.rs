@@ -108,18 +108,6 @@ fn message(attribute: &Attribute, fields: &Fields) -> Option<String> {
     if !attribute.path().is_ident("error") {
         return None;
     }
-    let text_and_arguments = |input: syn::parse::ParseStream<'_>| {
-        let text: LitStr = input.parse()?;
-        let arguments = input.to_string();
-        input.step(|cursor| {
-            let mut rest = *cursor;
-            while let Some((_, next)) = rest.token_tree() {
-                rest = next;
-            }
-            Ok(((), rest))
-        })?;
-        Ok((text.value(), arguments))
-    };
     let (text, arguments) = attribute.parse_args_with(text_and_arguments).ok()?;
     let known: Vec<String> = fields.iter().filter_map(|field| field.ident.as_ref()).map(ToString::to_string).collect();
     let mut arguments = split(&arguments).into_iter().map(|argument| name_of(argument, &known));
@@ -136,6 +124,20 @@ fn message(attribute: &Attribute, fields: &Fields) -> Option<String> {
         rest = after;
     }
     Some(message + rest)
+}
+
+/// Text of a message, and what stands after it.
+fn text_and_arguments(input: syn::parse::ParseStream<'_>) -> syn::Result<(String, String)> {
+    let text: LitStr = input.parse()?;
+    let arguments = input.to_string();
+    input.step(|cursor| {
+        let mut rest = *cursor;
+        while let Some((_, next)) = rest.token_tree() {
+            rest = next;
+        }
+        Ok(((), rest))
+    })?;
+    Ok((text.value(), arguments))
 }
 
 /// Arguments between the commas that stand in no parentheses.
@@ -175,7 +177,21 @@ fn documentation(attributes: &[Attribute]) -> String {
         },
         _ => None,
     };
-    attributes.iter().filter_map(line).collect::<Vec<_>>().join(" ")
+    without_links(&attributes.iter().filter_map(line).collect::<Vec<_>>().join(" "))
+}
+
+/// The text with the names of items in the place of links to them, which lead nowhere outside of Rust's documentation.
+fn without_links(text: &str) -> String {
+    let (mut plain, mut rest) = (String::new(), text);
+    while let Some((before, after)) = rest.split_once("[`") {
+        let Some((name, after)) = after.split_once("`]") else { break };
+        let _ = write!(plain, "{before}`{name}`");
+        rest = match after.strip_prefix('(') {
+            Some(target) => target.split_once(')').map_or("", |(_, after)| after),
+            None => after,
+        };
+    }
+    plain + rest
 }
 
 /// A sentence as the end of one.
