@@ -183,7 +183,7 @@ for shift in 2j * np.pi * np.array([1.5e3, 3e3, 4.5e3, 6e3, 7e3]):
 
     inverse, _ = sl.eigs(sl.LinearOperator((2 * n, 2 * n), matvec=solve, dtype=complex), k=24, v0=np.ones(2 * n, complex))
     for l in shift + 1 / inverse:
-        if 1e3 < l.imag / 2 / np.pi < 7e3 and -500 < l.real < 2000 and all(abs(l - other) > 1e-6 * abs(l) for other in found):
+        if 1e3 < l.imag / 2 / np.pi < 7e3 and -500 < l.real < 20000 and all(abs(l - other) > 1e-6 * abs(l) for other in found):
             found.append(l)
 print("re,im")
 for l in sorted(found, key=lambda l: l.imag):
