@@ -231,7 +231,7 @@ impl Coarse {
         let systems = points.iter().map(|point| self.at(point)).collect::<Result<Vec<_>, _>>()?;
         let mut largest = 0.0_f64;
         for (found, known) in spectra(&systems).into_iter().zip(known) {
-            let found = reduced.next_to_rectangle(&found?, WANTED_ERROR);
+            let found = reduced.next_to_rectangle(&found?, MARGIN);
             let found = compared(known, found);
             let is_inside = |lambda: &Complex<f64>| {
                 reduced.rectangle().contains_to_the_right(*lambda, -WANTED_ERROR * lambda.norm())

@@ -91,8 +91,7 @@ impl<'a> Snapshots<'a> {
     /// No mode that was added.
     pub fn basis(&self, floor: f64, most_columns: usize) -> Result<DMatrix<f64>, ReductionError> {
         if self.coordinates.ncols() == 0 {
-            let option = "the number of modes in the rectangle";
-            return Err(ReductionError::Option { option, value: 0.0, allowed: "1 or more" });
+            return Err(ReductionError::NoModes);
         }
         let (vectors, values) = dense::left_singular(&self.coordinates)?;
         let count = values.iter().take_while(|&&value| value > floor).count().clamp(1, most_columns.max(1));

@@ -62,7 +62,7 @@ pub fn within(
         let judged = search.judged(&mut small, &training)?;
         let above: Vec<_> = judged.into_iter().filter(|judged| judged.residual > options.tolerance).collect();
         if search.is_exhausted(small.basis()) || rounds == MOST_ROUNDS {
-            break above.is_empty() && !search.is_exhausted(small.basis());
+            break above.is_empty() && quiet >= options.probes && !search.is_exhausted(small.basis());
         }
         if above.is_empty() {
             if training.is_empty() || quiet >= options.probes {
@@ -75,7 +75,11 @@ pub fn within(
             }
             quiet = 0;
         } else {
-            above.into_iter().try_for_each(|judged| search.improve(judged))?;
+            for judged in above {
+                if !search.is_exhausted(small.basis()) {
+                    search.improve(judged)?;
+                }
+            }
         }
         small = search.smaller()?;
         rounds += 1;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use reduction::{Compared, compared};
 use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, wider};
 
-use super::reduce::{Trained, modes_beside};
+use super::reduce::{NEXT_TO_AXIS, Trained, modes_beside};
 use super::set_basis::is_of_responses;
 use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
 use super::{Bases, FiniteElementBrake};
@@ -24,6 +24,8 @@ const FIRST_STREAM: u64 = u64::MAX / 2;
 struct OneCheck {
     found: FullChecks,
     at: Option<Trained>,
+    /// Largest distance, relative to |lambda|, of a mode next to the axis, where it is above what is assumed of the scene.
+    beyond: Option<f64>,
 }
 
 impl FiniteElementBrake {
@@ -52,12 +54,15 @@ impl FiniteElementBrake {
             progress.end();
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));
-            let is_enough = round == MOST_ROUNDS || !is_open(&brake.case, &sum);
             brake.full_checks = Some(sum);
-            if is_enough {
+            if round == MOST_ROUNDS || !all.iter().any(|one| is_open(&brake.case, one)) {
+                for (at, distance) in all.into_iter().filter_map(|one| one.at.zip(one.beyond)) {
+                    let known = &mut brake.sets[at.set].held_out;
+                    *known = known.max(distance);
+                }
                 break;
             }
-            let open = all.into_iter().filter(|one| is_open(&brake.case, &one.found));
+            let open = all.into_iter().filter(|one| is_open(&brake.case, one));
             trained.extend(open.filter_map(|one| one.at));
             let Self { case, full_checks, .. } = brake;
             brake = Self { full_checks, ..Self::with_points(case, Bases::OfEach, &[], &trained, progress)? };
@@ -66,10 +71,11 @@ impl FiniteElementBrake {
     }
 }
 
-/// True if draws call for more training: those with other modes, and residuals above the one asked for of a basis of responses. Of a basis of modes the
-/// distance of eigenvalues is what was trained for.
-fn is_open(case: &FiniteElementCase, found: &FullChecks) -> bool {
-    found.has_other_modes() || (found.residuals_above > 0 && case.contact.as_ref().is_some_and(is_of_responses))
+/// True if a draw calls for more training: one with other modes or errors beyond those that are assumed, or with residuals above the one asked for of a
+/// basis of responses. Of a basis of modes the distance of eigenvalues is what was trained for.
+fn is_open(case: &FiniteElementCase, OneCheck { found, beyond, .. }: &OneCheck) -> bool {
+    let is_above = found.residuals_above > 0 && case.contact.as_ref().is_some_and(is_of_responses);
+    found.has_other_modes() || beyond.is_some() || is_above
 }
 
 /// Comparison of one draw, in one scene, with the whole brake. One without an operating point, as where contacts have no equilibrium, is counted as
@@ -85,6 +91,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         return Ok(OneCheck {
             found: FullChecks { samples: 1, failed: 1, divergence, ..FullChecks::default() },
             at: None,
+            beyond: None,
         });
     };
     let (at, part, threshold) = (brake.full_point(scene, &point), brake.part(scene), brake.plan.threshold);
@@ -98,7 +105,10 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         all.into_iter().partition(|&lambda| wanted.contains_to_the_right(lambda, 0.0));
     let surely_wanted = |lambda: &&Complex<f64>| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm());
     let count = |of: &[Complex<f64>]| of.iter().filter(surely_wanted).count() as u64;
-    let Compared { distance, missed, left, .. } = compared(&whole, reduced);
+    let Compared { distance, missed, left, pairs } = compared(&whole, reduced);
+    let next_to_axis = pairs.iter().filter(|[of_whole, _]| of_whole.re.abs() <= NEXT_TO_AXIS * of_whole.norm());
+    let distances = next_to_axis.map(|[of_whole, of_reduced]| (of_whole - of_reduced).norm() / of_whole.norm());
+    let beyond = distances.reduce(f64::max).filter(|&distance| distance > brake.relative_error(scene));
     // What samples count, which is found in another way.
     let sampled = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0)?;
     let counts = |mode: &&BandMode| brake.plan.is_studied(mode.lambda) && threshold.margin(mode.lambda) > mode.bound;
@@ -135,7 +145,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         failed: 0,
         trained_on: 0,
     };
-    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }) })
+    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), beyond })
 }
 
 /// True if an eigenvalue is one of some, within [`AT_BORDER`] of its size.

@@ -460,7 +460,9 @@ impl ModeSource for FiniteElementBrake {
     fn relative_error(&self, scene: &Scene) -> f64 {
         let part = self.part(scene);
         let set = &self.sets[part.set];
-        (ALLOWANCE * (part.within.distance + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
+        let is_known = part.within.is_reached || part.within.basis.ncols() == set.basis.ncols();
+        let of_part = if is_known { part.within.distance } else { 1.0 };
+        (ALLOWANCE * (of_part + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
     }
 
     fn whole_eigenvalue(

@@ -40,7 +40,7 @@ const PROBES: usize = 1;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
-const NEXT_TO_AXIS: f64 = 0.02;
+pub(super) const NEXT_TO_AXIS: f64 = 0.02;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
 const RUNGS: usize = 6;
 const MEASURED_POINTS: u64 = 6;
@@ -208,7 +208,7 @@ pub(super) fn slowest_divergence(case: &FiniteElementCase) -> f64 {
 
 /// Growth rates of what surely is beyond a threshold and grows faster than it oscillates in a whole brake, 1/s, ascending: divergence, whatever
 /// the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
-/// zero, to the highest in size. `None` where the search does not come to an end.
+/// zero, to the highest in size. `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
 pub(super) fn diverging(
     case: &FiniteElementCase,
     system: &SparseSecondOrder,
@@ -219,11 +219,14 @@ pub(super) fn diverging(
     let right = Rectangle { re: [from, from + highest], im: [0.0, highest] };
     let found = eigenpairs_in(system, &right, &sparse::Options::default(), &mut |_| {}).ok()?;
     let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);
-    let is_beyond = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound) == Verdict::Unstable;
-    let of = |pair: Eigenpair| repeat_n(pair.lambda.re, real_count(pair.lambda).max(1));
-    let mut growing: Vec<f64> = found.pairs.into_iter().filter(is_fast).filter(is_beyond).flat_map(of).collect();
+    let fast: Vec<Eigenpair> = found.pairs.into_iter().filter(is_fast).collect();
+    let verdict = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound);
+    let grows = |pair: &&Eigenpair| verdict(pair) == Verdict::Unstable;
+    let of = |pair: &Eigenpair| repeat_n(pair.lambda.re, real_count(pair.lambda).max(1));
+    let mut growing: Vec<f64> = fast.iter().filter(grows).flat_map(of).collect();
     growing.sort_by(f64::total_cmp);
-    Some(growing)
+    let is_open = |pair: &Eigenpair| matches!(verdict(pair), Verdict::Undecided { .. });
+    (!growing.is_empty() || !fast.iter().any(is_open)).then_some(growing)
 }
 
 fn modes_in(
@@ -289,10 +292,11 @@ fn held_out<'a>(
     let next_to = |of: &[Complex<f64>]| of.iter().filter(is_next_to).copied().collect::<Vec<_>>();
     let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
     for HeldOut { drawn, modes: whole } in drawn {
-        let Some(part) = part(&drawn.closed) else { continue };
+        let Some(part) = part(&drawn.closed) else { return Ok((1.0, residual)) };
         let found = part.reduced.modes(&drawn.at)?;
         let of_these = found.lambdas.iter().zip(&found.residuals).filter(|(lambda, _)| is_next_to(lambda));
-        residual = of_these.map(|(_, &own)| own).fold(residual, f64::max);
+        let worse = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
+        residual = of_these.map(|(_, &own)| own).fold(residual, worse);
         let reduced = found.lambdas;
         let [of_whole, of_reduced] =
             [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others.clone()));

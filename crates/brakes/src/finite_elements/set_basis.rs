@@ -80,6 +80,7 @@ pub(super) fn basis(
     match &case.contact {
         Some(contact) if is_of_responses(contact) => {
             let basis = of_responses(case, system, at_median, swept, trained)?;
+            progress.advance(1);
             Ok(SetBasis { basis, held_out: Vec::new() })
         }
         _ => of_modes(case, system, at_median, (swept, trained), progress),
@@ -132,15 +133,17 @@ fn of_modes(
     }
     let ([mut floor, least], mut held_out) = (FLOORS, Vec::new());
     let mut basis = None;
-    let mut solutions = known.len();
+    let (mut solutions, mut in_a_row) = (known.len(), 0);
     for drawn in drawn_once.chunks(TOGETHER) {
         let points: Vec<OperatingPoint> = drawn.iter().map(|drawn| drawn.at.clone()).collect();
         for (drawn, found) in drawn.iter().zip(solved(&snapshots, &points, progress)?) {
             let is_held = basis.as_ref().is_some_and(|basis| found.error(basis) <= WANTED_ERROR);
             if is_held || solutions >= MOST_SOLUTIONS {
                 held_out.push(HeldOut { drawn: drawn.clone(), modes: found.lambdas() });
+                in_a_row += 1;
                 continue;
             }
+            in_a_row = 0;
             snapshots.add(&found)?;
             solutions += 1;
             if solutions < FIRST_SOLUTIONS {
@@ -153,13 +156,14 @@ fn of_modes(
             }
             basis = Some(wider);
         }
-        if held_out.len() >= HELD_OUT {
+        if in_a_row >= HELD_OUT {
             break;
         }
     }
     let basis = match basis {
         Some(basis) => basis,
-        None => snapshots.basis(floor, MOST_COLUMNS)?,
+        // So few that none of them was asked about: all that there is.
+        None => snapshots.basis(least, MOST_COLUMNS)?,
     };
     Ok(SetBasis { basis, held_out })
 }

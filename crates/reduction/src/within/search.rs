@@ -281,7 +281,7 @@ fn largest_residual(norms: &NormsAt, lambdas: &[Complex<f64>], residual: &DMatri
     let relative = |(at, &lambda): (usize, &Complex<f64>)| {
         (split::norm_squared(residual, at) / split::norm_squared(shapes, at)).sqrt() / norms.size(lambda)
     };
-    let worse = |largest: f64, value: f64| if value <= largest { largest } else { value };
+    let worse = |largest: f64, value: f64| if largest.is_nan() || value <= largest { largest } else { value };
     let found = lambdas.iter().enumerate().map(relative).fold(0.0, worse);
     if found.is_nan() { f64::INFINITY } else { found }
 }
