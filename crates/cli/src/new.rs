@@ -39,7 +39,7 @@ impl NewArgs {
     /// A case file that exists, a mesh or matrices that cannot be read or do not belong together.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let name = self.case.display().to_string();
-        if self.case.exists() {
+        if self.case.symlink_metadata().is_ok() {
             let allowed = "the name of a file that does not exist".to_owned();
             return Err(Error::Option { option: "CASE", value: name, allowed });
         }

@@ -214,7 +214,10 @@ fn checks_in_words(found: &FullChecks) -> String {
     let divergence = match found.divergence_where(|_| true) {
         DivergenceCounts { diverging: 0, open: open @ 1.., .. } => format!("whether {open} diverge could not be told"),
         DivergenceCounts { diverging: 0, .. } => "none diverges (samples are not looked at for that)".to_owned(),
-        DivergenceCounts { diverging, fastest, .. } => format!("{diverging} DIVERGE, by up to {fastest:.1e} 1/s or so"),
+        DivergenceCounts { diverging, fastest, open, .. } => {
+            let open = if open == 0 { String::new() } else { format!(", of {open} it could not be told") };
+            format!("{diverging} DIVERGE, by up to {fastest:.1e} 1/s or so{open}")
+        }
     };
     let failed = if *failed == 0 { String::new() } else { format!(" ({failed} failed, as samples do)") };
     let trained = if *trained_on == 0 { String::new() } else { format!(", after training on {trained_on} times") };

@@ -99,7 +99,7 @@ fn of_package(package: &Value, version: &str) -> Vec<String> {
 fn of_archives(root: &Path, packages: &Packages, published: &[&Value]) -> Result<Vec<String>, TaskError> {
     let made = root.join("target/release-check");
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(["package", "--workspace", "--no-verify", "--offline", "--allow-dirty", "--quiet"]);
+    command.args(["package", "--workspace", "--no-verify", "--allow-dirty", "--quiet"]);
     for own in packages.own().filter(|package| !package["publish"].is_null()) {
         command.args(["--exclude", text_of(own, "name")]);
     }

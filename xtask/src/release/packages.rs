@@ -21,7 +21,7 @@ fn list<'v>(value: &'v Value, key: &str) -> impl Iterator<Item = &'v Value> {
 }
 
 impl Packages {
-    /// Asks cargo, which needs no network where everything was built once.
+    /// Asks cargo, which fetches packages of other platforms where they are not there yet.
     ///
     /// # Errors
     /// A cargo that fails.
@@ -29,7 +29,7 @@ impl Packages {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let mut command = Command::new(cargo);
         let output = command
-            .args(["metadata", "--format-version", "1", "--locked", "--offline"])
+            .args(["metadata", "--format-version", "1", "--locked"])
             .current_dir(root)
             .output()
             .map_err(TaskError::Start)?;

@@ -108,7 +108,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let Compared { distance, missed, left, pairs } = compared(&whole, reduced);
     let next_to_axis = pairs.iter().filter(|[of_whole, _]| of_whole.re.abs() <= NEXT_TO_AXIS * of_whole.norm());
     let distances = next_to_axis.map(|[of_whole, of_reduced]| (of_whole - of_reduced).norm() / of_whole.norm());
-    let beyond = distances.reduce(f64::max).filter(|&distance| distance > brake.relative_error(scene));
+    let off = distances.reduce(f64::max).filter(|&distance| distance > brake.relative_error(scene));
     // What samples count, which is found in another way.
     let sampled = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0)?;
     let counts = |mode: &&BandMode| brake.plan.is_studied(mode.lambda) && threshold.margin(mode.lambda) > mode.bound;
@@ -145,7 +145,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         failed: 0,
         trained_on: 0,
     };
-    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), beyond })
+    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), beyond: off })
 }
 
 /// True if an eigenvalue is one of some, within [`AT_BORDER`] of its size.

@@ -83,10 +83,12 @@ impl Draft {
         let deck = deck.map_err(|source| check.matrix("brake.mesh", &files.mesh, source))?;
         let model = Model::new(&check, Some(deck), Vec::new());
         let contacts = Solids::new(&model, "[[contact]]").map_or_else(|_| Vec::new(), |solids| facing(&solids));
+        // The system in which the bodies have the density of a solid; without a word on it where none is, or the mesh has no solids.
+        let has_solids = Solids::new(&model, "units").is_ok();
+        let systems = || Units::ALL.into_iter().filter(|_| has_solids).map(Some).chain([None]);
         let mut refused = None;
         for is_triangle in [false, true] {
-            // The system in which the bodies have the density of a solid; without a word on it where none is.
-            for units in Units::ALL.into_iter().map(Some).chain([None]) {
+            for units in systems() {
                 let text = text(case, files, &model, &contacts, units, is_triangle);
                 match FiniteElementCase::parse(case, text.clone()) {
                     Ok(read) => {

@@ -199,8 +199,15 @@ fn diagonals(archive: &mut Archive, (rows, columns): (usize, usize), limits: &Li
         if count != offsets.len() {
             return Err(Problem::field("the number of diagonals", count, offsets.len().to_string()));
         }
+        let Some(entries) = count.checked_mul(length) else {
+            return Err(Problem::field(
+                "the shape of data",
+                format!("{:?}", header.shape),
+                "a number of entries that fits",
+            ));
+        };
         let mut builder = Builder::new(limits);
-        for at in 0..count * length {
+        for at in 0..entries {
             // Diagonal after diagonal, or of all of them column after column.
             let (diagonal, column) =
                 if header.by_columns { (at % count, at / count) } else { (at / length, at % length) };

@@ -22,6 +22,8 @@ pub struct ModeRange<'a> {
     pub is_ever_unstable: bool,
     /// Occurrence in the arrangement where it is largest.
     pub largest: Estimate,
+    /// Largest lower and upper limits of its occurrence in any arrangement, 0 to 1.
+    pub greatest_limits: [f64; 2],
 }
 
 impl ModeRange<'_> {
@@ -68,7 +70,7 @@ impl<'a> SetFindings<'a> {
                 |range: &ModeRange<'_>| [range.least.0, range.most.0, range.largest].map(|e| (e.value * 1e9) as u64);
             key(b).cmp(&key(a))
         });
-        let stable_upper = stable.iter().map(|(_, range)| range.largest.upper).fold(0.0, f64::max);
+        let stable_upper = stable.iter().map(|(_, range)| range.greatest_limits[1]).fold(0.0, f64::max);
         let of_set = results.panels().iter().filter(|panel| panel.key.constraints == constraints);
         let mut anything =
             of_set.map(|panel| results.median(&results.any_occurrence(panel))).collect::<Result<Vec<_>, Error>>()?;
@@ -102,8 +104,13 @@ fn mode_ranges<'a>(results: &'a Results, constraints: usize) -> Result<BTreeMap<
     for panel in results.panels().iter().filter(|panel| panel.key.constraints == constraints) {
         for (name, occurrences) in results.every_occurrence(panel) {
             let median = results.median(&occurrences)?;
-            let first =
-                || ModeRange { least: (median, panel), most: (median, panel), is_ever_unstable: false, largest: none };
+            let first = || ModeRange {
+                least: (median, panel),
+                most: (median, panel),
+                is_ever_unstable: false,
+                largest: none,
+                greatest_limits: [0.0; 2],
+            };
             let range = modes.entry(name).or_insert_with(first);
             let order = |e: &Estimate| [e.value, e.upper];
             if order(&median) < order(&range.least.0) {
@@ -116,6 +123,8 @@ fn mode_ranges<'a>(results: &'a Results, constraints: usize) -> Result<BTreeMap<
                 let ArrangementOccurrence { proportion, failed, .. } = occurrence;
                 range.is_ever_unstable |= proportion.hits() + proportion.ambiguous() > *failed;
                 let estimate = occurrence.estimate();
+                let [lower, upper] = range.greatest_limits;
+                range.greatest_limits = [lower.max(estimate.lower), upper.max(estimate.upper)];
                 if order(&estimate) > order(&range.largest) {
                     range.largest = estimate;
                 }

@@ -9,10 +9,10 @@ use super::findings::SetFindings;
 use super::{Estimate, Results};
 
 /// Rule of the comparison, for whoever reads one.
-pub(super) const RULE: &str = "A measured frequency is hit where the occurrence of an unstable mode within its tolerance surely is above the \
-     share, in the arrangement where it is largest; open where it may be; missed where none is. A mode lies where the median of its frequency \
-     does, over the draws in which it is unstable. Modes that may be unstable in more than the share of the draws, next to no measured \
-     frequency, stand below as not measured.";
+pub(super) const RULE: &str = "A measured frequency is hit where the occurrence of a mode within its tolerance surely is above the \
+     share in some arrangement; open where it may be, as with few samples; missed where none is. A mode lies where the median of its frequency \
+     does, over the draws in which it is unstable. Modes that are unstable in some draw, and may be in more than the share of them, next to no \
+     measured frequency, stand below as not measured.";
 
 /// Finding on a measured frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +23,7 @@ enum Found {
     Open,
     /// None does.
     Missed,
-    /// None does, and the frequency is outside of the band that is studied.
+    /// None does, and a frequency within the tolerance is outside of the band that is studied.
     NotStudied,
 }
 
@@ -38,19 +38,21 @@ impl Found {
     }
 }
 
-/// Mode that is ever unstable, with its frequency.
+/// Mode with its frequency.
 struct Placed {
     name: ModeLabel,
     label: String,
     hz: f64,
+    /// Its largest value of an arrangement, and the largest lower and upper limits of any.
     occurrence: Estimate,
+    is_ever_unstable: bool,
 }
 
 /// A set of constraints beside what was measured.
 pub(super) struct Beside<'a> {
     set: usize,
     measured: Vec<(&'a MeasuredFrequency, Found)>,
-    /// Modes that are ever unstable, ascending in frequency.
+    /// Modes with a frequency, ascending.
     modes: Vec<Placed>,
     share: f64,
 }
@@ -58,16 +60,22 @@ pub(super) struct Beside<'a> {
 impl<'a> Beside<'a> {
     fn new(results: &'a Results, set: usize, found: &SetFindings<'_>, measured: &'a Measured) -> Self {
         let (mut modes, mut has_unplaced) = (Vec::new(), false);
-        for (name, range) in found.unstable.iter().filter(|(name, _)| *name != ModeLabel::DIVERGENCE) {
-            let occurrence = range.largest;
+        let all = found.unstable.iter().map(|mode| (mode, true)).chain(found.stable.iter().map(|mode| (mode, false)));
+        for ((name, range), is_ever_unstable) in all.filter(|((name, _), _)| *name != ModeLabel::DIVERGENCE) {
+            let [lower, upper] = range.greatest_limits;
+            let occurrence = Estimate { value: range.largest.value, lower, upper };
             match results.unstable_frequency(set, *name) {
-                Some(hz) => modes.push(Placed { name: *name, label: results.mode_label(set, *name), hz, occurrence }),
-                None => has_unplaced |= occurrence.upper > measured.share,
+                Some(hz) => {
+                    let label = results.mode_label(set, *name);
+                    modes.push(Placed { name: *name, label, hz, occurrence, is_ever_unstable });
+                }
+                None => has_unplaced |= is_ever_unstable && upper > measured.share,
             }
         }
         modes.sort_by(|a, b| a.hz.total_cmp(&b.hz));
-        let is_outside = |hz: f64| {
-            results.plan().band.is_some_and(|[from, to]| !(from..=to).contains(&(std::f64::consts::TAU * hz)))
+        let is_outside = |frequency: &MeasuredFrequency| {
+            let ends = [-1.0, 1.0].map(|side| std::f64::consts::TAU * (frequency.hz + side * frequency.tolerance_hz));
+            results.plan().band.is_some_and(|[from, to]| ends.iter().any(|end| !(from..=to).contains(end)))
         };
         let verdict = |frequency: &'a MeasuredFrequency| {
             let near = || modes.iter().filter(|mode| is_near(frequency, mode));
@@ -75,7 +83,7 @@ impl<'a> Beside<'a> {
                 Found::Hit
             } else if near().any(|mode| mode.occurrence.upper > measured.share) {
                 Found::Open
-            } else if is_outside(frequency.hz) {
+            } else if is_outside(frequency) {
                 Found::NotStudied
             } else if has_unplaced {
                 Found::Open
@@ -95,7 +103,8 @@ impl<'a> Beside<'a> {
     /// Modes that may be squeal and are next to nothing that was measured.
     fn not_measured(&self) -> Vec<&Placed> {
         let is_measured = |mode: &Placed| self.measured.iter().any(|(frequency, _)| is_near(frequency, mode));
-        self.modes.iter().filter(|mode| mode.occurrence.upper > self.share && !is_measured(mode)).collect()
+        let may_squeal = |mode: &&Placed| mode.is_ever_unstable && mode.occurrence.upper > self.share;
+        self.modes.iter().filter(may_squeal).filter(|mode| !is_measured(mode)).collect()
     }
 
     /// Number of measured frequencies with a finding.
@@ -202,7 +211,7 @@ pub(super) fn table(results: &Results, all: &[Beside<'_>]) -> Table {
     for beside in all {
         let set = &results.plan().labels.constraints[beside.set];
         let of_mode = |mode: Option<&Placed>| {
-            let Some(Placed { name, label, hz, occurrence: Estimate { value, lower, upper } }) = mode else {
+            let Some(Placed { name, label, hz, occurrence: Estimate { value, lower, upper }, .. }) = mode else {
                 return vec![String::new(); 6];
             };
             let numbers = [hz, value, lower, upper].map(ToString::to_string);
