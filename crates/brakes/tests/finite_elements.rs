@@ -134,9 +134,10 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
     for part in &brake.parts {
         assert!(part.within.is_reached && part.within.basis.ncols() < brake.sets[0].basis.ncols() / 2);
     }
-    // Without two patches the brake has other modes, but the structure's are as many, and nearly all still look like themselves.
+    // Without two patches the brake has other modes, but the structure's are as many, and nearly all still look like themselves; the first twelve are those
+    // of the band and next to it, others combinations that the basis has beyond.
     let study = Study::new(&brake, &cea::BatchSolver).unwrap();
-    let open = |scene: usize| study.references()[scene].names.iter().filter(|names| names.len() != 1).count();
+    let open = |scene: usize| study.references()[scene].names.iter().take(12).filter(|names| names.len() != 1).count();
     for scene in 0..brake.plan.scenes.len() {
         let reference = &study.references()[scene];
         assert!(reference.modes.len() >= 12 && open(scene) <= 2, "{:?}", reference.names);
@@ -267,9 +268,14 @@ fn a_drawn_contact_stiffness_is_that_of_all_patches_and_the_basis_holds_it() {
         CaseFile::parse(&folder().join("worn.toml"), text.replace("[500.0, 8000.0]", "[5700.0, 6500.0]"))
     };
     let Ok(CaseFile::FiniteElements(case)) = with("\"20 * wear - 19\"") else { panic!() };
-    // Half of the draws have no stiffness; the median has the one that is given.
-    let Err(error) = FiniteElementBrake::new(*case, &()) else { panic!() };
-    assert!(error.to_string().contains("contact.stiffness_factor = -"), "{error}");
+    // Half of the draws have no stiffness, which are counted; the median has the one that is given.
+    let brake = FiniteElementBrake::checked(*case, &()).unwrap();
+    let found = brake.full_checks().unwrap();
+    assert!((1..4).contains(&found.failed), "{found:?}");
+    let mut sample = brake.median();
+    sample.values[0] = 0.5;
+    let error = brake.system(&brake.plan.scenes[0], &sample).unwrap_err().to_string();
+    assert!(error.contains("contact.stiffness_factor = -"), "{error}");
 
     let Ok(CaseFile::FiniteElements(case)) = with("\"wear\"") else { panic!() };
     let brake = FiniteElementBrake::checked(*case, &()).unwrap();
