@@ -36,6 +36,25 @@ fn a_measured_frequency_is_hit_by_a_mode_within_its_tolerance_that_surely_squeal
     }
 }
 
+/// With ten draws in which nothing is unstable a mode may still be in a tenth of all: whether it is what was measured stays open.
+#[test]
+fn what_few_samples_cannot_tell_is_open() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = case(dir.path(), "frequencies = [0.225, 0.5]\ntolerance = 0.01");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let quiet = text.replace("from = 0.5", "from = 0.1").replace("to = 1.1", "to = 0.3");
+    assert_ne!(text, quiet);
+    std::fs::write(&path, quiet).unwrap();
+    let out = dir.path().join("results");
+    let output = squeal().arg("run").arg(&path).args(["--samples", "10", "--out"]).arg(&out).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let table = std::fs::read_to_string(out.join("measured.csv")).unwrap();
+    let of_frequency =
+        |hz: &str| table.lines().filter(|row| row.starts_with(&format!("none,{hz},"))).collect::<Vec<_>>();
+    assert!(of_frequency("0.225").iter().all(|row| row.contains(",open,")), "{table}");
+    assert!(of_frequency("0.5").iter().all(|row| row.contains(",missed,")), "{table}");
+}
+
 #[test]
 fn what_cannot_be_a_measured_frequency_is_refused() {
     let dir = tempfile::tempdir().unwrap();

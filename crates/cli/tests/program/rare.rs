@@ -4,7 +4,7 @@ use crate::common::{assert_same, refusal, results, squeal};
 use crate::tables::columns;
 
 /// Hoffmann's oscillator, one in 100,000 of which flutters.
-const RARE: &str = r#"
+pub const RARE: &str = r#"
 [study]
 name = "Hoffmann"
 samples = 100

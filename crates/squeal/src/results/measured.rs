@@ -52,7 +52,7 @@ struct Placed {
 pub(super) struct Beside<'a> {
     set: usize,
     measured: Vec<(&'a MeasuredFrequency, Found)>,
-    /// Modes with a frequency, ascending.
+    /// Modes with a frequency that are ever unstable, or may be in more than the share of the draws, ascending.
     modes: Vec<Placed>,
     share: f64,
 }
@@ -63,6 +63,9 @@ impl<'a> Beside<'a> {
         let all = found.unstable.iter().map(|mode| (mode, true)).chain(found.stable.iter().map(|mode| (mode, false)));
         for ((name, range), is_ever_unstable) in all.filter(|((name, _), _)| *name != ModeLabel::DIVERGENCE) {
             let [lower, upper] = range.greatest_limits;
+            if !is_ever_unstable && upper <= measured.share {
+                continue;
+            }
             let occurrence = Estimate { value: range.largest.value, lower, upper };
             match results.unstable_frequency(set, *name) {
                 Some(hz) => {
