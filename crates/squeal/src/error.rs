@@ -11,7 +11,7 @@ pub enum Error {
     Study(#[from] study::Error),
     /// A sweep over parameters.
     #[error(transparent)]
-    Sweep(sweep::Error),
+    Sweep(Box<sweep::Error>),
     /// An error of an estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<study::estimators::EstimatorError>),
@@ -175,7 +175,7 @@ impl From<sweep::Error> for Error {
             sweep::Error::Study(error) => Self::Study(error),
             sweep::Error::NotGiven { capability, needed_by } => Self::NotGiven { capability, needed_by },
             sweep::Error::Argument { argument, value, allowed } => Self::Argument { argument, value, allowed },
-            other => Self::Sweep(other),
+            other => Self::Sweep(Box::new(other)),
         }
     }
 }

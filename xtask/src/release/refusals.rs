@@ -162,7 +162,7 @@ fn split(arguments: &str) -> Vec<&str> {
 fn name_of(argument: &str, fields: &[String]) -> String {
     let words = || argument.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
     let field = words().find(|word| fields.iter().any(|field| field == word));
-    field.or(words().last()).unwrap_or("reason").to_lowercase()
+    field.or(words().next_back()).unwrap_or("reason").to_lowercase()
 }
 
 /// The documentation of an item in one line.
