@@ -64,7 +64,7 @@ pub struct BranchCycle {
 /// Branches of cycles of a scene over one parameter, from each onset of an oscillating mode in its range.
 ///
 /// # Errors
-/// As [`cycles`](super::cycles()) and [`sweep`]; a range without an onset.
+/// As [`cycles`](super::cycles()) and [`sweep`](fn@sweep); a range without an onset.
 pub fn branches<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
