@@ -87,7 +87,9 @@ fn of_enum(item: &ItemEnum) -> String {
 
 fn of_variant(variant: &Variant) -> Option<String> {
     let message = variant.attrs.iter().find_map(|attribute| message(attribute, &variant.fields))?;
-    let mut text = format!("\n**`{message}`**\n\n{}\n", documentation(&variant.attrs));
+    // Words in back quotes stand between two of them.
+    let [open, close] = if message.contains('`') { ["`` ", " ``"] } else { ["`", "`"] };
+    let mut text = format!("\n**{open}{message}{close}**\n\n{}\n", documentation(&variant.attrs));
     if let Fields::Named(fields) = &variant.fields {
         let mut is_first = true;
         for field in &fields.named {
