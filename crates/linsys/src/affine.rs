@@ -260,7 +260,8 @@ impl AffineSystem {
             return Err(LinsysError::NoChannel { channel, total: self.channels.len() });
         };
         self.clear(out, usize::from(gain.lag.is_some()));
-        self.channels[channel].add(gain, 0, out);
+        self.channels[channel].add_instant(gain, out);
+        self.channels[channel].add_lag(gain, 0, out);
         Ok(())
     }
 
@@ -306,14 +307,36 @@ impl AffineSystem {
     }
 
     fn add_friction(&self, at: &OperatingPoint, is_wanted: impl Fn(&Channel) -> bool, out: &mut SecondOrder) {
+        let wanted = || self.channels.iter().zip(&at.channels).filter(|(channel, _)| is_wanted(channel));
+        let are_dense =
+            wanted().nth(LEAST_DENSE - 1).is_some() && wanted().all(|(channel, _)| channel.is_dense(self.order()));
+        if are_dense {
+            // Of a reduced brake: one product for all.
+            let wanted: Vec<(&Channel, &ChannelGain)> = wanted().collect();
+            let of = |side: fn(&Channel) -> &[(usize, f64)], gain: fn(&ChannelGain) -> f64| {
+                DMatrix::from_fn(wanted.len(), self.order(), |at, dof| side(wanted[at].0)[dof].1 * gain(wanted[at].1))
+            };
+            let force = of(|channel| &channel.force, |_| 1.0).transpose();
+            if wanted.iter().any(|(_, gain)| gain.mu != 0.0) {
+                out.k.gemm(1.0, &force, &of(|channel| &channel.reading, |gain| gain.mu), 1.0);
+            }
+            if wanted.iter().any(|(_, gain)| gain.slope != 0.0) {
+                out.c.gemm(1.0, &force, &of(|channel| &channel.force, |gain| gain.slope), 1.0);
+            }
+        }
         let mut state = 0;
-        for (channel, gain) in self.channels.iter().zip(&at.channels).filter(|(channel, _)| is_wanted(channel)) {
-            channel.add(gain, state, out);
+        for (channel, gain) in wanted() {
+            if !are_dense {
+                channel.add_instant(gain, out);
+            }
+            channel.add_lag(gain, state, out);
             state += usize::from(gain.lag.is_some());
         }
     }
 }
 
+/// Channels, all dense, from which on their forces are added by one product; chosen.
+const LEAST_DENSE: usize = 8;
 /// Entries of a matrix that terms are added to before the next are; chosen.
 const SUMMED_AT_ONCE: usize = 1024;
 

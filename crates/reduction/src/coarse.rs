@@ -365,15 +365,20 @@ pub(super) fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> R
     Ok(right_vectors_of_all(&of, &mut Workspace::default()).into_iter().collect::<Result<_, CeaError>>()?)
 }
 
-/// Whole spectra, those of neighbouring systems of one shape together in the lanes of vector registers.
+/// Whole spectra, those of systems of one shape together in the lanes of vector registers.
 pub(super) fn spectra(systems: &[SecondOrder]) -> Vec<Result<Spectrum, CeaError>> {
+    let shape = |at: &usize| (systems[*at].order(), systems[*at].states());
+    let mut order: Vec<usize> = (0..systems.len()).collect();
+    order.sort_by_key(shape);
     let (mut all, mut work) = (Vec::with_capacity(systems.len()), Workspace::default());
-    for alike in systems.chunk_by(|a, b| (a.order(), a.states()) == (b.order(), b.states())) {
+    for alike in order.chunk_by(|a, b| shape(a) == shape(b)) {
+        let of_shape: Vec<SecondOrder> = alike.iter().map(|&at| systems[at].clone()).collect();
         let mut found = Vec::with_capacity(alike.len());
-        WholeSpectra(&BatchSolver).eigenvalues_of_all(alike, &mut work, &mut found);
-        all.append(&mut found);
+        WholeSpectra(&BatchSolver).eigenvalues_of_all(&of_shape, &mut work, &mut found);
+        all.extend(alike.iter().copied().zip(found));
     }
-    all
+    all.sort_by_key(|&(at, _)| at);
+    all.into_iter().map(|(_, found)| found).collect()
 }
 
 fn have_merged(modes: &[(Complex<f64>, DVector<Complex<f64>>)]) -> bool {

@@ -145,6 +145,11 @@ impl Factored {
         Ok(solution.column(0).into_owned())
     }
 
+    /// `A^-T b`.
+    pub fn solve_transposed(&self, b: &DVector<Complex<f64>>) -> Result<DVector<Complex<f64>>, ReductionError> {
+        Ok(self.solve_adjoint(&b.conjugate())?.conjugate())
+    }
+
     /// `A^-H b`.
     pub fn solve_adjoint(&self, b: &DVector<Complex<f64>>) -> Result<DVector<Complex<f64>>, ReductionError> {
         use faer::prelude::Solve;

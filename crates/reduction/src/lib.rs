@@ -3,16 +3,14 @@
 //! | to | use |
 //! | --- | --- |
 //! | build a basis that is good enough over a set of draws | [`Reduction::build`] |
-//! | hold all friction and all open and closed contacts | [`response_basis`] |
 //! | hold the modes at some points, with columns that follow modes and not contacts | [`Snapshots`] |
-//! | find a smaller basis within these for one arrangement | [`within()`] |
+//! | find a smaller basis within these for one arrangement | [`within()`], [`Reduced::within`] |
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them at many points, from coarse modes | [`Reduced::with_coarse`], [`Reduced::modes_of_all`] |
 //! | compare eigenvalues of two systems | [`compared`] |
 //! | hold the shapes of some modes | [`shape_directions`] |
 //! | follow modes while contacts open | [`ContactPath`] |
-//! | see what fewer columns would hold | [`rungs`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
 //! | see cost against error | [`Report::stages`], [`Stage::measure`] |
@@ -38,7 +36,6 @@ mod outer_products;
 mod reduced;
 mod report;
 mod residual;
-mod responses;
 mod route;
 mod shapes;
 mod shared;
@@ -57,11 +54,11 @@ pub use modal::real_modes;
 pub use options::Options;
 pub use reduced::{Reduced, ReducedModes, grows_too_fast};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
-pub use responses::{ResponseBasis, ResponseGoal, response_basis};
+pub use residual::Combinations;
 pub use route::{Route, RouteCounts};
 pub use shapes::shape_directions;
 pub use snapshots::{Snapshot, Snapshots};
-pub use within::{Rung, Within, rungs, within};
+pub use within::{Within, within};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -9,9 +9,13 @@ use sparse::{Rectangle, SparseAffineSystem};
 use super::coarse::{Coarse, Doubt, Polished, spectra};
 use super::full::largest;
 use super::norms::NormsAt;
-use super::residual::{Pairs, ResidualForm, Truncation, reduced_residual};
-use super::{Options, split};
+use super::residual::{Combinations, Pairs, ResidualForm, Truncation, reduced_residual};
+use super::{Options, dense, split};
 use crate::{ReductionError, Route};
+
+/// Rows of a system from which on residuals are known by random combinations alone; chosen: all directions of the stacked terms take longer there than
+/// the modes that the basis is made of.
+const LARGE: usize = 6000;
 
 /// A reduction of a [`SparseAffineSystem`] for the modes in a rectangle.
 ///
@@ -57,8 +61,34 @@ impl Reduced {
         options.check()?;
         let reduced = system.project(&basis)?;
         points.iter().try_for_each(|point| reduced.check(point))?;
-        let truncation = Truncation { points, largest: largest(&rectangle), floor: options.residual_floor };
-        let form = ResidualForm::new(system, &basis, &truncation)?;
+        let form = match system.order() {
+            LARGE.. => {
+                let all = DMatrix::identity(basis.ncols(), basis.ncols());
+                ResidualForm::of_combinations(&Combinations::new(system, &basis), &all, &reduced)
+            }
+            _ => {
+                let truncation = Truncation { points, largest: largest(&rectangle), floor: options.residual_floor };
+                ResidualForm::new(system, &basis, &truncation)?
+            }
+        };
+        Ok(Self { system: reduced, basis, rectangle, form, coarse: None, options: options.clone() })
+    }
+
+    /// The projection on a smaller basis W, k x m, within a basis V, n x k, of orthonormal columns, from the `system` on V and `combinations` for V: nothing
+    /// large is computed but V W.
+    ///
+    /// # Errors
+    /// An option out of its range, a basis of another system, a reduced mass matrix that is singular.
+    pub fn within(
+        (basis, system, combinations): (&DMatrix<f64>, &AffineSystem, &Combinations),
+        columns: &DMatrix<f64>,
+        rectangle: Rectangle,
+        options: &Options,
+    ) -> Result<Self, ReductionError> {
+        options.check()?;
+        let reduced = system.projected(columns)?;
+        let form = ResidualForm::of_combinations(combinations, columns, &reduced);
+        let basis = dense::product(basis, columns);
         Ok(Self { system: reduced, basis, rectangle, form, coarse: None, options: options.clone() })
     }
 

@@ -11,7 +11,7 @@
 //! orthogonal to V. Nothing is squared but the last short vector: the usual expansion of `|Q V y|^2` in inner products of the
 //! terms loses half of the digits.
 
-use linsys::{OperatingPoint, SecondOrder};
+use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CscMatrix;
 use num_complex::Complex;
@@ -27,9 +27,6 @@ use crate::ReductionError;
 /// Random combinations of rows that a residual is estimated with, and how many times as many rows there are at least.
 const SKETCH_ROWS: usize = 128;
 const LEAST_SKETCHED: usize = 2;
-/// Rows of a system from which on residuals are known by random combinations alone; chosen: all directions of the stacked terms take longer there than
-/// the modes that the basis is made of.
-const LARGE: usize = 6000;
 /// Factor that makes an estimate a bound. The squared norm of a sketch of 128 rows is that of the vector times a mean of 128
 /// squared normal numbers at least: below a quarter of it with a probability of less than 3e-18 (Chernoff's bound).
 const SKETCH_FACTOR: f64 = 2.0;
@@ -48,6 +45,40 @@ pub(super) struct ResidualForm {
     /// 2-norms at most of what was left out of each term's matrices and of each b_i.
     dropped: (Vec<[f64; 3]>, Vec<f64>),
     pub norms: Norms,
+}
+
+/// Random combinations of the rows of a system on a basis V: residuals on V, or on any smaller basis within it, without all directions of the stacked terms.
+#[derive(Debug, Clone)]
+pub struct Combinations {
+    /// `S^T A V` of M, C and K of each term, with random columns S, n x 128; without rows where a matrix is zero.
+    terms: Vec<[DMatrix<f64>; 3]>,
+    /// `S^T V`.
+    basis: DMatrix<f64>,
+    /// `S^T b_i` as columns.
+    force: DMatrix<f64>,
+    norms: Norms,
+}
+
+impl Combinations {
+    /// Those of a system on the orthonormal columns of a basis, n x k.
+    #[must_use]
+    pub fn new(system: &SparseAffineSystem, basis: &DMatrix<f64>) -> Self {
+        let (n, k, mut random) = (system.order(), basis.ncols(), Random(0));
+        let scale = 1.0 / (SKETCH_ROWS as f64).sqrt();
+        let combinations = DMatrix::from_fn(SKETCH_ROWS, n, |_, _| random.normal() * scale);
+        let of = |matrix: &CscMatrix<f64>| match matrix.nnz() {
+            0 => DMatrix::zeros(0, k),
+            _ => dense::product(&combinations, &times(matrix, basis)),
+        };
+        let of_term = |SparseTerm { matrices: SparseSecondOrder { m, c, k, .. }, .. }: &SparseTerm| [m, c, k].map(of);
+        let terms = system.terms().iter().map(of_term).collect();
+        let channels = system.channels();
+        let force = |row: usize, at: usize| {
+            channels[at].force.iter().map(|&(dof, value)| value * combinations[(row, dof)]).sum::<f64>()
+        };
+        let force = DMatrix::from_fn(SKETCH_ROWS, channels.len(), force);
+        Self { terms, basis: dense::product(&combinations, basis), force, norms: Norms::new(system) }
+    }
 }
 
 /// The residual form at one operating point.
@@ -121,9 +152,6 @@ impl ResidualForm {
         truncation: &Truncation<'_>,
     ) -> Result<Self, ReductionError> {
         let (n, k, norms) = (system.order(), basis.ncols(), Norms::new(system));
-        if n >= LARGE {
-            return Self::of_combinations(system, basis, norms);
-        }
         let &Truncation { points, largest, floor } = truncation;
         let greatest = |of: &dyn Fn(&OperatingPoint) -> f64| points.iter().map(|at| of(at).abs()).fold(0.0, f64::max);
         let mut blocks: Vec<Block> = Vec::new();
@@ -203,40 +231,32 @@ impl ResidualForm {
         Ok(Self { rows, factor: 1.0, sketch, friction: Friction::of(force_of, &reading_of), sizes, dropped, norms })
     }
 
-    /// The form of a large system: `S^T Q(lambda) V` with random columns S, n x 128, orthogonal to the basis.
-    fn of_combinations(
-        system: &SparseAffineSystem,
-        basis: &DMatrix<f64>,
-        norms: Norms,
-    ) -> Result<Self, ReductionError> {
-        let (n, k, mut random) = (system.order(), basis.ncols(), Random(0));
-        let scale = 1.0 / (SKETCH_ROWS as f64).sqrt();
-        let mut combinations = DMatrix::from_fn(n, SKETCH_ROWS, |_, _| random.normal() * scale);
-        let inside = dense::product(&basis.transpose(), &combinations);
-        dense::add_product(&mut combinations, -1.0, basis, &inside);
-        let transposed = combinations.transpose();
-        let of = |matrix: &CscMatrix<f64>| match matrix.nnz() {
-            0 => DMatrix::zeros(0, k),
-            _ => dense::product(&transposed, &times(matrix, basis)),
+    /// The form over `V W`, on which a system is `reduced`, by random combinations.
+    pub fn of_combinations(combined: &Combinations, columns: &DMatrix<f64>, reduced: &AffineSystem) -> Self {
+        // S less its part in V W: what it makes of a matrix A is S^T A V W - (S^T V W) (W^T V^T A V W).
+        let inside = dense::product(&combined.basis, columns);
+        let outside = |of: &DMatrix<f64>, own: &DMatrix<f64>| {
+            let mut rows = dense::product(of, columns);
+            dense::add_product(&mut rows, -1.0, &inside, own);
+            rows
         };
-        let terms: Vec<_> = system
-            .terms()
-            .iter()
-            .map(|SparseTerm { matrices: SparseSecondOrder { m, c, k, .. }, .. }| [m, c, k].map(of))
-            .collect();
-        let channels = system.channels();
-        let onto = |columns: &DMatrix<f64>, side: &[(usize, f64)], row: usize| {
-            side.iter().map(|&(dof, value)| value * columns[(dof, row)]).sum::<f64>()
+        let of_term = |(of, term): (&[DMatrix<f64>; 3], &Term)| {
+            let SecondOrder { m, c, k, .. } = term.matrices();
+            let own = [m, c, k];
+            std::array::from_fn(|power| match of[power].nrows() {
+                0 => DMatrix::zeros(0, columns.ncols()),
+                _ => outside(&of[power], own[power]),
+            })
         };
-        let force =
-            DMatrix::from_fn(SKETCH_ROWS, channels.len(), |row, at| onto(&combinations, &channels[at].force, row));
-        let force_of = DMatrix::from_fn(k, channels.len(), |column, at| onto(basis, &channels[at].force, column));
-        let reading_of = DMatrix::from_fn(channels.len(), k, |at, column| onto(basis, &channels[at].reading, column));
-        let sizes = (0..channels.len()).map(|at| [force_of.column(at).norm(), reading_of.row(at).norm()]).collect();
-        let dropped = (vec![[0.0; 3]; terms.len()], vec![0.0; channels.len()]);
+        let terms: Vec<[DMatrix<f64>; 3]> = combined.terms.iter().zip(reduced.terms()).map(of_term).collect();
+        let (own, reading) = (reduced.force_matrix(), reduced.reading_matrix());
+        let mut force = combined.force.clone();
+        dense::add_product(&mut force, -1.0, &inside, &own);
+        let sizes = (0..own.ncols()).map(|at| [own.column(at).norm(), reading.row(at).norm()]).collect();
+        let dropped = (vec![[0.0; 3]; terms.len()], vec![0.0; own.ncols()]);
         let rows = OuterRows { count: SKETCH_ROWS, terms, force };
-        let friction = Friction::of(force_of, &reading_of);
-        Ok(Self { rows, factor: SKETCH_FACTOR, sketch: None, friction, sizes, dropped, norms })
+        let friction = Friction::of(own, &reading);
+        Self { rows, factor: SKETCH_FACTOR, sketch: None, friction, sizes, dropped, norms: combined.norms.clone() }
     }
 
     /// Directions outside of the basis that residuals are computed in.

@@ -100,16 +100,25 @@ impl Friction {
         }
     }
 
-    /// Change of Q(lambda), n x n, where the gains of the channels go from those of `from` to those of `to`.
-    pub fn change(&self, [from, to]: [&[ChannelGain]; 2], lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
-        let (count, columns) = (from.len(), self.sides.ncols());
-        let pull = DMatrix::from_fn(count, columns, |channel, column| {
-            let slope = to[channel].complex_slope(lambda) - from[channel].complex_slope(lambda);
-            let by_reading = self.sides[(count + channel, column)] * (to[channel].mu - from[channel].mu);
-            lambda * slope * self.sides[(channel, column)] + by_reading
-        });
-        let part = |of: fn(&Complex<f64>) -> f64| &self.force * pull.map(|value| of(&value));
-        part(|value| value.re).zip_map(&part(|value| value.im), Complex::new)
+    /// Adds to column j of `out` what friction adds to `Q(lambda_j)^T y_j`, `sum_i (mu_i r_i + lambda_j s_i(lambda_j) b_i) b_i^T y_j`; all are [`split`],
+    /// n x vectors.
+    pub fn add_transposed(
+        &self,
+        gains: &[ChannelGain],
+        lambdas: &[Complex<f64>],
+        shapes: &DMatrix<f64>,
+        out: &mut DMatrix<f64>,
+    ) {
+        let count = self.force.ncols();
+        let pushes = product(&self.force.transpose(), shapes);
+        let mut factors = split::zeros(2 * count, lambdas.len());
+        for (at, &lambda) in lambdas.iter().enumerate() {
+            let push = split::vector(&pushes, at);
+            let along = (0..count).map(|channel| push[channel] * (lambda * gains[channel].complex_slope(lambda)));
+            let reading = (0..count).map(|channel| push[channel] * gains[channel].mu);
+            split::set(&mut factors, at, along.chain(reading));
+        }
+        add_product(out, 1.0, &self.sides.transpose(), &factors);
     }
 }
 

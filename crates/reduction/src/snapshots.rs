@@ -85,17 +85,18 @@ impl<'a> Snapshots<'a> {
     }
 
     /// The principal directions of all vectors, those of unit length, by descending singular value down to a floor: V, n x k with k at most
-    /// `most_columns`.
+    /// `most_columns`; with the singular values.
     ///
     /// # Errors
     /// No mode that was added.
-    pub fn basis(&self, floor: f64, most_columns: usize) -> Result<DMatrix<f64>, ReductionError> {
+    pub fn basis(&self, floor: f64, most_columns: usize) -> Result<(DMatrix<f64>, Vec<f64>), ReductionError> {
         if self.coordinates.ncols() == 0 {
             return Err(ReductionError::NoModes);
         }
-        let (vectors, values) = dense::left_singular(&self.coordinates)?;
+        let (vectors, mut values) = dense::left_singular(&self.coordinates)?;
         let count = values.iter().take_while(|&&value| value > floor).count().clamp(1, most_columns.max(1));
-        Ok(dense::product(&self.directions, &vectors.columns(0, count).into_owned()))
+        values.truncate(count);
+        Ok((dense::product(&self.directions, &vectors.columns(0, count).into_owned()), values))
     }
 }
 

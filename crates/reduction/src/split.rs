@@ -54,6 +54,17 @@ pub(super) fn selected(split: &DMatrix<f64>, wanted: &[usize]) -> DMatrix<f64> {
     split.select_columns(&columns)
 }
 
+/// Some vectors, then others.
+pub(super) fn joined(split: &DMatrix<f64>, more: &DMatrix<f64>) -> DMatrix<f64> {
+    let (own, others) = (count(split), count(more));
+    let mut out = zeros(split.nrows(), own + others);
+    for (half, first) in [(0, 0), (1, own + others)] {
+        out.columns_mut(first, own).copy_from(&split.columns(half * own, own));
+        out.columns_mut(first + own, others).copy_from(&more.columns(half * others, others));
+    }
+    out
+}
+
 /// The squared 2-norm of vector `at`.
 pub(super) fn norm_squared(split: &DMatrix<f64>, at: usize) -> f64 {
     let (re, im) = parts(split, at);

@@ -1,135 +1,292 @@
-//! A smaller basis within a larger one, for one configuration of a brake.
+//! A smaller basis within one of modes, for one configuration of a brake: right and left vectors of its own draws.
 //!
-//! A basis that holds a brake in all its configurations ([`response_basis`](super::response_basis)) has several hundred columns. For one
-//! configuration and the friction of its draws a few dozen are enough, and to find them nothing sparse has to be solved: the brake on the
-//! larger basis stands for the full one.
+//! A basis that holds a brake in all its configurations ([`Snapshots`](super::Snapshots)) has a few hundred columns; for one configuration and the friction
+//! of its draws half are enough, and to find them nothing sparse has to be solved: the brake on the larger basis stands for the full one.
+//!
+//! The columns of a basis of modes are principal directions in the order of what they hold, so that the first of them have the modes of every draw, roughly.
+//! From there right and left vectors are corrected on the whole basis, with inverses at one point and some frequencies, and their principal directions in
+//! the norm of energy are the smaller basis. An eigenvalue is as good as the product of what is missing on both sides: the correction of the left vector
+//! times the residual of the right one tells its error.
 
-mod search;
-
-use linsys::{AffineSystem, OperatingPoint};
-use nalgebra::DMatrix;
+use linsys::{AffineSystem, OperatingPoint, SecondOrder};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use sparse::SparseAffineSystem;
+use sparse::Rectangle;
 
-use self::search::Search;
-use super::shared::Smaller;
-use super::{Options, Wanted};
+use super::basis::{ROUNDING, directions};
+use super::coarse::{spectra, vectors};
+use super::compared::compared;
+use super::full::{largest, outside};
+use super::shared::{Friction, Smaller, Structures};
+use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 
-/// Most changes of a smaller basis; chosen: a residual that stays above the tolerance is not brought below it by more.
-const MOST_ROUNDS: usize = 20;
+/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it from there.
+const MARGIN: f64 = 0.02;
+/// Frequencies at which an inverse is kept for corrections; chosen: about as many as there are modes, each a factorisation.
+const INVERSES: usize = 8;
+/// Corrections at one point after which all modes are found there; chosen.
+const MOST_CORRECTIONS: usize = 4;
+/// Largest change of an eigenvalue, as a part of its size, that is taken as it is estimated; chosen.
+const SHIFTED: f64 = 0.02;
+/// Most changes of a smaller basis; chosen.
+const MOST_ROUNDS: i32 = 12;
+/// Factor by which the least singular value of a direction in a basis falls from one to the next, from the root of the error that is asked for; chosen.
+const LOWER: f64 = 0.6;
 
 /// A smaller basis, and how it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Within {
     /// W, k x m, orthonormal: columns of the smaller basis in terms of the larger one.
     pub basis: DMatrix<f64>,
-    /// The points at which all modes of the larger system were found.
+    /// The points at which all modes of the larger system were found, as corrections did not end.
     pub solved: Vec<OperatingPoint>,
-    /// Modes of the larger system that were not held by a smaller basis whose residuals were all small.
+    /// Modes that the first columns of the larger basis have and a smaller basis did not, however often they were corrected.
     pub missed: Vec<Complex<f64>>,
-    /// The modes of the larger system in the rectangle at the first given point.
-    pub first: Vec<Complex<f64>>,
-    /// The largest distance, relative to |lambda|, of a mode of the smaller basis from that of the larger system, where all modes were
-    /// found although every residual was small.
+    /// The largest estimated error of an eigenvalue in the rectangle, relative to its size; 1 where one is missing.
     pub distance: f64,
-    /// True if every training point was within the tolerance, and the last complete solutions showed no missed mode.
+    /// True if the error that was asked for was reached at every point.
     pub is_reached: bool,
 }
 
-/// The fewest directions within a larger basis that hold the modes in the rectangle at all given and training points. `reduced` is
-/// `system` on that basis, with the same terms and channels.
-///
-/// All modes of the larger system are found at the given points, of which there is at least one. At the training points where a residual in
-/// the larger system is above the tolerance the modes are corrected, and what they become enters the basis, until none is. Then,
-/// until `options.probes` in a row show no missed mode, all modes are found at the point whose system differs most from those where they
-/// have been.
+/// The fewest directions within a basis of modes that hold the eigenvalues in and to the right of a rectangle at some points, draws of a study for example,
+/// up to an error relative to their size, as it is estimated. `reduced` is the brake on that basis, of which the first `leading` columns have all modes,
+/// roughly.
 ///
 /// # Errors
-/// A point of another system, no mode in the rectangle at any given point, a singular reduced mass matrix.
+/// No point or one of another system, no mode in the rectangle at any point, a singular reduced mass matrix.
 pub fn within(
-    system: &SparseAffineSystem,
-    reduced: &AffineSystem,
-    wanted: &Wanted<'_>,
-    options: &Options,
+    (reduced, leading): (&AffineSystem, usize),
+    (rectangle, points): (Rectangle, &[OperatingPoint]),
+    error: f64,
 ) -> Result<Within, ReductionError> {
-    let mut search = Search::new(system, reduced, wanted, options)?;
-    (0..wanted.points.len()).try_for_each(|at| search.solve(at))?;
-    search.first = search.known.first().map_or(Vec::new(), |known| in_rectangle(&known.lambdas, wanted));
-    let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();
-    let (mut small, mut quiet, mut rounds) = (search.smaller()?, 0, 0);
-    let is_reached = loop {
-        let judged = search.judged(&mut small, &training)?;
-        let above: Vec<_> = judged.into_iter().filter(|judged| judged.residual > options.tolerance).collect();
-        if search.is_exhausted(small.basis()) || rounds == MOST_ROUNDS {
-            break above.is_empty() && quiet >= options.probes && !search.is_exhausted(small.basis());
-        }
-        if above.is_empty() {
-            if training.is_empty() || quiet >= options.probes {
-                break true;
-            }
-            let Some(at) = search.farthest()? else { break true };
-            if search.probe(&mut small, at)? {
-                quiet += 1;
+    let search = Search::new(reduced, rectangle, points)?;
+    let mut small = Smaller::new(DMatrix::identity(reduced.order(), leading.clamp(1, reduced.order())), reduced);
+    let started = search.judged(&mut small)?;
+    let mut known = started.into_iter().map(|judged| search.better(judged)).collect::<Result<Vec<Modes>, _>>()?;
+    let mut corrections = vec![1; known.len()];
+    let (mut missed, mut round) = (Vec::new(), 0);
+    loop {
+        small = search.smaller(&known, error.sqrt() * LOWER.powi(round))?;
+        let is_last = small.basis().ncols() >= reduced.order() || round == MOST_ROUNDS;
+        let (mut is_reached, mut distance) = (true, 0.0);
+        for (at, judged) in search.judged(&mut small)?.into_iter().enumerate() {
+            let [lost, found] = search.others(&known[at], &judged.modes);
+            let is_same = lost.is_empty() && found.is_empty();
+            distance = f64::max(distance, if is_same { judged.error } else { 1.0 });
+            if is_same && judged.error <= error {
                 continue;
             }
-            quiet = 0;
-        } else {
-            for judged in above {
-                if !search.is_exhausted(small.basis()) {
-                    search.improve(judged)?;
-                }
+            is_reached = false;
+            corrections[at] += 1;
+            if corrections[at] <= MOST_CORRECTIONS {
+                // As many that are new are those that are known, at other places.
+                let lost = if lost.len() > found.len() { lost } else { Vec::new() };
+                let lost = known[at].selected(&lost);
+                known[at] = search.better(judged)?.and(&lost);
+            } else if corrections[at] == MOST_CORRECTIONS + 1 {
+                missed.extend(known[at].selected(&lost).lambdas);
+                known[at] = search.solved(at)?;
             }
         }
-        small = search.smaller()?;
-        rounds += 1;
-    };
-    let solved = search.known.iter().filter(|known| known.is_complete());
-    let solved = solved.map(|known| (*search.points[known.point].at).clone()).collect();
-    let basis = small.into_basis();
-    Ok(Within { basis, solved, missed: search.missed, first: search.first, distance: search.distance, is_reached })
-}
-
-/// Error of the first columns of a smaller basis, taken as a basis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
-    /// Number of columns.
-    pub columns: usize,
-    /// The largest residual in the full system of a mode in the rectangle, at all given and training points.
-    pub residual: f64,
-    /// The eigenvalues in the rectangle at the first given point.
-    pub first: Vec<Complex<f64>>,
-}
-
-/// Cost against error: what some of the first columns of the basis that [`within()`] found hold. They are its principal directions in
-/// the order of what they hold, and an evaluation costs about the square of their number.
-///
-/// # Errors
-/// A point of another system, a singular reduced mass matrix.
-pub fn rungs(
-    system: &SparseAffineSystem,
-    reduced: &AffineSystem,
-    wanted: &Wanted<'_>,
-    basis: &DMatrix<f64>,
-    columns: &[usize],
-) -> Result<Vec<Rung>, ReductionError> {
-    let options = Options::default();
-    let search = Search::new(system, reduced, wanted, &options)?;
-    let rung = |&columns: &usize| {
-        let basis = basis.columns(0, columns.min(basis.ncols())).into_owned();
-        let columns = basis.ncols();
-        let mut small = Smaller::new(basis, reduced);
-        let (mut first, mut residual) = (None, 0.0_f64);
-        for judged in search.judged(&mut small, &(0..search.points.len()).collect::<Vec<_>>())? {
-            residual = residual.max(judged.residual);
-            first.get_or_insert_with(|| in_rectangle(&judged.lambdas, wanted));
+        if is_reached || is_last {
+            let solved = search.points.iter().zip(&corrections).filter(|(_, times)| **times > MOST_CORRECTIONS);
+            let solved = solved.map(|(at, _)| at.clone()).collect();
+            return Ok(Within { basis: small.into_basis(), solved, missed, distance, is_reached });
         }
-        Ok(Rung { columns, residual, first: first.unwrap_or_default() })
-    };
-    columns.iter().map(rung).collect()
+        round += 1;
+    }
 }
 
-/// The wanted ones of some eigenvalues.
-fn in_rectangle(lambdas: &[Complex<f64>], wanted: &Wanted<'_>) -> Vec<Complex<f64>> {
-    lambdas.iter().copied().filter(|&lambda| wanted.rectangle.contains_to_the_right(lambda, 0.0)).collect()
+/// Modes at a point in and next to the rectangle.
+struct Modes {
+    lambdas: Vec<Complex<f64>>,
+    /// Vectors x with `Q(lambda) x = 0` and y with `Q(lambda)^T y = 0`, split.
+    right: DMatrix<f64>,
+    left: DMatrix<f64>,
+}
+
+/// Modes of a smaller basis at a point.
+struct Judged {
+    /// With shapes of unit length in the coordinates of the larger basis.
+    modes: Modes,
+    /// `Q(lambda) x`.
+    residual: DMatrix<f64>,
+    better_left: DMatrix<f64>,
+    /// Changes of the eigenvalues that better vectors make, to first order.
+    shifts: Vec<Complex<f64>>,
+    /// The largest of these in the rectangle, relative to |lambda|.
+    error: f64,
+}
+
+impl Modes {
+    /// Some of the modes.
+    fn selected(&self, which: &[usize]) -> Self {
+        let lambdas = which.iter().map(|&at| self.lambdas[at]).collect();
+        Self { lambdas, right: split::selected(&self.right, which), left: split::selected(&self.left, which) }
+    }
+
+    /// These and others.
+    fn and(self, others: &Self) -> Self {
+        let (right, left) = (split::joined(&self.right, &others.right), split::joined(&self.left, &others.left));
+        Self { lambdas: [self.lambdas, others.lambdas.clone()].concat(), right, left }
+    }
+}
+
+/// What is needed to judge modes at the points and to correct them.
+struct Search<'a> {
+    reduced: &'a AffineSystem,
+    rectangle: Rectangle,
+    points: &'a [OperatingPoint],
+    structures: Structures,
+    friction: Friction,
+    /// `Q(i omega)^-1` at the first point, at some frequencies omega, rad/s.
+    inverses: Vec<(f64, dense::Factored)>,
+    /// `L^T` of `L L^T = K + omega^2 M`, symmetric parts without friction at the first point, with the highest frequency that is wanted; the identity where
+    /// that is not positive.
+    energy: DMatrix<f64>,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        reduced: &'a AffineSystem,
+        rectangle: Rectangle,
+        points: &'a [OperatingPoint],
+    ) -> Result<Self, ReductionError> {
+        points.iter().try_for_each(|at| reduced.check(at))?;
+        let origin = reduced.assemble(points.first().ok_or(ReductionError::NoModes)?)?;
+        let structures = Structures::new(reduced, points.iter())?;
+        let [from, to] = rectangle.im;
+        let inverse = |at: usize| {
+            let omega = from + (at as f64 + 0.5) * (to - from) / INVERSES as f64;
+            (omega, dense::Factored::new(&origin.dynamic_stiffness(Complex::new(0.0, omega))))
+        };
+        let (_, SecondOrder { m, k, .. }) = structures.of(0);
+        let energy = k + m * (to * to);
+        let energy = (0.5 * (&energy + energy.transpose())).cholesky();
+        let order = reduced.order();
+        let energy = energy.map_or_else(|| DMatrix::identity(order, order), |found| found.unpack().transpose());
+        let (friction, inverses) = (Friction::new(reduced), (0..INVERSES).map(inverse).collect());
+        Ok(Self { reduced, rectangle, points, structures, friction, inverses, energy })
+    }
+
+    /// The modes in and next to the rectangle of some systems, vectors of unit length.
+    fn modes(&self, systems: &[SecondOrder]) -> Result<Vec<Modes>, ReductionError> {
+        let margin = MARGIN * largest(&self.rectangle);
+        let is_near = |lambda: &Complex<f64>| {
+            outside(&self.rectangle, *lambda) <= margin && lambda.im > 0.0 && !grows_too_fast(*lambda)
+        };
+        let mut near = Vec::with_capacity(systems.len());
+        for found in spectra(systems) {
+            near.push(found?.eigenvalues.into_iter().filter(is_near).collect::<Vec<_>>());
+        }
+        let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
+        let (right, left) = (vectors(systems, &near)?, vectors(&transposed, &near)?);
+        let split = |shapes: Vec<DVector<Complex<f64>>>, order: usize| {
+            let mut out = split::zeros(order, shapes.len());
+            let shapes = shapes.iter().map(|shape| shape.normalize());
+            shapes.enumerate().for_each(|(at, shape)| split::set(&mut out, at, shape.iter().copied()));
+            out
+        };
+        let each = near.into_iter().zip(right.into_iter().zip(left)).zip(systems.iter().map(SecondOrder::order));
+        let one =
+            |((lambdas, (right, left)), order)| Modes { lambdas, right: split(right, order), left: split(left, order) };
+        Ok(each.map(one).collect())
+    }
+
+    /// All modes of the larger system at a point.
+    fn solved(&self, point: usize) -> Result<Modes, ReductionError> {
+        Ok(self.modes(&[self.reduced.assemble(&self.points[point])?])?.remove(0))
+    }
+
+    /// The modes of a smaller system at all points.
+    fn judged(&self, small: &mut Smaller) -> Result<Vec<Judged>, ReductionError> {
+        let at = |(point, at): (usize, &OperatingPoint)| small.at(self.structures.of(point), &at.channels);
+        let systems = self.points.iter().enumerate().map(at).collect::<Result<Vec<_>, ReductionError>>()?;
+        let modes = self.modes(&systems)?;
+        let one = |(point, (system, modes)): (usize, (&SecondOrder, Modes))| {
+            let slope = |(at, &lambda): (usize, &Complex<f64>)| {
+                split::vector(&modes.left, at).dot(&system.derivative_times(lambda, &split::vector(&modes.right, at)))
+            };
+            let slopes: Vec<Complex<f64>> = modes.lambdas.iter().enumerate().map(slope).collect();
+            let on_larger = |shapes| dense::product(small.basis(), shapes);
+            let (right, left) = (on_larger(&modes.right), on_larger(&modes.left));
+            self.judge(point, Modes { lambdas: modes.lambdas, right, left }, &slopes)
+        };
+        systems.iter().zip(modes).enumerate().map(one).collect()
+    }
+
+    /// The error of modes whose slopes `y^T Q'(lambda) x` are given: with a better left vector y - c the eigenvalue changes by `c^T Q(lambda) x` over that.
+    fn judge(&self, point: usize, modes: Modes, slopes: &[Complex<f64>]) -> Result<Judged, ReductionError> {
+        let ((_, SecondOrder { m, c, k, .. }), gains) = (self.structures.of(point), &self.points[point].channels);
+        let mut residual = split::quadratic([m, c, k], &modes.lambdas, &modes.right);
+        self.friction.add(gains, &modes.lambdas, &modes.right, &mut residual);
+        let [m, c, k] = [m, c, k].map(DMatrix::transpose);
+        let mut of_left = split::quadratic([&m, &c, &k], &modes.lambdas, &modes.left);
+        self.friction.add_transposed(gains, &modes.lambdas, &modes.left, &mut of_left);
+        let (mut better_left, mut shifts, mut error) = (modes.left.clone(), Vec::with_capacity(slopes.len()), 0.0_f64);
+        for (at, (&lambda, slope)) in modes.lambdas.iter().zip(slopes).enumerate() {
+            let correction = self.inverse(lambda).solve_transposed(&split::vector(&of_left, at))?;
+            let shift = correction.dot(&split::vector(&residual, at)) / slope;
+            if self.rectangle.contains_to_the_right(lambda, 0.0) {
+                let own = shift.norm() / lambda.norm();
+                error = if own.is_nan() { f64::INFINITY } else { error.max(own) };
+            }
+            shifts.push(shift);
+            let better = (split::vector(&modes.left, at) - correction).normalize();
+            split::set(&mut better_left, at, better.iter().copied());
+        }
+        Ok(Judged { modes, residual, better_left, shifts, error })
+    }
+
+    /// The modes of a smaller system as better ones of the larger one: `x - Q_0(i omega)^-1 Q(lambda) x`, with Q_0 that of the first point at the nearest
+    /// of some frequencies, leaves of an error what lies along x, and what both Q differ in.
+    fn better(&self, judged: Judged) -> Result<Modes, ReductionError> {
+        let Judged { modes: Modes { mut lambdas, mut right, .. }, residual, better_left: left, shifts, .. } = judged;
+        for (at, (lambda, shift)) in lambdas.iter_mut().zip(shifts).enumerate() {
+            let correction = self.inverse(*lambda).solve(&split::vector(&residual, at))?;
+            let better = (split::vector(&right, at) - correction).normalize();
+            split::set(&mut right, at, better.iter().copied());
+            if shift.norm() <= SHIFTED * lambda.norm() {
+                *lambda += shift;
+            }
+        }
+        Ok(Modes { lambdas, right, left })
+    }
+
+    /// `Q(i omega)^-1` at the first point, omega next to an eigenvalue.
+    fn inverse(&self, lambda: Complex<f64>) -> &dense::Factored {
+        let distance = |at: &usize| (lambda.im - self.inverses[*at].0).abs();
+        let nearest = (0..INVERSES).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        &self.inverses[nearest.unwrap_or_default()].1
+    }
+
+    /// The system on the principal directions of all vectors, of unit energy, down to a singular value.
+    fn smaller(&self, known: &[Modes], floor: f64) -> Result<Smaller, ReductionError> {
+        let none = split::zeros(self.reduced.order(), 0);
+        let sides = known.iter().flat_map(|modes| [&modes.right, &modes.left]);
+        let vectors = sides.fold(none, |all, side| split::joined(&all, side));
+        if vectors.ncols() == 0 {
+            return Err(ReductionError::NoModes);
+        }
+        let mut vectors = dense::product(&self.energy, &vectors);
+        for (at, size) in split::norms(&vectors).into_iter().enumerate() {
+            let unit = split::vector(&vectors, at).unscale(size);
+            split::set(&mut vectors, at, unit.iter().copied());
+        }
+        let found = directions(&DMatrix::zeros(vectors.nrows(), 0), vectors, floor.max(ROUNDING))?;
+        let basis = dense::solve_real(&self.energy, &found)?.qr().q();
+        Ok(Smaller::new(basis, self.reduced))
+    }
+
+    /// Indices of known modes in the rectangle that a smaller system does not have, and of those that it has in it and that are not known.
+    fn others(&self, known: &Modes, found: &Modes) -> [Vec<usize>; 2] {
+        let is_inside = |lambda: &&Complex<f64>| self.rectangle.contains_to_the_right(**lambda, 0.0);
+        let without = |of: &Modes, others: &Modes| {
+            let inside: Vec<Complex<f64>> = of.lambdas.iter().filter(is_inside).copied().collect();
+            let missed = compared(&inside, others.lambdas.clone()).missed;
+            (0..of.lambdas.len()).filter(|&at| missed.contains(&of.lambdas[at])).collect()
+        };
+        [without(known, found), without(found, known)]
+    }
 }

@@ -117,7 +117,7 @@ fn columns_follow_modes_and_hold_every_friction_and_arrangement_between_the_poin
             let modes = snapshots.at(&point).unwrap();
             snapshots.add(&modes).unwrap();
         }
-        let basis = snapshots.basis(FLOOR, 300).unwrap();
+        let (basis, _) = snapshots.basis(FLOOR, 300).unwrap();
         assert!((basis.tr_mul(&basis) - DMatrix::identity(basis.ncols(), basis.ncols())).amax() < 1e-12);
         let (reduced, whole) = (system.project(&basis).unwrap(), dense(&system));
         let (mut growing, mut modes) = (0, 0);
@@ -147,7 +147,7 @@ fn errors_are_foreseen_from_what_a_basis_misses() {
     for (count, point) in taken(n).into_iter().enumerate() {
         let modes = snapshots.at(&point).unwrap();
         snapshots.add(&modes).unwrap();
-        let basis = snapshots.basis(FLOOR, 300).unwrap();
+        let (basis, _) = snapshots.basis(FLOOR, 300).unwrap();
         assert!(modes.error(&basis) < 1e-9, "{count}: {:e}", modes.error(&basis));
         let reduced = system.project(&basis).unwrap();
         for (mu, open) in [(0.3, None), (0.6, Some(1)), (0.5, Some(2))] {

@@ -5,7 +5,7 @@ mod samples;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use cea::{Anchors, EigenSolver, Gain, Mode, WholeSpectra};
+use cea::{Anchors, EigenSolver, Gain, WholeSpectra};
 use linsys::OperatingPoint;
 use montecarlo::{Progress, StreamRng};
 use num_complex::Complex;
@@ -13,7 +13,7 @@ use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
 use super::check::check;
-use super::reference::{Bridges, Reference, References, SectoredReference, references};
+use super::reference::{Reference, References, SectoredReference, references};
 use super::scratch::{Scratch, timed};
 use super::sector_modes::{SectorEquation, SectorSolver};
 use super::secular_equations::{SecularEquations, anchors, equations};
@@ -155,11 +155,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
         let source = brake.mode_source();
-        let bridge =
-            source.map(|source| move |configuration: usize, modes: [&[Mode]; 2]| source.bridge(configuration, modes));
-        let bridge = bridge.as_ref().map(|bridge| bridge as &Bridges<'_>);
         let References { origins, scenes } =
-            references(plan, &points, bridge, by_likeness, &solver, progress).map_err(failed)?;
+            references(plan, &points, source, by_likeness, &solver, progress).map_err(failed)?;
         let (references, sector_references): (Vec<_>, Vec<_>) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates && source.is_none() {

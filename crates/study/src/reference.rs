@@ -20,10 +20,10 @@ use num_complex::Complex;
 use osc_model::{OscModelError, Sector, Sectors};
 use tracking::{Links, OwnedPath, Path, PathEnd, PathStart, follow, identify, identify_all};
 
-pub(super) use self::of_plan::{Bridges, References, references};
+pub(super) use self::of_plan::{References, references};
 
 use super::named_shapes::NamedShapes;
-use super::{ModeIdentity, ModeLabel, Plan};
+use super::{CoarsePath, ModeIdentity, ModeLabel, Plan};
 use crate::Error;
 
 /// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
@@ -56,6 +56,11 @@ pub(crate) fn on_basis(mode: &Mode, system: &SecondOrder, basis: &DMatrix<f64>) 
     let shape = real_times_complex(&basis.transpose(), &mode.shape);
     let is_held = shape.norm_squared() >= HELD * mode.shape.norm_squared();
     is_held.then(|| Mode::normalised(&system.m, mode.lambda, shape))
+}
+
+/// Those of some modes that a basis of fewer coordinates holds, by their indices, in these coordinates.
+fn held(modes: &[Mode], system: &SecondOrder, basis: &DMatrix<f64>) -> (Vec<usize>, Vec<Mode>) {
+    modes.iter().enumerate().filter_map(|(at, mode)| Some((at, on_basis(mode, system, basis)?))).unzip()
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
@@ -188,12 +193,13 @@ impl Reference {
         Ok(if self.shapes.is_some() { part.naming_by_likeness() } else { part })
     }
 
-    /// The modes of `system`, with names from this reference: by MAC with the shapes of the origin, or by continuation.
+    /// The modes of `system`, with names from this reference: by MAC with the shapes of the origin, or by continuation, in fewer coordinates where the
+    /// brake has some: of the modes that these hold.
     fn linked(
         &self,
         solver: &dyn EigenSolver,
         system: SecondOrder,
-        way: Way,
+        (way, coarse): (Way, Option<&CoarsePath<'_>>),
         plan: &Plan,
         work: &mut Workspace,
     ) -> Result<Self, Error> {
@@ -203,11 +209,29 @@ impl Reference {
             next.names = next.names_by_likeness(&next.modes).unwrap_or_default();
             return Ok(next);
         }
-        let end = PathEnd { system: &next.system, modes: &next.modes };
-        let path = Path { start: PathStart::System(&self.system), start_modes: &self.modes, end };
-        let links = match way {
-            Way::Far => follow(solver, path, work)?,
-            Way::Near => identify(solver, path, work)?,
+        let linked = |[from, to]: [(&SecondOrder, &[Mode]); 2], work: &mut Workspace| {
+            let path = Path {
+                start: PathStart::System(from.0),
+                start_modes: from.1,
+                end: PathEnd { system: to.0, modes: to.1 },
+            };
+            match way {
+                Way::Far => follow(solver, path, work),
+                Way::Near => identify(solver, path, work),
+            }
+        };
+        let links = match coarse {
+            Some(CoarsePath { systems: [from, to], basis }) => {
+                let [starts, ends] = [held(&self.modes, from, basis), held(&next.modes, to, basis)];
+
+                let found = linked([(from, &starts.1), (to, &ends.1)], work)?;
+                let mut links = vec![Vec::new(); self.modes.len()];
+                for (start, link) in starts.0.into_iter().zip(found) {
+                    links[start] = link.into_iter().map(|to| ends.0[to]).collect();
+                }
+                links
+            }
+            None => linked([(&self.system, &self.modes), (&next.system, &next.modes)], work)?,
         };
         next.name(&self.names, links);
         Ok(next)
@@ -245,12 +269,13 @@ impl SectoredReference {
         solver: &dyn EigenSolver,
         sectors: &Sectors,
         system: SecondOrder,
-        way: Way,
+        (way, coarse): (Way, Option<CoarsePath<'_>>),
         plan: &Plan,
     ) -> Result<Self, Error> {
         let mut work = bounded_workspace(system.order());
-        let of_sector =
-            |(from, sector): (&Reference, &Sector)| from.linked(solver, sector.reduced(&system)?, way, plan, &mut work);
+        let of_sector = |(from, sector): (&Reference, &Sector)| {
+            from.linked(solver, sector.reduced(&system)?, (way, coarse.as_ref()), plan, &mut work)
+        };
         let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;
         Ok(Self { whole: Reference::joined(system, sectors, &parts), sectors: parts })
     }

@@ -10,7 +10,6 @@ use reduction::{Compared, compared};
 use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, wider};
 
 use super::reduce::{NEXT_TO_AXIS, Trained, modes_beside};
-use super::set_basis::is_of_responses;
 use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
 use super::{Bases, FiniteElementBrake};
 use crate::Error;
@@ -55,14 +54,14 @@ impl FiniteElementBrake {
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));
             brake.full_checks = Some(sum);
-            if round == MOST_ROUNDS || !all.iter().any(|one| is_open(&brake.case, one)) {
+            if round == MOST_ROUNDS || !all.iter().any(is_open) {
                 for (at, distance) in all.into_iter().filter_map(|one| one.at.zip(one.beyond)) {
                     let known = &mut brake.sets[at.set].held_out;
                     *known = known.max(distance);
                 }
                 break;
             }
-            let open = all.into_iter().filter(|one| is_open(&brake.case, one));
+            let open = all.into_iter().filter(is_open);
             trained.extend(open.filter_map(|one| one.at));
             let Self { case, full_checks, .. } = brake;
             brake = Self { full_checks, ..Self::with_points(case, Bases::OfEach, &[], &trained, progress)? };
@@ -71,11 +70,9 @@ impl FiniteElementBrake {
     }
 }
 
-/// True if a draw calls for more training: one with other modes or errors beyond those that are assumed, or with residuals above the one asked for of a
-/// basis of responses. Of a basis of modes the distance of eigenvalues is what was trained for.
-fn is_open(case: &FiniteElementCase, OneCheck { found, beyond, .. }: &OneCheck) -> bool {
-    let is_above = found.residuals_above > 0 && case.contact.as_ref().is_some_and(is_of_responses);
-    found.has_other_modes() || beyond.is_some() || is_above
+/// True if a draw calls for more training: one with other modes, or errors beyond those that are assumed.
+fn is_open(OneCheck { found, beyond, .. }: &OneCheck) -> bool {
+    found.has_other_modes() || beyond.is_some()
 }
 
 /// Comparison of one draw, in one scene, with the whole brake. One without an operating point, as where contacts have no equilibrium, is counted as

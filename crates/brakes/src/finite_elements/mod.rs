@@ -13,7 +13,7 @@ mod training;
 mod whole;
 
 pub use points::{at_medians, frictionless, loads_at_medians};
-pub use reduce::{BESIDE, Bases, Part, ReducedSet};
+pub use reduce::{BESIDE, Bases, Part, ReducedSet, Rung};
 
 use std::f64::consts::TAU;
 use std::sync::PoisonError;
@@ -23,7 +23,7 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use reduction::{ReducedModes, ReductionError, RouteCounts, Rung, grows_too_fast};
+use reduction::{ReducedModes, ReductionError, RouteCounts, grows_too_fast};
 use study::{
     BandMode, Bridge, CoarsePath, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable,
     NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
@@ -48,13 +48,8 @@ const LEAST_ERROR: f64 = 1e-5;
 /// Factor of the largest residual at draws of which a basis of modes was not made, up to which the distance that was measured there is taken to tell the
 /// error of a mode; chosen.
 const BEYOND_HELD_OUT: f64 = 10.0;
-/// Columns that a basis of a brake without contact is expected to have, before it is made; chosen.
-const EXPECTED_COLUMNS: usize = 40;
-/// Columns that a basis is expected to have with a contact between faces or of many pairs; chosen.
-const EXPECTED_COLUMNS_OF_MODES: usize = 150;
-/// Columns that a basis is expected to have for each closed pair of nodes: with friction along the sliding alone, and across it too. Measured
-/// with cases/disc-pad (27 pairs), the second also with its refinement of 75 pairs.
-const EXPECTED_COLUMNS_BY_PAIR: [f64; 2] = [3.2, 4.15];
+/// Columns that a basis is expected to have before it is made. Measured with cases/disc-pad (100) and its refinement to 75 pairs (150).
+const EXPECTED_COLUMNS: usize = 130;
 
 /// Finite element brake of a case, reduced: a dense brake for each configuration in place of the mesh.
 ///
@@ -152,20 +147,12 @@ impl FiniteElementBrake {
         Ok(Self { case, plan, sets, parts, naming_systems, of_origins, of_configurations, closed, full_checks: None })
     }
 
-    /// Memory and processor time of the bases of a case, roughly, before any of them is made: a basis has columns by its closed pairs.
+    /// Memory and processor time of the bases of a case, roughly, before any of them is made.
     pub fn expected_cost(case: &FiniteElementCase) -> Cost {
-        let columns: Vec<usize> = case.contact.as_ref().map_or(vec![EXPECTED_COLUMNS], |contact| {
-            if !set_basis::is_of_responses(contact) {
-                return vec![EXPECTED_COLUMNS_OF_MODES; contact.panels.iter().map(|(_, all)| all.len()).sum()];
-            }
-            let by_pair = EXPECTED_COLUMNS_BY_PAIR[usize::from(contact.is_lateral)];
-            let arrangements = contact.panels.iter().flat_map(|(_, arrangements)| arrangements);
-            let pairs =
-                |closed: &[usize]| closed.iter().map(|&patch| contact.patches[patch].pairs.len()).sum::<usize>();
-            let columns = |closed: &[usize]| (by_pair * pairs(closed) as f64) as usize;
-            arrangements.map(|arrangement| EXPECTED_COLUMNS.max(columns(arrangement.in_contact()))).collect()
-        });
-        let solutions = case.constraints.len() * set_basis::solutions(case);
+        let arrangements =
+            case.contact.as_ref().map_or(1, |contact| contact.panels.iter().map(|(_, all)| all.len()).sum());
+        let columns = vec![EXPECTED_COLUMNS; arrangements];
+        let solutions = case.constraints.len() * set_basis::SOLUTIONS;
         Cost::of_bases(case.dofs.len(), &columns.repeat(case.constraints.len())).with_solutions(solutions)
     }
 

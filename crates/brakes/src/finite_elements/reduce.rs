@@ -10,13 +10,13 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
 use reduction::{
-    Compared, Options, Reduced, RouteCounts, Rung, Wanted, Within, compared, grows_too_fast, rungs, within,
+    Combinations, Compared, Options, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast, within,
 };
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{all_patches, naming_point, of_brake};
 use super::set_basis::{self, HeldOut, SetBasis};
-use super::training::{AT_BORDER, Closed, MOST_SOLUTIONS, arrangements, rectangle, training};
+use super::training::{AT_BORDER, Closed, arrangements, rectangle, training};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
@@ -27,16 +27,9 @@ const BEYOND: f64 = 1.5;
 const SLOWEST: f64 = 1e-3;
 /// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
 pub const BESIDE: f64 = 1.05;
-/// Residual that modes may have on a smaller basis within that of a set, as a part of `reduction.residual`. Both are taken to add as squares,
-/// 0.5^2 + 0.8^2 < 1; chosen: residuals of samples are measured in the whole brake.
-const WITHIN: f64 = 0.8;
-/// Residual that modes may have on a smaller basis within one of modes, as a part of `reduction.residual`. It is that of right vectors alone, so that
-/// the error of eigenvalues follows it: with the refinement of cases/disc-pad to 168 pairs [`WITHIN`] left 3.5e-5 of |lambda|, which is far above what the
-/// basis of a set is made for.
-const WITHIN_MODES: f64 = 0.03;
-/// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
-/// when a study has ended ([`study::FullChecks`]).
-const PROBES: usize = 1;
+/// Error, relative to |lambda|, that eigenvalues may have on a smaller basis within that of a set, as it is estimated; chosen: a third of what that of a set
+/// is made for.
+const WITHIN: f64 = 3e-7;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
@@ -54,13 +47,17 @@ pub struct ReducedSet {
     pub system: SparseAffineSystem,
     /// Basis V, n x k: it holds the brake in all arrangements.
     pub basis: DMatrix<f64>,
+    /// Number of its first columns that have all modes of any draw, roughly.
+    leading: usize,
+    /// For residuals on smaller bases within it.
+    combinations: Combinations,
     /// The brake on it.
     pub reduced: AffineSystem,
     /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
     pub modes: Vec<Complex<f64>>,
     /// Comparison of these modes with those of the reduced brake.
     pub compared: Compared,
-    /// Draws of which a basis of modes was not made; none of one of responses.
+    /// Draws of which the basis was not made.
     drawn: Vec<HeldOut>,
     /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
     /// of them does not have the same modes, and 0 without any.
@@ -76,10 +73,23 @@ pub struct Part {
     pub set: usize,
     /// Basis within that of the set, what it took, and whether it was reached.
     pub within: Within,
+    /// Its modes in the rectangle at the medians, rad/s.
+    pub first: Vec<Complex<f64>>,
     /// The brake, with residuals in the whole one.
     pub reduced: Reduced,
     /// Number of samples that each route found.
     pub routes: Mutex<RouteCounts>,
+}
+
+/// Error of the first columns of the basis of a part, taken as a basis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// Number of columns.
+    pub columns: usize,
+    /// The largest residual in the whole brake of a mode in the rectangle, at the medians and some draws.
+    pub residual: f64,
+    /// The modes in the rectangle at the medians, rad/s.
+    pub first: Vec<Complex<f64>>,
 }
 
 /// Choice of the arrangements that have a basis of their own.
@@ -149,7 +159,7 @@ pub(super) fn all_bases(
             }
         }
     }
-    progress.begin((case.constraints.len() * set_basis::solutions(case) + asked.len()) as u64, 0);
+    progress.begin((case.constraints.len() * set_basis::SOLUTIONS + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for (at, set) in case.constraints.iter().enumerate() {
         progress.go_on()?;
@@ -171,7 +181,7 @@ pub(super) fn all_bases(
     let whole = |(set, &origin): (&ReducedSet, &usize)| modes_at_medians(case, set, &asked[origin], &parts[origin]);
     let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
     for (at, ((set, whole), &origin)) in sets.iter_mut().zip(whole).zip(&of_origins).enumerate() {
-        set.compared = compared(&whole, parts[origin].within.first.clone());
+        set.compared = compared(&whole, parts[origin].first.clone());
         set.modes = whole;
         let of_set = &of_configurations[at * arrangements.len()..];
         let part = |closed: &Closed| arrangements.iter().position(|own| own == closed).map(|own| &parts[of_set[own]]);
@@ -249,13 +259,16 @@ fn reduced_set(
 ) -> Result<ReducedSet, Error> {
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?;
-    let SetBasis { basis, held_out: drawn } = set_basis::basis(case, &system, points, progress)?;
+    let SetBasis { basis, leading, held_out: drawn } = set_basis::basis(case, &system, points, progress)?;
     let reduced = system.project(&basis)?;
+    let combinations = Combinations::new(&system, &basis);
     let compared = compared(&[], Vec::new());
     Ok(ReducedSet {
         dofs,
         system,
         basis,
+        leading,
+        combinations,
         reduced,
         modes: Vec::new(),
         compared,
@@ -274,7 +287,7 @@ fn modes_at_medians(
 ) -> Result<Vec<Complex<f64>>, Error> {
     let first = &asked.arrangements[0];
     let at = of_brake(case, first, &naming_point(case, first)?);
-    whole_modes(case, &set.system.assemble(&at)?, &part.within.first)
+    whole_modes(case, &set.system.assemble(&at)?, &part.first)
 }
 
 /// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
@@ -317,25 +330,25 @@ fn part(
     let at_median = of_brake(case, first, &naming_point(case, first)?);
     let mut training = training(case, &asked.arrangements, case.reduction.training as u64, swept)?;
     training.extend_from_slice(trained);
-    let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
-    let is_of_responses = case.contact.as_ref().is_some_and(set_basis::is_of_responses);
-    let options = Options {
-        tolerance: case.reduction.residual * if is_of_responses { WITHIN } else { WITHIN_MODES },
-        most_enrichments: MOST_SOLUTIONS,
-        most_columns: set.basis.ncols(),
-        probes: PROBES,
-        ..Options::default()
-    };
-    let within = within(&set.system, &set.reduced, &wanted, &options)?;
+    let rectangle = rectangle(case);
+    let within = within((&set.reduced, set.leading), (rectangle, &training), WITHIN)?;
     // Draws that did not agree before all others, and these thinned evenly.
     let mut known: Vec<OperatingPoint> = within.solved.iter().chain(trained).cloned().collect();
     let others = &training[..training.len() - trained.len()];
     let step = others.len().div_ceil(COARSE_POINTS.saturating_sub(known.len()).max(1)).max(1);
     known.extend(others.iter().step_by(step).cloned());
-    let known = &known;
-    let basis = &set.basis * &within.basis;
-    let reduced = Reduced::new(&set.system, basis, wanted.rectangle, known, &options)?.with_coarse(known)?;
-    Ok(Part { set: asked.set, within, reduced, routes: Mutex::default() })
+    let reduced = set.reduced_within(&within.basis, case)?.with_coarse(&known)?;
+    let first = reduced.modes(&at_median)?.lambdas;
+    Ok(Part { set: asked.set, within, first, reduced, routes: Mutex::default() })
+}
+
+impl ReducedSet {
+    /// The brake on a smaller basis W within that of the set.
+    fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
+        let options = Options { tolerance: case.reduction.residual, ..Options::default() };
+        let of_set = (&self.basis, &self.reduced, &self.combinations);
+        Ok(Reduced::within(of_set, columns, rectangle(case), &options)?)
+    }
 }
 
 /// Cost against error of a set of constraints with all patches closed: what fewer columns of its basis hold.
@@ -343,9 +356,18 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
     let all = all_patches(case);
     let at_median = of_brake(case, &all, &naming_point(case, &all)?);
     let training = training(case, &[all], MEASURED_POINTS, &[])?;
-    let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
+    let points: Vec<OperatingPoint> = std::iter::once(at_median).chain(training).collect();
     let all = origin.within.basis.ncols();
     let mut columns: Vec<usize> = (1..=RUNGS).map(|rung| (all * rung).div_ceil(RUNGS)).collect();
     columns.dedup();
-    Ok(rungs(&set.system, &set.reduced, &wanted, &origin.within.basis, &columns)?)
+    let rung = |columns: usize| {
+        let first = origin.within.basis.columns(0, columns).into_owned();
+        let reduced = set.reduced_within(&first, case)?;
+        let found = points.iter().map(|at| reduced.modes(at)).collect::<Result<Vec<_>, _>>()?;
+        let worse = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
+        let residual = found.iter().map(ReducedModes::largest_residual).fold(0.0, worse);
+        let first = found.into_iter().next().map_or(Vec::new(), |found| found.lambdas);
+        Ok(Rung { columns, residual, first })
+    };
+    columns.into_iter().map(rung).collect()
 }

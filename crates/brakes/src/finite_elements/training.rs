@@ -14,8 +14,6 @@ use crate::case::{FiniteElementCase, Law, ReductionGoal};
 /// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
 /// does hardly any brake squeal, and where nothing is there a search costs little.
 const SEARCHED: f64 = 0.25;
-/// Most complete solutions for the basis of a part; chosen: one that needs more is as large as its limit.
-pub(super) const MOST_SOLUTIONS: usize = 60;
 /// Draws of a stream after which none of them is taken to have an operating point; chosen.
 const MOST_DRAWS: usize = 20;
 /// The first stream of draws that the basis of a set is made of, far from those of samples, of full checks and of training points.

@@ -73,20 +73,18 @@ impl Channel {
         self.force.iter().for_each(|&(dof, b)| out[dof] -= force * b);
     }
 
-    /// Adds the forces of this channel; its lag, if any, becomes the internal state `state`.
-    pub(super) fn add(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
-        // By columns, as matrices are stored: the channels of a reduced brake are dense.
+    /// True of the sides of a channel of a reduced brake: with every entry, in order.
+    pub(super) fn is_dense(&self, order: usize) -> bool {
+        [&self.force, &self.reading].into_iter().all(|side| side.iter().map(|&(dof, _)| dof).eq(0..order))
+    }
+
+    /// Adds the forces of this channel that follow displacements and velocities.
+    pub(super) fn add_instant(&self, gain: &ChannelGain, out: &mut SecondOrder) {
         let rows = out.order();
-        let is_dense = self.force.len() == rows && self.force.iter().enumerate().all(|(at, &(row, _))| at == row);
-        let dense: Vec<f64> = self.force.iter().filter(|_| is_dense).map(|&(_, b)| b).collect();
         let add = |matrix: &mut DMatrix<f64>, factor: f64, across: &[(usize, f64)]| {
             for &(column, r) in across {
                 let column = &mut matrix.as_mut_slice()[column * rows..(column + 1) * rows];
-                if is_dense {
-                    column.iter_mut().zip(&dense).for_each(|(entry, b)| *entry += factor * (b * r));
-                } else {
-                    self.force.iter().for_each(|&(row, b)| column[row] += factor * (b * r));
-                }
+                self.force.iter().for_each(|&(row, b)| column[row] += factor * (b * r));
             }
         };
         if gain.mu != 0.0 {
@@ -95,13 +93,16 @@ impl Channel {
         if gain.slope != 0.0 {
             add(&mut out.c, gain.slope, &self.force);
         }
-        if let Some(lag) = gain.lag {
-            out.internal.decay[state] = lag.decay;
-            for &(dof, b) in &self.force {
-                // The state is driven by the sliding velocity -b^T u'.
-                out.internal.drive[(state, dof)] = -b * lag.drive;
-                out.internal.force[(dof, state)] = b * lag.force;
-            }
+    }
+
+    /// Adds the lag of this channel, if any, as the internal state `state`.
+    pub(super) fn add_lag(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
+        let Some(lag) = gain.lag else { return };
+        out.internal.decay[state] = lag.decay;
+        for &(dof, b) in &self.force {
+            // The state is driven by the sliding velocity -b^T u'.
+            out.internal.drive[(state, dof)] = -b * lag.drive;
+            out.internal.force[(dof, state)] = b * lag.force;
         }
     }
 }

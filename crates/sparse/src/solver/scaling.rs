@@ -17,6 +17,8 @@ use crate::{SparseSecondOrder, State};
 /// Rounds of choosing gamma and equilibrating in turn, and sweeps of Ruiz's iteration in each; those of `cea::certified`.
 const ROUNDS: usize = 5;
 const SWEEPS: usize = 8;
+/// Distance from one of the largest entries of all rows and columns at which no further sweep is made; chosen: factors become powers of two.
+const EVEN: f64 = 0.02;
 /// Ratio of two factors of rows, or of columns, from which on a search needs the scaling; chosen: a million between entries.
 const UNEVEN: f64 = 1e3;
 
@@ -147,8 +149,15 @@ fn equilibrate(system: &SparseSecondOrder, gamma: f64, left: &mut [f64], right: 
             }
         }
         let sides = [(&mut *left, rows), (&mut *right, columns)];
+        let mut is_even = true;
         for (factors, largest) in sides {
-            factors.iter_mut().zip(largest).filter(|(_, size)| *size > 0.0).for_each(|(f, size)| *f /= size.sqrt());
+            for (factor, size) in factors.iter_mut().zip(largest).filter(|(_, size)| *size > 0.0) {
+                *factor /= size.sqrt();
+                is_even &= (size - 1.0).abs() <= EVEN;
+            }
+        }
+        if is_even {
+            break;
         }
     }
 }

@@ -4,14 +4,14 @@ use cea::{EigenSolver, Mode, Modes, ranks_together};
 use linsys::{OperatingPoint, SecondOrder, real_times_complex};
 use montecarlo::Progress;
 use nalgebra::DMatrix;
-use osc_model::{Brake, Sector};
+use osc_model::Sector;
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, follow};
 
 use super::{Reference, SectoredReference, Way, bounded_workspace, path_start};
 use crate::Error;
 use crate::named_shapes::NamedShapes;
-use crate::{Bridge, Configuration, ModeIdentity, ModeLabel, Origin, Plan, Scene};
+use crate::{Configuration, ModeIdentity, ModeLabel, ModeSource, Origin, Plan, Scene};
 
 /// The references of the origins and of the scenes of a plan, each in their order.
 pub(crate) struct References {
@@ -19,18 +19,16 @@ pub(crate) struct References {
     pub scenes: Vec<SectoredReference>,
 }
 
-/// The bridge to a configuration, from the modes of its origin and its own.
-pub(crate) type Bridges<'a> = dyn Fn(usize, [&[Mode]; 2]) -> Result<Option<Bridge>, Error> + Sync + 'a;
-
-/// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` the common subspace of each
-/// configuration and its origin where their degrees of freedom may differ. Shapes of the origins are kept if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
+/// The references of `plan`; `points` are the operating points of its scenes at median parameters. A brake that finds its modes itself is the `source` of
+/// coordinates in which modes are followed. Shapes of the origins are kept if they are to name modes `by_likeness`. Progress advances by one for each
+/// configuration and each scene.
 ///
 /// # Errors
 /// Those of the model and of the solver; [`Error::Scene`] names the scene.
 pub(crate) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
-    bridge: Option<&Bridges<'_>>,
+    source: Option<&dyn ModeSource>,
     by_likeness: bool,
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
@@ -43,8 +41,8 @@ pub(crate) fn references(
     let of_configuration = |(place, configuration): (usize, &Configuration)| {
         progress.go_on()?;
         let origin = &origins[configuration.origin];
-        let bridged = match bridge {
-            Some(bridge) => across(bridge, place, origin, plan, solver),
+        let bridged = match source {
+            Some(source) => across(source, place, origin, plan, solver),
             None => Ok(None),
         };
         let found = match bridged {
@@ -66,7 +64,7 @@ pub(crate) fn references(
         .collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
         progress.go_on()?;
-        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], plan, solver);
+        let found = of_scene((scene, at), &configurations[scene.configuration], (plan, source), solver);
         progress.advance(1);
         found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
@@ -111,13 +109,13 @@ fn of_configuration(
     }
     // On the straight path from one system to the other the stiffness and the load of the contacts that open fade out
     // together.
-    SectoredReference::linked(&from, solver, &brake.sectors, system, Way::Far, plan)
+    SectoredReference::linked(&from, solver, &brake.sectors, system, (Way::Far, None), plan)
 }
 
 /// The modes of a configuration, by its index in the plan, named by those of an origin with other degrees of freedom, in coordinates that
 /// both have in common; `None` where both have the same.
 fn across(
-    bridge: &Bridges<'_>,
+    source: &dyn ModeSource,
     place: usize,
     origin: &Reference,
     plan: &Plan,
@@ -130,7 +128,7 @@ fn across(
     }
     let mut work = bounded_workspace(system.order());
     let mut next = Reference::unnamed(solver, system, plan, &mut work)?;
-    let Some(bridge) = bridge(place, [&origin.modes, &next.modes])? else { return Ok(None) };
+    let Some(bridge) = source.bridge(place, [&origin.modes, &next.modes])? else { return Ok(None) };
     let lifted = |modes: &[Mode], onto: &DMatrix<f64>, system: &SecondOrder| -> Vec<Mode> {
         modes
             .iter()
@@ -155,15 +153,20 @@ fn across(
 }
 
 fn of_scene(
-    brake: &Brake,
-    at: &OperatingPoint,
+    (scene, at): (&Scene, &OperatingPoint),
     configuration: &SectoredReference,
-    plan: &Plan,
+    (plan, source): (&Plan, Option<&dyn ModeSource>),
     solver: &dyn EigenSolver,
 ) -> Result<SectoredReference, Error> {
+    let brake = plan.brake(scene);
     let system = brake.system.assemble(at)?;
     if system == configuration.whole.system {
         return Ok(configuration.clone());
     }
-    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, Way::Near, plan)
+    let naming_point = &plan.configurations[scene.configuration].naming_point;
+    let coarse = match source {
+        Some(source) => source.coarse(scene, [naming_point, at])?,
+        None => None,
+    };
+    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, (Way::Near, coarse), plan)
 }
