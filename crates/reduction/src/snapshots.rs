@@ -1,7 +1,6 @@
 //! A basis of modes at a few points: its columns follow the modes that are wanted, whatever the number of contacts is.
 //!
-//! A basis of [responses](super::response_basis) has columns for each contact. What friction and opened contacts do to the modes of a band is smooth over a
-//! face, and lies in far fewer directions: those of the modes at a few draws. Left vectors are among them, so that the error of an eigenvalue is the product
+//! What friction and opened contacts do to the modes of a band is smooth over a face, and lies in few directions: those of the modes at a few draws. Left vectors are among them, so that the error of an eigenvalue is the product
 //! of what is missing on both sides. How many draws it takes is told by the next ones: by what a basis misses of their modes before these enter it.
 
 use linsys::OperatingPoint;

@@ -39,9 +39,9 @@ const LOWER: f64 = 0.6;
 pub struct Within {
     /// W, k x m, orthonormal: columns of the smaller basis in terms of the larger one.
     pub basis: DMatrix<f64>,
-    /// The points at which all modes of the larger system were found, as corrections did not end.
+    /// The points at which all modes of the larger system were found, as corrections did not end there.
     pub solved: Vec<OperatingPoint>,
-    /// Modes that the first columns of the larger basis have and a smaller basis did not, however often they were corrected.
+    /// Modes that a smaller basis did not have, however often others were corrected, or that the first columns of the larger one did not have either.
     pub missed: Vec<Complex<f64>>,
     /// The largest estimated error of an eigenvalue in the rectangle, relative to its size; 1 where one is missing.
     pub distance: f64,
@@ -66,12 +66,17 @@ pub fn within(
     let mut known = started.into_iter().map(|judged| search.better(judged)).collect::<Result<Vec<Modes>, _>>()?;
     let mut corrections = vec![1; known.len()];
     let (mut missed, mut round) = (Vec::new(), 0);
+    // The point at which all modes of the larger system are found once, whatever the first columns of its basis have.
+    let (probe, mut is_probed) = (points.len() / 2, false);
     loop {
         small = search.smaller(&known, error.sqrt() * LOWER.powi(round))?;
         let is_last = small.basis().ncols() >= reduced.order() || round == MOST_ROUNDS;
-        let (mut is_reached, mut distance) = (true, 0.0);
+        let (mut is_reached, mut distance, mut at_probe) = (true, 0.0, Vec::new());
         for (at, judged) in search.judged(&mut small)?.into_iter().enumerate() {
-            let [lost, found] = search.others(&known[at], &judged.modes);
+            let [lost, found] = search.others(&known[at].lambdas, &judged.modes.lambdas);
+            if at == probe {
+                at_probe.clone_from(&judged.modes.lambdas);
+            }
             let is_same = lost.is_empty() && found.is_empty();
             distance = f64::max(distance, if is_same { judged.error } else { 1.0 });
             if is_same && judged.error <= error {
@@ -87,6 +92,17 @@ pub fn within(
             } else if corrections[at] == MOST_CORRECTIONS + 1 {
                 missed.extend(known[at].selected(&lost).lambdas);
                 known[at] = search.solved(at)?;
+            }
+        }
+        if is_reached && !is_probed {
+            is_probed = true;
+            let all = search.solved(probe)?;
+            let [lost, _] = search.others(&all.lambdas, &at_probe);
+            if !lost.is_empty() {
+                is_reached = false;
+                distance = 1.0;
+                missed.extend(all.selected(&lost).lambdas);
+                known[probe] = all;
             }
         }
         if is_reached || is_last {
@@ -280,12 +296,12 @@ impl<'a> Search<'a> {
     }
 
     /// Indices of known modes in the rectangle that a smaller system does not have, and of those that it has in it and that are not known.
-    fn others(&self, known: &Modes, found: &Modes) -> [Vec<usize>; 2] {
+    fn others(&self, known: &[Complex<f64>], found: &[Complex<f64>]) -> [Vec<usize>; 2] {
         let is_inside = |lambda: &&Complex<f64>| self.rectangle.contains_to_the_right(**lambda, 0.0);
-        let without = |of: &Modes, others: &Modes| {
-            let inside: Vec<Complex<f64>> = of.lambdas.iter().filter(is_inside).copied().collect();
-            let missed = compared(&inside, others.lambdas.clone()).missed;
-            (0..of.lambdas.len()).filter(|&at| missed.contains(&of.lambdas[at])).collect()
+        let without = |of: &[Complex<f64>], others: &[Complex<f64>]| {
+            let inside: Vec<Complex<f64>> = of.iter().filter(is_inside).copied().collect();
+            let missed = compared(&inside, others.to_vec()).missed;
+            (0..of.len()).filter(|&at| missed.contains(&of[at])).collect()
         };
         [without(known, found), without(found, known)]
     }

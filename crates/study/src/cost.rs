@@ -35,12 +35,13 @@ const BYTES_ALWAYS: f64 = 2.6e7;
 /// and 9e-8.
 const SECONDS_BY_SCENE: f64 = 2e-7;
 
-/// Memory of a basis of a reduction, bytes by the square of its columns, beside itself: its terms, residuals and anchors. Measured with
-/// cases/disc-pad:
-/// 260 bases of 57 to 90 columns for 2,349 degrees of freedom take 3.4 GB.
-const BYTES_BY_BASIS: f64 = 2300.0;
-/// Processor time for each basis, s, by the cube of its columns. Measured with cases/disc-pad: 330 s.
-const SECONDS_BY_BASIS: f64 = 3e-6;
+/// Memory of a basis of a reduction, bytes by the square of its columns, beside itself: its terms, residuals and anchors. With solutions measured with
+/// cases/disc-pad and its refinement, 20 bases: 360 MB for 2,349 degrees of freedom (93 to 111 columns) and 1.6 GB for 14,985 (117 to 157).
+const BYTES_BY_BASIS: f64 = 900.0;
+/// Processor time for each basis, s, by the cube of its columns. Measured with the same: 10 and 30 s.
+const SECONDS_BY_BASIS: f64 = 6e-7;
+/// Complete solutions at a time.
+const TOGETHER: f64 = 2.0;
 
 /// Degrees of freedom of the refined disc and pad by which a complete solution is scaled, of 2,349 to 205,227.
 const LARGE: f64 = 47_376.0;
@@ -74,11 +75,11 @@ impl Cost {
         Self { order, scenes: 0, bytes, seconds }
     }
 
-    /// The cost of some complete solutions of the whole brake beside it: its modes in a band, one solution after another.
+    /// The cost of some complete solutions of the whole brake beside it: its modes in a band, two solutions at a time.
     #[must_use]
     pub fn with_solutions(self, count: usize) -> Self {
         let large = self.order as f64 / LARGE;
-        let bytes = self.bytes + if count > 0 { BYTES_OF_LARGE * large.powf(1.45) } else { 0.0 };
+        let bytes = self.bytes + if count > 0 { TOGETHER * BYTES_OF_LARGE * large.powf(1.45) } else { 0.0 };
         Self { bytes, seconds: self.seconds + count as f64 * SECONDS_OF_LARGE * large.powf(1.65), ..self }
     }
 
