@@ -40,7 +40,7 @@ pub use any::{AnyBrake, CaseBrake, Purpose, cost_of_making, make};
 pub use case;
 pub use error::Error;
 pub use finite_elements::{
-    BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, at_medians, frictionless,
+    BESIDE, Bases, Diverging, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, at_medians, frictionless,
     loads_at_medians,
 };
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};

@@ -163,8 +163,8 @@ impl CaseBrake for MatricesBrake {
         let contacts = case.system.channels().iter().map(|channel| with_family(&channel.name, &channel.family));
         let parameters = case.parameters.iter().map(|parameter| format!("{} [{}]", parameter.name, parameter.unit));
         let mut lines = vec![("dofs", case.dofs.len().to_string()), ("terms", listed(terms.collect()))];
-        for (at, taken) in TakenMatrix::in_words(&case.files).into_iter().enumerate() {
-            lines.push((if at == 0 { "files" } else { "" }, taken));
+        for (at, taken) in TakenMatrix::in_words(&case.taken).into_iter().enumerate() {
+            lines.push((if at == 0 { "matrices" } else { "" }, taken));
         }
         lines.extend([
             ("contacts", listed(contacts.collect())),

@@ -27,13 +27,13 @@ pub(super) struct Accuracy {
     half_width: f64,
 }
 
-/// File of a matrix, and how it was taken.
+/// A matrix of a term, and how it was taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TakenMatrix {
     /// The field, as `table "name".key`.
     pub field: String,
-    /// The file, as the case names it.
-    pub file: PathBuf,
+    /// The file, as the case names it; `None` where its rows are in the case.
+    pub file: Option<PathBuf>,
     /// The matrix in it.
     pub name: String,
     /// Way in which its entries were taken, in words.
@@ -41,12 +41,12 @@ pub struct TakenMatrix {
 }
 
 impl TakenMatrix {
-    /// Lines on how the file of each matrix was taken: files that were taken alike in one line.
+    /// Lines on how each matrix was taken, by its file or field: those that were taken alike in one line.
     #[must_use]
-    pub fn in_words(files: &[Self]) -> Vec<String> {
+    pub fn in_words(matrices: &[Self]) -> Vec<String> {
         let mut alike: Vec<(&str, Vec<String>)> = Vec::new();
-        for Self { file, taken, .. } in files {
-            let name = file.display().to_string();
+        for Self { field, file, taken, .. } in matrices {
+            let name = file.as_ref().map_or_else(|| field.clone(), |file| file.display().to_string());
             match alike.iter_mut().find(|(words, _)| words == taken) {
                 Some((_, names)) if names.contains(&name) => {}
                 Some((_, names)) => names.push(name),
@@ -205,7 +205,7 @@ impl Check<'_> {
             self.note(format!("{field} = {:?}: {doubt}", file.display()));
         }
         let (name, taken) = (matrix.name().to_owned(), matrix.taken());
-        Ok((matrix, TakenMatrix { field: field.to_owned(), file: file.to_owned(), name, taken }))
+        Ok((matrix, TakenMatrix { field: field.to_owned(), file: Some(file.to_owned()), name, taken }))
     }
 
     /// The error for a file that gives no matrix or mesh.

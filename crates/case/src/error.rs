@@ -34,6 +34,16 @@ pub enum CaseError {
         /// The message of the parser, in one line.
         message: String,
     },
+    /// A field set from outside that its reader does not know, or whose value is of a wrong type.
+    #[error("{}: --set {setting}: {message}", path.display())]
+    Setting {
+        /// The case file.
+        path: PathBuf,
+        /// What was set, as `NAME=VALUE`.
+        setting: String,
+        /// The error of the parser.
+        message: String,
+    },
     /// A value that is well-formed and not allowed.
     #[error("{}: {field} = {value}; allowed: {allowed}", path.display())]
     Value {
@@ -89,6 +99,16 @@ pub enum CaseError {
         /// The file with the matrix, as the case names it.
         file: PathBuf,
         /// The error, with the line.
+        source: Box<formats::FormatsError>,
+    },
+    /// Rows in the case file of which nothing says whether they are a triangle, or which contradict what is said.
+    #[error("{}: {field}: {source}", path.display())]
+    Rows {
+        /// The case file.
+        path: PathBuf,
+        /// The field, as `table "name".key`.
+        field: String,
+        /// The contradiction.
         source: Box<formats::FormatsError>,
     },
     /// Matrices that make no system together.

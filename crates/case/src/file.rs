@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::check::{Check, syntax};
-use super::set::edited;
+use super::set::{edited, placed};
 use super::{CaseError, CaseHeader, FiniteElementCase, LatticeCase, MatricesCase};
 use crate::input::{LARGEST_CASE, read_text};
 
@@ -59,8 +59,10 @@ impl CaseFile {
     /// As [`CaseFile::read`].
     pub fn read_with(path: &Path, set: &[String]) -> Result<Self, CaseError> {
         let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
-        let text = if set.is_empty() { text } else { edited(path, &text, set)? };
-        let mut case = Self::parse(path, text)?;
+        let mut case = match set {
+            [] => Self::parse(path, text)?,
+            set => Self::parse(path, edited(path, &text, set)?).map_err(|error| placed(error, &text, set))?,
+        };
         case.header_mut().set = set.to_vec();
         Ok(case)
     }

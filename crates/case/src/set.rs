@@ -31,6 +31,23 @@ pub(super) fn edited(path: &Path, text: &str, set: &[String]) -> Result<String, 
     Ok(document.to_string())
 }
 
+/// The fault of the parser in a text with fields set: at its line of the file, or of what was set where the file has no such line.
+pub(super) fn placed(error: CaseError, text: &str, set: &[String]) -> CaseError {
+    let CaseError::Syntax { path, line, message } = error else { return error };
+    let with = |count: usize| edited(&path, text, &set[..count]).unwrap_or_default();
+    let whole = with(set.len());
+    let at_fault = whole.lines().nth(line - 1).unwrap_or_default();
+    let before = whole.lines().take(line - 1).filter(|line| *line == at_fault).count();
+    let place = |text: &str| text.lines().enumerate().filter(|(_, line)| *line == at_fault).map(|(at, _)| at + 1).nth(before);
+    if let Some(line) = place(text) {
+        return CaseError::Syntax { path, line, message };
+    }
+    match (1..=set.len()).find(|&count| place(&with(count)).is_some()) {
+        Some(count) => CaseError::Setting { setting: set[count - 1].clone(), path, message },
+        None => CaseError::Syntax { path, line, message },
+    }
+}
+
 /// Puts a value into a document; the error says what is allowed.
 fn put(document: &mut Table, keys: &[Key], value: Value) -> Result<(), String> {
     let (table, key) = match keys {
@@ -134,6 +151,7 @@ mod tests {
     use std::path::Path;
 
     use super::edited;
+    use crate::CaseFile;
 
     const CASE: &str = r#"
 # A brake.
@@ -205,6 +223,30 @@ coefficient = 1.0
             let refused = set(&[setting]).unwrap_err();
             assert!(refused.starts_with(&format!("brake.toml: set = {setting}; allowed: ")), "{refused}");
             assert!(refused.contains(allowed), "{refused}");
+        }
+    }
+
+    #[test]
+    fn a_fault_is_that_of_the_file_at_its_line_or_of_what_was_set() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("brake.toml");
+        let case = "[study]\nname = \"n\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n[parameters.k]\ndistribution = \"uniform\"\n\
+                    from = 1.0\nto = 2.0\n[[terms]]\nname = \"all\"\nmass = [[1.0]]\nstiffness = [[1.0]]\ncoefficient = \"k\"\n";
+        let refused = |text: &str, set: &[&str]| {
+            std::fs::write(&path, text).unwrap();
+            let set: Vec<String> = set.iter().map(|&setting| setting.to_owned()).collect();
+            CaseFile::read_with(&path, &set).unwrap_err().to_string()
+        };
+        for setting in ["k.from=0.3", "study.sample=5", "parameters.k.from=low", "study.seed=-1", "terms.all.colour=red"] {
+            for others in [&[][..], &["study.name=other", "accuracy.half_width=0.01"]] {
+                let found = refused(case, &[others, &[setting], others].concat());
+                assert!(found.contains(&format!("brake.toml: --set {setting}: ")), "{found}");
+            }
+        }
+        // A line that moves because of what is set stays that of the file.
+        let wrong = case.replace("stiffness = [[1.0]]", "stifness = [[1.0]]");
+        for set in [&[][..], &["study.samples=5"], &["parameters.k.unit=N/m"], &["k=1.5"]] {
+            assert!(refused(&wrong, set).contains("brake.toml: line 14: stifness"), "{set:?} {}", refused(&wrong, set));
         }
     }
 }

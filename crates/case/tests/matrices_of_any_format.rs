@@ -73,9 +73,69 @@ fn every_format_gives_the_same_brake_in_every_mixture() {
                     .unwrap_or_else(|e| panic!("{mass} {stiffness}: {e}"));
                 let found = case.system.terms()[0].matrices();
                 assert_eq!((&found.m, &found.k), (&m, &k), "{mass} {stiffness}");
-                assert_eq!(case.files.len(), 1 + usize::from(mass != rows));
+                assert_eq!(case.taken.iter().filter(|taken| taken.file.is_some()).count(), 1 + usize::from(mass != rows));
             }
         }
+    }
+}
+
+/// Rows in the case and an array in a file say as little of a triangle, and a word on it counts for both alike.
+#[test]
+fn rows_are_taken_as_a_file_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = dmatrix![5.0, -1.0, 0.5; -1.0, 6.0, 0.25; 0.5, 0.25, 7.0];
+    let unsymmetric = dmatrix![5.0, -1.0, 0.0; 3.0, 6.0, 0.25; 0.0, -2.0, 7.0];
+    let no_images = dmatrix![5.0, -1.0, 0.0; 0.0, 6.0, 0.0; 0.5, 0.25, 7.0];
+    let upper = whole.upper_triangle();
+    let lower = upper.transpose();
+    let friction = dmatrix![0.0, 0.0, -3.0; 0.0, 0.0, 0.0; 0.0, 0.0, 0.0];
+    let diagonal = DMatrix::from_diagonal(&whole.diagonal());
+    let rows = |matrix: &DMatrix<f64>| {
+        let row = |i: usize| format!("{:?}", matrix.row(i).iter().collect::<Vec<_>>());
+        format!("[{}]", (0..3).map(row).collect::<Vec<_>>().join(", "))
+    };
+    let tail = |error: &str, name: &str| error.split(&format!("the matrix \"{name}\"")).nth(1).map(str::to_owned);
+    let taken = |stiffness: &str, symmetry: &str| {
+        let more = format!("[[terms]]\nname = \"more\"\nstiffness = {stiffness}\n{symmetry}\n");
+        let mass = "[[2.0, 0, 0], [0, 3.0, 0], [0, 0, 4.0]]";
+        let case = read(folder.path(), mass, mass, &more)?;
+        Ok::<_, String>((case.system.terms()[1].matrices().k.clone(), case.taken.last().unwrap().taken.clone()))
+    };
+    let words = ["whole", "upper", "lower", "triangle"];
+    let words = words.into_iter().flat_map(|word| {
+        [format!("symmetry = {word:?}"), format!("symmetry = {{ stiffness = {word:?} }}")].map(|said| (word, said))
+    });
+    for (at, matrix) in
+        [&whole, &unsymmetric, &no_images, &upper, &lower, &friction, &diagonal].into_iter().enumerate()
+    {
+        written(folder.path(), &format!("K{at}"), matrix);
+        for (word, said) in words.clone().chain([("", String::new())]) {
+            let from_file = taken(&format!("\"K{at}.npy\""), &said);
+            let from_rows = taken(&rows(matrix), &said);
+            let made_whole = matrix + matrix.transpose() - DMatrix::from_diagonal(&matrix.diagonal());
+            match (&from_rows, &from_file) {
+                (Ok((k, words)), Ok(of_file)) => {
+                    assert_eq!((k, words), (&of_file.0, &of_file.1), "{matrix} {said}");
+                    let is_mirrored = !matches!(word, "" | "whole") && matrix != &diagonal;
+                    assert_eq!(k, if is_mirrored { &made_whole } else { matrix }, "{matrix} {said}");
+                }
+                (Err(refused), Err(of_file)) => {
+                    assert!(refused.contains("case.toml: terms \"more\".stiffness: "), "{refused}");
+                    assert_eq!(tail(refused, "stiffness").unwrap(), tail(of_file, "matrix").unwrap());
+                }
+                _ => panic!("{matrix} {said}: {from_rows:?} {from_file:?}"),
+            }
+        }
+    }
+    // What is told apart at all.
+    assert!(taken(&rows(&upper), "").unwrap_err().contains("symmetry = \"whole\""));
+    assert!(taken(&rows(&upper), "symmetry = \"lower\"").unwrap_err().contains("with entries above the diagonal"));
+    assert!(taken(&rows(&whole), "symmetry = \"upper\"").unwrap_err().contains("with entries below the diagonal"));
+    assert_eq!(taken(&rows(&lower), "symmetry = \"lower\"").unwrap().0, whole);
+    for lacks in ["mass", "damping"] {
+        let refused = taken(&rows(&whole), &format!("symmetry = {{ {lacks} = \"whole\" }}")).unwrap_err();
+        let expected = format!("terms \"more\".symmetry = a word on its {lacks}, which it lacks; allowed: ");
+        assert!(refused.contains(&expected), "{refused}");
     }
 }
 

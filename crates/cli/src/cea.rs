@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use brakes::case::{ChosenSpeed, FiniteElementCase};
-use brakes::{BESIDE, CaseBrake, FiniteElementBrake, Purpose};
+use brakes::{BESIDE, CaseBrake, Diverging, FiniteElementBrake, Purpose};
 use cea::{
     EigenSolver, Mode, Modes, QrSolver, Spectrum, Threshold, Verdict, Workspace, damping_ratio, frequency_hz,
     pair_numbers, verdicts_beyond,
@@ -64,10 +64,9 @@ struct Row {
     shape: Option<ShapeAndWork>,
 }
 
-/// A real eigenvalue of the structure, or one of an internal state that grows.
+/// A real eigenvalue of the structure, or one of an internal state that grows, which may oscillate.
 struct RealRow {
-    /// Growth rate Re lambda, 1/s.
-    growth: f64,
+    lambda: Complex<f64>,
     /// Verdict in words.
     verdict: &'static str,
 }
@@ -146,7 +145,13 @@ impl CeaArgs {
                     mode
                 })
                 .collect();
-            let mut all = json!({ "scene": heading, "modes": list, "diverging": diverging });
+            let whole = diverging.whole.as_ref().map(|whole| pairs_of_numbers(whole));
+            let mut all = json!({
+                "scene": heading,
+                "modes": list,
+                "diverging": whole,
+                "diverging_beyond": diverging.beyond,
+            });
             if self.modes {
                 all["dofs"] = (0..brake.case.dofs.len()).map(|row| brake.case.dof_name(row)).collect();
             }
@@ -157,10 +162,7 @@ impl CeaArgs {
         }
         let mut text = format!(
             "{heading}\n\n{}{:>12}  {:>14}  {:>14}  {:>9}  {:>9}\n",
-            match &diverging {
-                Some(diverging) => diverging_in_words(diverging),
-                None => "whether real eigenvalues of the whole brake diverge could not be told\n\n".to_owned(),
-            },
+            divergence_in_words(&diverging, brake.case.reduction.frequencies[1]),
             "Hz",
             "growth 1/s",
             "damping ratio",
@@ -224,10 +226,12 @@ fn analyse(
     let mut verdicts = verdicts_beyond(threshold, &system, &all, &spectrum, &mut work)?;
     let of_internal = verdicts.split_off(modes.oscillatory.len() + real.len());
     let of_real = verdicts.split_off(modes.oscillatory.len());
-    let word = |(&lambda, verdict): (&Complex<f64>, Verdict)| (lambda, verdict_in_words(verdict, lambda, threshold));
+    let word = |(&lambda, verdict): (&Complex<f64>, Verdict)| RealRow {
+        lambda,
+        verdict: verdict_in_words(verdict, lambda, threshold),
+    };
     let internal = internal.iter().zip(of_internal).filter(|(_, verdict)| *verdict == Verdict::Unstable);
-    let real = real.iter().zip(of_real).chain(internal).map(word);
-    let real = real.map(|(lambda, verdict)| RealRow { growth: lambda.re, verdict }).collect();
+    let real = real.iter().zip(of_real).chain(internal).map(word).collect();
     let mut rows = Vec::with_capacity(modes.oscillatory.len());
     for ((index, &lambda), verdict) in modes.oscillatory.iter().enumerate().zip(verdicts) {
         let shape = if wants_shapes {
@@ -256,8 +260,8 @@ fn verdict_in_words(verdict: Verdict, lambda: Complex<f64>, threshold: &Threshol
 }
 
 fn table(rows: &[Row], real: &[RealRow], modes: &Modes, brake: &Brake) -> String {
-    let diverging = real.iter().filter(|row| row.verdict == "diverges").map(|row| row.growth);
-    let mut text = diverging_in_words(&diverging.collect::<Vec<_>>());
+    let diverging = real.iter().filter(|row| row.verdict == "diverges").map(|row| row.lambda);
+    let mut text = in_paragraph(diverging_in_words(&diverging.collect::<Vec<_>>()));
     text += &format!(
         "{:>4}  {:>7}  {:>12}  {:>14}  {:>14}  {:>10}\n",
         "rank", "of 2n", "Hz", "growth 1/s", "damping ratio", "verdict"
@@ -280,12 +284,18 @@ fn table(rows: &[Row], real: &[RealRow], modes: &Modes, brake: &Brake) -> String
     if !real.is_empty() {
         let list: Vec<String> = real
             .iter()
-            .map(|RealRow { growth, verdict }| match *verdict {
-                "stable" => format!("{growth:.4}"),
-                word => format!("{growth:.4} {word}"),
+            .filter(|row| row.lambda.im == 0.0)
+            .map(|RealRow { lambda, verdict }| match *verdict {
+                "stable" => format!("{:.4}", lambda.re),
+                word => format!("{:.4} {word}", lambda.re),
             })
             .collect();
-        text += &format!("\noverdamped or divergent (real eigenvalues, 1/s): {}\n", list.join(", "));
+        if !list.is_empty() {
+            text += &format!("\noverdamped or divergent (real eigenvalues, 1/s): {}\n", list.join(", "));
+        }
+        for RealRow { lambda, verdict } in real.iter().filter(|row| row.lambda.im > 0.0) {
+            text += &format!("\npair of internal states: {} {verdict}\n", growth_at_frequency(*lambda));
+        }
     }
     if !modes.internal.is_empty() {
         text += &format!("\n{} bristle eigenvalues, which are no modes\n", modes.internal.len());
@@ -316,15 +326,49 @@ fn bodies(shape: &[Complex<f64>], energy: &ModeWork, brake: &Brake) -> String {
     text
 }
 
-/// First lines of the table of a brake that diverges: number of the real eigenvalues and the largest growth rate, 1/s; empty where none does.
-fn diverging_in_words(diverging: &[f64]) -> String {
-    let greatest = diverging.iter().copied().fold(0.0, f64::max);
-    match diverging.len() {
-        0 => String::new(),
-        count => {
-            format!("UNSTABLE without oscillation: {count} real eigenvalues diverge, by up to {greatest:.4} 1/s\n\n")
-        }
+/// Lines on what diverges, of lambda with Im >= 0: real eigenvalues, and pairs that grow faster than they oscillate.
+fn diverging_in_words(diverging: &[Complex<f64>]) -> Vec<String> {
+    let (real, pairs): (Vec<Complex<f64>>, Vec<_>) = diverging.iter().partition(|lambda| lambda.im == 0.0);
+    let fastest = |of: &[Complex<f64>]| of.iter().copied().max_by(|a, b| a.re.total_cmp(&b.re));
+    let real = fastest(&real).map(|Complex { re, .. }| {
+        let many = match real.len() {
+            1 => "1 real eigenvalue diverges, by".to_owned(),
+            count => format!("{count} real eigenvalues diverge, by up to"),
+        };
+        format!("UNSTABLE without oscillation: {many} {re:.4} 1/s")
+    });
+    let pairs = fastest(&pairs).map(|lambda| {
+        let many = match pairs.len() {
+            1 => "a pair grows faster than it oscillates".to_owned(),
+            count => format!("{count} pairs grow faster than they oscillate, the fastest"),
+        };
+        format!("UNSTABLE: {many}: {}", growth_at_frequency(lambda))
+    });
+    real.into_iter().chain(pairs).collect()
+}
+
+/// First lines on a finite element brake that diverges; `highest` is the highest frequency of its band, Hz.
+fn divergence_in_words(found: &Diverging, highest: f64) -> String {
+    let mut lines = found.whole.as_ref().map_or_else(
+        || vec![format!("whether anything of the whole brake diverges below 2 pi {} Hz could not be told", hertz(highest))],
+        |whole| diverging_in_words(whole),
+    );
+    if found.beyond {
+        lines.push(format!("UNSTABLE: something beyond 2 pi {} Hz diverges, how fast is not known", hertz(highest)));
     }
+    in_paragraph(lines)
+}
+
+fn in_paragraph(lines: Vec<String>) -> String {
+    if lines.is_empty() { String::new() } else { lines.join("\n") + "\n\n" }
+}
+
+fn growth_at_frequency(lambda: Complex<f64>) -> String {
+    format!("{:.4} 1/s at {} Hz", lambda.re, hertz(frequency_hz(lambda)))
+}
+
+fn pairs_of_numbers(lambdas: &[Complex<f64>]) -> Vec<[f64; 2]> {
+    lambdas.iter().map(|lambda| [lambda.re, lambda.im]).collect()
 }
 
 /// The shapes of the modes of a reduced brake over the rows of the matrices of its case, 0 where held, and their work: the shapes have
@@ -389,9 +433,45 @@ fn json_text(scene: &Value, rows: &[Row], real: &[RealRow], modes: &Modes, whys:
             mode
         })
         .collect();
-    let internal: Vec<Value> = modes.internal.iter().map(|l| json!([l.re, l.im])).collect();
+    let (real, growing): (Vec<&RealRow>, Vec<_>) = real.iter().partition(|row| row.lambda.im == 0.0);
     let verdicts: Vec<&str> = real.iter().map(|row| row.verdict).collect();
-    let real: Vec<f64> = real.iter().map(|row| row.growth).collect();
-    let all = json!({ "scene": scene, "modes": list, "real": real, "real_verdicts": verdicts, "internal": internal });
+    let real: Vec<f64> = real.iter().map(|row| row.lambda.re).collect();
+    let internal = pairs_of_numbers(&modes.internal);
+    let mut all =
+        json!({ "scene": scene, "modes": list, "real": real, "real_verdicts": verdicts, "internal": internal });
+    if !growing.is_empty() {
+        let growing: Vec<Complex<f64>> = growing.iter().map(|row| row.lambda).collect();
+        all["internal_growing"] = json!(pairs_of_numbers(&growing));
+    }
     format!("{all:#}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_diverges_is_said_in_its_number_and_with_its_frequency() {
+        let (real, pair) = (Complex::new(12.5, 0.0), Complex::new(17031.0, std::f64::consts::TAU * 342.0));
+        let words = |of: &[Complex<f64>]| diverging_in_words(of).join("; ");
+        assert_eq!(words(&[]), "");
+        assert_eq!(words(&[real]), "UNSTABLE without oscillation: 1 real eigenvalue diverges, by 12.5000 1/s");
+        assert_eq!(
+            words(&[real, 2.0 * real]),
+            "UNSTABLE without oscillation: 2 real eigenvalues diverge, by up to 25.0000 1/s"
+        );
+        assert_eq!(
+            words(&[real, pair]),
+            "UNSTABLE without oscillation: 1 real eigenvalue diverges, by 12.5000 1/s; \
+             UNSTABLE: a pair grows faster than it oscillates: 17031.0000 1/s at 342.000 Hz"
+        );
+        assert!(words(&[pair, pair]).starts_with("UNSTABLE: 2 pairs grow faster than they oscillate, the fastest: "));
+        let said = |whole: Option<Vec<Complex<f64>>>, beyond| divergence_in_words(&Diverging { whole, beyond }, 5540.0);
+        assert_eq!(said(Some(Vec::new()), false), "");
+        // No growth is said of what the reduced brake alone tells.
+        let beyond = "UNSTABLE: something beyond 2 pi 5540.000 Hz diverges, how fast is not known\n\n";
+        assert_eq!(said(Some(Vec::new()), true), beyond);
+        assert_eq!(said(Some(vec![real]), true), words(&[real]) + "\n" + beyond);
+        assert!(said(None, false).starts_with("whether anything of the whole brake diverges below 2 pi 5540.000 Hz could not"));
+    }
 }

@@ -214,9 +214,9 @@ fn checks_in_words(found: &FullChecks) -> String {
     let divergence = match found.divergence_where(|_| true) {
         DivergenceCounts { diverging: 0, open: open @ 1.., .. } => format!("whether {open} diverge could not be told"),
         DivergenceCounts { diverging: 0, .. } => "none diverges (samples are not looked at for that)".to_owned(),
-        DivergenceCounts { diverging, fastest, open, .. } => {
+        found @ DivergenceCounts { diverging, open, .. } => {
             let open = if open == 0 { String::new() } else { format!(", of {open} it could not be told") };
-            format!("{diverging} DIVERGE, by up to {fastest:.1e} 1/s or so{open}")
+            format!("{diverging} DIVERGE, {}{open}", found.growth_in_words())
         }
     };
     let failed = if *failed == 0 { String::new() } else { format!(" ({failed} failed, as samples do)") };

@@ -87,7 +87,7 @@ pub enum FormatsError {
     },
     /// Entries on one side of the diagonal, of which nothing says what they are.
     #[error(
-        "the matrix \"{matrix}\" {}, and nothing in the file says whether these are a triangle of a symmetric matrix or all of an \
+        "the matrix \"{matrix}\" {}, and nothing says whether these are a triangle of a symmetric matrix or all of an \
          unsymmetric one, such as friction; allowed: {}", what_is_there(*.side), ways_to_say(*.side)
     )]
     OneSided {

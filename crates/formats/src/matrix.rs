@@ -6,9 +6,10 @@ use std::fmt;
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 
+use crate::builder::{Builder, Head, Stated};
 use crate::entry::Entry;
 use crate::symmetry::{Doubt, KnownBy, Stored};
-use crate::{Dof, FormatsError};
+use crate::{Dof, FormatsError, Limits, Problem};
 
 /// Role of a matrix in `M u'' + C u' + K u = f`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +54,20 @@ pub struct Matrix {
 }
 
 impl Matrix {
+    /// The matrix of an array, which says as little as one in a file whether it is a triangle: [`Matrix::with_symmetry`] decides.
+    ///
+    /// # Errors
+    /// [`Problem::Value`] for an entry that is not finite; [`Problem::Limit`] for more entries than [`Limits::default`] has.
+    pub fn of_array(name: &str, array: &DMatrix<f64>) -> Result<Self, Problem> {
+        let mut builder = Builder::new(&Limits::default());
+        for (column, entries) in array.column_iter().enumerate() {
+            for (row, &value) in entries.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                builder.push(row, column, value)?;
+            }
+        }
+        builder.finish(Stated::Array, Head::unlabelled(name, None, array.shape()))
+    }
+
     /// The name in the file; of a file that names nothing, that of its kind or `matrix`.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -275,6 +275,25 @@ fn every_slip_is_named_with_its_key_and_what_is_allowed() {
     ] {
         assert_eq!(distribution.check().unwrap_err().to_string(), expected, "{distribution:?}");
     }
+    // Numbers with which quantiles overflow, or underflow to 0.
+    let (high, low) = (1e308, 1e-308);
+    for (distribution, field) in [
+        (Distribution::Weibull { shape: 1e-3, scale: 1.0, from: 0.0 }, "shape = 0.001"),
+        (Distribution::Weibull { shape: 1e-3, scale: 1.0, from: 0.5 }, "shape = 0.001"),
+        (Distribution::Weibull { shape: 0.03, scale: 1.0, from: 0.0 }, "shape = 0.03"),
+        (Distribution::Weibull { shape: 1.0, scale: high, from: high }, "shape = 1"),
+        (Distribution::LogNormal { median: 1.0, sigma: 200.0, at_least: None, at_most: None }, "sigma = 200"),
+        (Distribution::LogNormal { median: low, sigma: 10.0, at_least: None, at_most: None }, "sigma = 10"),
+        (Distribution::LogUniform { from: low, to: high }, "to = 1"),
+        (Distribution::Normal { mean: 1.0, deviation: high, at_least: f64::NEG_INFINITY, at_most: None }, "deviation = 1"),
+        (Distribution::Uniform { from: -high, to: high }, "to = 1"),
+        (Distribution::Triangular { from: -high, mode: 0.0, to: high }, "to = 1"),
+        (measured(&[-high, high]), "values = ["),
+        (table(&[0.0, 1.0], &[-high, high]), "values = ["),
+    ] {
+        let refused = distribution.check().unwrap_err().to_string();
+        assert!(refused.starts_with(field) && refused.contains("finite"), "{refused}");
+    }
     for distribution in kinds() {
         assert_eq!(distribution.check(), Ok(()), "{distribution:?}");
     }

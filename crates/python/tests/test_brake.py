@@ -193,6 +193,7 @@ def nothing(p):
     [
         (lambda: hoffmann(terms=[sq.Term("springs", mass=np.eye(3)[:2])]), sq.ArgumentError, "terms 'springs'.mass"),
         (lambda: hoffmann(terms=[sq.Term("springs", mass=[[np.inf]])]), sq.ArgumentError, "a finite number"),
+        (lambda: hoffmann(terms=[sq.Term("springs", mass=np.eye(2), stiffness=np.triu(SPRINGS))]), sq.CaseError, 'symmetry = "upper"'),
         (lambda: hoffmann(terms=[sq.Term("springs", mass=1j * np.eye(2))]), sq.ArgumentError, "real numbers"),
         (lambda: hoffmann(parameters={"mu": 0.5}), sq.ArgumentError, "parameters['mu'] = 0.5"),
         (lambda: hoffmann(parameters={"mu": sq.Uniform(1.0, 0.5)}), sq.CaseError, "parameters.mu.to"),

@@ -309,7 +309,7 @@ fn every_field_of_a_case_is_in_its_part() {
         ("to = 0.7", "to = 0.71", vec!["parameters"]),
         ("\"log-normal\"", "\"log-normal\"\nat_most = 1e5", vec!["parameters"]),
         ("[[0.16, 0.0], [0.0, 0.16]]", "[[0.16, 0.0], [0.0, 0.17]]", vec!["terms"]),
-        ("[[0.1, 0.0], [0.0, 0.1]]", "[[0.1, 0.0], [0.001, 0.1]]", vec!["terms"]),
+        ("[[0.1, 0.0], [0.0, 0.1]]", "[[0.1, 0.001], [0.001, 0.1]]", vec!["terms"]),
         ("15600.0", "15600.000000000002", vec!["terms"]),
         ("\"mu*N0/Omega\"", "\"mu*N0/Omega*1\"", vec!["terms"]),
         ("family = \"gyroscopic\"", "family = \"spin\"", vec!["terms"]),

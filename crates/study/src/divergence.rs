@@ -39,10 +39,10 @@ pub fn divergence_of_reduced(plan: &Plan, checks: Option<&FullChecks>) -> String
             let by_law = if laws.len() > 1 { format!("; {}", laws.join(", ")) } else { String::new() };
             format!(
                 "DIVERGENCE, instability without oscillation: something grows faster than it oscillates in {} of the draws of the whole \
-                 brake{by_law}; by up to {:.1e} 1/s or so, as single pairs of nodes do where the curve of friction falls more steeply than contact \
+                 brake{by_law}; {}, as single pairs of nodes do where the curve of friction falls more steeply than contact \
                  damping holds. Samples do not count it: what is said to be stable here may diverge.",
                 in_words(&all),
-                all.fastest
+                all.growth_in_words()
             )
         }
     }

@@ -43,13 +43,24 @@ pub struct DivergenceCounts {
     pub draws: u64,
     /// Draws that diverge.
     pub diverging: u64,
+    /// Draws among them in which the reduced brake says that something beyond the sizes that were searched in the full model does, not how fast.
+    pub beyond: u64,
     /// Draws of which it could not be told.
     pub open: u64,
-    /// Largest growth rate of what diverges, 1/s.
+    /// Largest growth rate of what was found to diverge in the full model, 1/s; 0 where nothing was.
     pub fastest: f64,
 }
 
 impl DivergenceCounts {
+    /// How fast it is that diverges, in words: the largest growth rate that is known, and in how many draws something diverges faster.
+    #[must_use]
+    pub fn growth_in_words(&self) -> String {
+        let known = (self.fastest > 0.0).then(|| format!("by up to {:.1e} 1/s", self.fastest));
+        let faster = if known.is_some() { "something faster" } else { "something fast" };
+        let beyond = (self.beyond > 0).then(|| format!("in {} of them {faster}, how fast is not known", self.beyond));
+        known.into_iter().chain(beyond).collect::<Vec<_>>().join(", ")
+    }
+
     /// Proportion of the draws that diverge; those of which it could not be told may.
     #[must_use]
     pub fn proportion(&self) -> Proportion {
@@ -62,6 +73,7 @@ impl DivergenceCounts {
         Self {
             draws: self.draws + other.draws,
             diverging: self.diverging + other.diverging,
+            beyond: self.beyond + other.beyond,
             open: self.open + other.open,
             fastest: self.fastest.max(other.fastest),
         }

@@ -91,6 +91,9 @@ pub trait ModeSource: Sync {
     /// Relative error of an eigenvalue of a scene against that of the full model: a rule, not a bound.
     fn relative_error(&self, scene: &Scene) -> f64;
 
+    /// Reason why nothing is known of the errors of a scene, which leaves all its verdicts open; `None` where they are known.
+    fn unknown_error(&self, scene: &Scene) -> Option<&'static str>;
+
     /// The eigenvalue of the full model next to `near`, with parameters at some values, as
     /// [`Parametrised::system_with`](crate::Parametrised::system_with) takes them.
     ///

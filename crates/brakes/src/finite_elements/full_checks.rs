@@ -123,9 +123,10 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let growing_beside: Vec<f64> = beside.iter().filter(surely_grows).map(|&lambda| frequency_hz(lambda)).collect();
     let divergence = DivergenceCounts {
         draws: 1,
-        diverging: u64::from(diverging.as_ref().is_some_and(|growing| !growing.is_empty())),
-        open: u64::from(diverging.is_none()),
-        fastest: diverging.iter().flatten().copied().fold(0.0, f64::max),
+        diverging: u64::from(diverging.any() == Some(true)),
+        beyond: u64::from(diverging.beyond),
+        open: u64::from(diverging.any().is_none()),
+        fastest: diverging.whole.iter().flatten().map(|lambda| lambda.re).fold(0.0, f64::max),
     };
     let found = FullChecks {
         samples: 1,

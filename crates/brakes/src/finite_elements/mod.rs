@@ -86,6 +86,24 @@ pub struct FiniteElementSample {
     pub contacts: Option<LatticeSample>,
 }
 
+/// Divergence of a finite element brake at an operating point: what grows faster than it oscillates, beyond the threshold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diverging {
+    /// Eigenvalues of the whole brake that do, Im >= 0, 1/s, up to 2 pi times the highest frequency of the band in size, by ascending growth. `None`
+    /// where a search does not tell, or the reduced brake alone has any there.
+    pub whole: Option<Vec<Complex<f64>>>,
+    /// True if the reduced brake has any beyond that size: so has the whole one, at growth rates that are not known.
+    pub beyond: bool,
+}
+
+impl Diverging {
+    /// Whether anything diverges; `None` where that could not be told.
+    #[must_use]
+    pub fn any(&self) -> Option<bool> {
+        if self.beyond { Some(true) } else { self.whole.as_ref().map(|whole| !whole.is_empty()) }
+    }
+}
+
 impl FiniteElementBrake {
     /// Reduces the brake, each arrangement on a basis of its own, and lays out its scenes: what a study is fastest with.
     ///
@@ -180,6 +198,11 @@ impl FiniteElementBrake {
         reduce::rungs_of(&self.case, &self.sets[constraints], self.origin(constraints))
     }
 
+    /// True if the distance of the modes of a part from those of its set was measured, on a basis that holds them.
+    fn is_known(&self, part: &Part) -> bool {
+        part.within.is_reached || part.within.basis.ncols() == self.sets[part.set].basis.ncols()
+    }
+
     /// The closed patches of a scene, from 0.
     pub fn closed(&self, scene: &Scene) -> &[usize] {
         &self.closed[scene.configuration]
@@ -190,13 +213,12 @@ impl FiniteElementBrake {
         points::of_brake(&self.case, self.closed(scene), at)
     }
 
-    /// Growth rates, 1/s, of what diverges in a scene, at an operating point of the brake: real eigenvalues of the whole brake and pairs that grow
-    /// faster than they oscillate, up to the end of the band in size, and what does so beyond that in the spectrum of the reduced one, which says
-    /// that it does and not how fast. `None` where a search does not tell, or the reduced brake alone has such an eigenvalue below that end.
+    /// What diverges in a scene, at an operating point of the brake: of the whole brake up to the end of the band in size, and whether anything
+    /// does beyond that in the spectrum of the reduced one, which says that it does and not how fast.
     ///
     /// # Errors
     /// A point that the brake refuses.
-    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Option<Vec<f64>>, Error> {
+    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Diverging, Error> {
         let part = self.part(scene);
         let whole = reduce::diverging(&self.case, &self.sets[part.set].system.assemble(at)?, &self.plan.threshold);
         let ([_, highest], error) = (self.case.reduction.frequencies, self.relative_error(scene));
@@ -208,13 +230,8 @@ impl FiniteElementBrake {
         };
         let (beyond, below): (Vec<&Complex<f64>>, Vec<_>) =
             reduced.eigenvalues.iter().filter(is_fast).partition(|lambda| lambda.norm() > TAU * highest);
-        Ok(match whole {
-            whole if !beyond.is_empty() => {
-                Some(whole.into_iter().flatten().chain(beyond.iter().map(|lambda| lambda.re)).collect())
-            }
-            Some(whole) if whole.is_empty() && !below.is_empty() => None,
-            whole => whole,
-        })
+        let is_told = |whole: &Vec<Complex<f64>>| !whole.is_empty() || below.is_empty();
+        Ok(Diverging { whole: whole.filter(is_told), beyond: !beyond.is_empty() })
     }
 
     /// Law of a scene, and the distributions from which its friction is drawn; `None` without a contact.
@@ -447,9 +464,19 @@ impl ModeSource for FiniteElementBrake {
     fn relative_error(&self, scene: &Scene) -> f64 {
         let part = self.part(scene);
         let set = &self.sets[part.set];
-        let is_known = part.within.is_reached || part.within.basis.ncols() == set.basis.ncols();
-        let of_part = if is_known { part.within.distance } else { 1.0 };
+        let of_part = if self.is_known(part) { part.within.distance } else { 1.0 };
         (ALLOWANCE * (of_part + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
+    }
+
+    fn unknown_error(&self, scene: &Scene) -> Option<&'static str> {
+        let part = self.part(scene);
+        if self.sets[part.set].held_out >= 1.0 {
+            Some("the reduced brake does not have the modes of the whole one at draws of which it was not made")
+        } else if !self.is_known(part) {
+            Some("the basis of the reduced brake does not hold its modes within reduction.residual")
+        } else {
+            None
+        }
     }
 
     fn whole_eigenvalue(

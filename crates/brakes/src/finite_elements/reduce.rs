@@ -216,14 +216,14 @@ pub(super) fn slowest_divergence(case: &FiniteElementCase) -> f64 {
     SLOWEST * rectangle(case).im[0]
 }
 
-/// Growth rates of what surely is beyond a threshold and grows faster than it oscillates in a whole brake, 1/s, ascending: divergence, whatever
-/// the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
+/// Eigenvalues that surely are beyond a threshold and grow faster than they oscillate in a whole brake, 1/s, Im >= 0, by ascending growth:
+/// divergence, whatever the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
 /// zero, to the highest in size. `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
 pub(super) fn diverging(
     case: &FiniteElementCase,
     system: &SparseSecondOrder,
     threshold: &Threshold,
-) -> Option<Vec<f64>> {
+) -> Option<Vec<Complex<f64>>> {
     let [_, highest] = rectangle(case).im;
     let from = threshold.growth_above().max(slowest_divergence(case));
     let right = Rectangle { re: [from, from + highest], im: [0.0, highest] };
@@ -232,9 +232,12 @@ pub(super) fn diverging(
     let fast: Vec<Eigenpair> = found.pairs.into_iter().filter(is_fast).collect();
     let verdict = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound);
     let grows = |pair: &&Eigenpair| verdict(pair) == Verdict::Unstable;
-    let of = |pair: &Eigenpair| repeat_n(pair.lambda.re, real_count(pair.lambda).max(1));
-    let mut growing: Vec<f64> = fast.iter().filter(grows).flat_map(of).collect();
-    growing.sort_by(f64::total_cmp);
+    let of = |pair: &Eigenpair| match real_count(pair.lambda) {
+        0 => repeat_n(pair.lambda, 1),
+        count => repeat_n(pair.lambda.re.into(), count),
+    };
+    let mut growing: Vec<Complex<f64>> = fast.iter().filter(grows).flat_map(of).collect();
+    growing.sort_by(|a, b| a.re.total_cmp(&b.re));
     let is_open = |pair: &Eigenpair| matches!(verdict(pair), Verdict::Undecided { .. });
     (!growing.is_empty() || !fast.iter().any(is_open)).then_some(growing)
 }

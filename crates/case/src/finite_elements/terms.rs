@@ -56,6 +56,7 @@ pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Ter
             let found = format!("terms {:?}", table.name);
             return Err(check.value(&found, "no matrix", "mass, damping or stiffness, or several"));
         }
+        check.symmetry(&table.name, table.symmetry, matrices.each_ref().map(Option::is_some))?;
         all.push(Parts { table, matrices });
     }
     if all.is_empty() {

@@ -26,6 +26,11 @@ pub(super) fn channels_with_gains(
     for schema::ContactTable { name, family, force, reading, mu, slope, lag, load, speed, stiffness } in given {
         let b = sparse_vector(check, dofs, &field("contacts", &name, "force"), &force)?;
         let r = sparse_vector(check, dofs, &field("contacts", &name, "reading"), &reading)?;
+        for (key, vector) in [("force", &b), ("reading", &r)] {
+            if !vector.is_empty() && vector.iter().all(|(_, value)| *value == 0.0) {
+                return Err(check.value(&field("contacts", &name, key), "0 throughout", "a number that is not 0, or several"));
+            }
+        }
         if b.is_empty() {
             return Err(check.value(&field("contacts", &name, "force"), "{}", "one degree of freedom or more"));
         }

@@ -201,7 +201,7 @@ mod tests {
                 "terms \"shim\".loss_factor = -0.2; allowed: a finite number >= 0",
             ),
             (
-                "mass = [[1.0, 0.0], [0.0, 1.0]]\nstiffness = [[2.0, 1.0], [0.0, 2.0]]\nloss_factor = 0.1\n",
+                "mass = [[1.0, 0.0], [0.0, 1.0]]\nstiffness = [[2.0, 1.0], [0.5, 2.0]]\nloss_factor = 0.1\n",
                 "terms \"shim\".loss_factor = 0.1; allowed: terms of a symmetric stiffness",
             ),
             (

@@ -30,8 +30,8 @@ pub struct MatricesCase {
     pub dofs: Vec<String>,
     /// Terms and channels over all degrees of freedom.
     pub system: AffineSystem,
-    /// Files of matrices, and how each was taken.
-    pub files: Vec<TakenMatrix>,
+    /// How each matrix was taken.
+    pub taken: Vec<TakenMatrix>,
     /// The coefficient of each term.
     pub coefficients: Vec<Expression>,
     /// The gain of each channel.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cea::{CeaError, check_mass};
 use formats::Entry;
 use linsys::{AffineSystem, Term};
 use nalgebra::DMatrix;
@@ -25,7 +26,9 @@ impl MatricesCase {
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let (case, formulas_use_all) = Self::parse_open(path, text)?;
-        formulas_use_all.map(|()| case)
+        formulas_use_all?;
+        case.check_mass()?;
+        Ok(case)
     }
 
     /// Checks the text of a case of which some coefficients are computed by the program that reads it: the case, and beside it the error
@@ -53,7 +56,7 @@ impl MatricesCase {
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);
-        let Terms { mut terms, coefficients, losses, files, rows } = read_terms(&check, &mut formulas, terms)?;
+        let Terms { mut terms, coefficients, losses, taken, rows } = read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
@@ -81,7 +84,7 @@ impl MatricesCase {
             correlation: check.correlation(correlation, &correlated)?,
             system,
             coefficients,
-            files,
+            taken,
             gains,
             bodies: groups(&check, &dofs, bodies)?,
             constraints,
@@ -92,6 +95,27 @@ impl MatricesCase {
         // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;
         Ok((case, all_used))
+    }
+}
+
+impl MatricesCase {
+    /// An error unless the mass at the medians is symmetric and positive definite on the degrees of freedom that each set of constraints
+    /// leaves free.
+    fn check_mass(&self) -> Result<(), CaseError> {
+        let mass = self.system.structure(&self.operating_point(&self.medians())?.coefficients);
+        let check = Check::new(&self.header.path);
+        let mass = mass.map_err(check.system("terms"))?.m;
+        for FixedDofs { fixed, .. } in &self.constraints {
+            let free: Vec<usize> = (0..mass.nrows()).filter(|row| !fixed.contains(row)).collect();
+            let of_free = mass.select_rows(&free).select_columns(&free);
+            let Err(CeaError::MassNotPositiveDefinite { row }) = check_mass(&of_free) else { continue };
+            let with_mass = self.system.terms().iter().filter(|term| term.matrices().m.amax() > 0.0);
+            let fields: Vec<String> = with_mass.map(|term| field("terms", &term.name, "mass")).collect();
+            let found = format!("not symmetric positive definite in row {:?}", self.dofs[free[row - 1]]);
+            let allowed = "masses that are so together at the medians, on all degrees of freedom that are not fixed";
+            return Err(check.value(&fields.join(", "), found, allowed));
+        }
+        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use formats::{Dof, FormatsError, Kind, Limits, Matrix, on_common_rows, split_name};
+use formats::{Dof, FormatsError, Kind, Limits, Matrix, Wanted, on_common_rows, split_name};
 use linsys::{SecondOrder, Term};
 use nalgebra::DMatrix;
 
@@ -19,32 +19,10 @@ pub(super) struct Terms {
     pub coefficients: Vec<Expression>,
     /// Loss factor of each term, where it has one.
     pub losses: Vec<Option<f64>>,
-    /// Files of matrices, and how each was taken.
-    pub files: Vec<TakenMatrix>,
+    /// How each matrix was taken.
+    pub taken: Vec<TakenMatrix>,
     /// The rows of the matrices, where files name them.
     pub rows: Option<Vec<Dof>>,
-}
-
-/// A matrix of a term.
-enum Given {
-    Rows(DMatrix<f64>),
-    File(Matrix),
-}
-
-impl Given {
-    fn shape(&self) -> (usize, usize) {
-        match self {
-            Self::Rows(matrix) => matrix.shape(),
-            Self::File(matrix) => (matrix.rows(), matrix.columns()),
-        }
-    }
-
-    fn dense(self) -> DMatrix<f64> {
-        match self {
-            Self::Rows(matrix) => matrix,
-            Self::File(matrix) => matrix.to_dense(),
-        }
-    }
 }
 
 /// Reads the matrices of all terms, which must have the same order, and at least one a mass.
@@ -58,7 +36,7 @@ pub(super) fn read_terms(
     if given.is_empty() {
         return Err(check.value("terms", "[]", "one term or more"));
     }
-    let (mut all, mut fields, mut files) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut all, mut fields, mut taken) = (Vec::new(), Vec::new(), Vec::new());
     let (mut tables, mut losses) = (Vec::new(), Vec::new());
     for TermTable { name, family, coefficient, symmetry, mass, damping, stiffness, loss_factor } in given {
         let parts = [(Kind::Mass, mass), (Kind::Damping, damping), (Kind::Stiffness, stiffness)];
@@ -66,17 +44,17 @@ pub(super) fn read_terms(
         if has == [false; 3] {
             return Err(check.value(&format!("terms {name:?}"), "no matrix", "mass, damping or stiffness, or several"));
         }
+        check.symmetry(&name, symmetry, has)?;
         for (kind, entry) in parts {
             let Some(entry) = entry else { continue };
             let field = field("terms", &name, &kind.to_string());
-            all.push(match entry {
-                MatrixEntry::Rows(rows) => Given::Rows(from_rows(check, &field, &rows)?),
-                MatrixEntry::File(file) => {
-                    let (matrix, taken) = read_file(check, &field, &file, &wanted(symmetry, kind))?;
-                    files.push(taken);
-                    Given::File(matrix)
-                }
-            });
+            let wanted = wanted(symmetry, kind);
+            let (matrix, of_field) = match entry {
+                MatrixEntry::Rows(rows) => from_rows(check, &field, &rows, &wanted)?,
+                MatrixEntry::File(file) => read_file(check, &field, &file, &wanted)?,
+            };
+            all.push(matrix);
+            taken.push(of_field);
             fields.push(field);
         }
         losses.push(loss_factor);
@@ -86,9 +64,9 @@ pub(super) fn read_terms(
         return Err(check.value("terms", "no mass", "a mass in one term or more"));
     }
     let rows = common_rows(check, &mut all, &fields)?;
-    let order = all.first().map_or(0, |matrix| matrix.shape().0);
+    let order = all.first().map_or(0, Matrix::rows);
     for (matrix, field) in all.iter().zip(&fields) {
-        let (rows, columns) = matrix.shape();
+        let (rows, columns) = (matrix.rows(), matrix.columns());
         if (rows, columns) != (order, order) {
             let allowed = match rows == order {
                 true => "a square matrix".to_owned(),
@@ -97,7 +75,7 @@ pub(super) fn read_terms(
             return Err(check.value(field, format!("a matrix {rows} x {columns}"), &allowed));
         }
     }
-    let mut matrices = all.into_iter().map(Given::dense);
+    let mut matrices = all.iter().map(Matrix::to_dense);
     let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
     for (name, family, coefficient, has) in tables {
         let mut next =
@@ -108,7 +86,7 @@ pub(super) fn read_terms(
         let family = family.unwrap_or_else(|| name.clone());
         terms.push(SecondOrder::new(m, c, k).and_then(|system| Term::new(name, family, system)).map_err(refused)?);
     }
-    Ok(Terms { terms, coefficients, losses, files, rows })
+    Ok(Terms { terms, coefficients, losses, taken, rows })
 }
 
 /// Reads a matrix from a file of any format, small enough to be a full one.
@@ -116,7 +94,7 @@ fn read_file(
     check: &Check<'_>,
     field: &str,
     file: &Path,
-    wanted: &formats::Wanted<'_>,
+    wanted: &Wanted<'_>,
 ) -> Result<(Matrix, TakenMatrix), CaseError> {
     let path = check.path.parent().unwrap_or(Path::new("")).join(file);
     check_size(split_name(&path).0, LARGEST_MATRIX).map_err(|source| CaseError::MatrixRead {
@@ -137,37 +115,29 @@ fn read_file(
     Ok((matrix, taken))
 }
 
-/// Puts the matrices of files on common rows, as far as they name them.
-fn common_rows(check: &Check<'_>, all: &mut [Given], fields: &[String]) -> Result<Option<Vec<Dof>>, CaseError> {
-    let listed = all.iter().position(|matrix| matches!(matrix, Given::Rows(_)));
-    let (mut places, mut files) = (Vec::new(), Vec::new());
-    for (at, given) in all.iter_mut().enumerate() {
-        if let Given::File(matrix) = given {
-            places.push(at);
-            files.push(matrix);
+/// Puts the matrices on common rows, as far as their files name them.
+fn common_rows(check: &Check<'_>, all: &mut [Matrix], fields: &[String]) -> Result<Option<Vec<Dof>>, CaseError> {
+    on_common_rows(&mut all.iter_mut().collect::<Vec<_>>()).map_err(|(at, source)| match source {
+        FormatsError::Unlabelled { .. } => {
+            let allowed = "names of its rows, as other matrices have that differ in their rows";
+            check.value(&fields[at], "a matrix without names of its rows", allowed)
         }
-    }
-    let labels = files.iter().filter_map(|matrix| matrix.row_labels());
-    let differ = labels.clone().zip(labels.skip(1)).any(|(one, next)| one != next);
-    let unnamed = |field: &str| {
-        let allowed = "names of its rows, as other matrices have that differ in their rows";
-        check.value(field, "a matrix without names of its rows", allowed)
-    };
-    if let (Some(at), true) = (listed, differ) {
-        return Err(unnamed(&fields[at]));
-    }
-    on_common_rows(&mut files).map_err(|(at, source)| match source {
-        FormatsError::Unlabelled { .. } => unnamed(&fields[places[at]]),
-        source => check.matrix(&fields[places[at]], Path::new("the matrices"), source),
+        source => check.matrix(&fields[at], Path::new("the matrices"), source),
     })?;
-    if let Some(matrix) = files.iter().find(|matrix| matrix.rows() > LARGEST_ORDER) {
+    if let Some(matrix) = all.iter().find(|matrix| matrix.rows() > LARGEST_ORDER) {
         let allowed = format!("{LARGEST_ORDER} rows of all matrices together at most");
         return Err(check.value("terms", format!("{} rows", matrix.rows()), &allowed));
     }
-    Ok(files.iter().find_map(|matrix| matrix.row_labels().map(<[Dof]>::to_vec)))
+    Ok(all.iter().find_map(|matrix| matrix.row_labels().map(<[Dof]>::to_vec)))
 }
 
-fn from_rows(check: &Check<'_>, field: &str, rows: &[Vec<f64>]) -> Result<DMatrix<f64>, CaseError> {
+/// The matrix of rows in the case file, taken as an array in another file is.
+fn from_rows(
+    check: &Check<'_>,
+    field: &str,
+    rows: &[Vec<f64>],
+    wanted: &Wanted<'_>,
+) -> Result<(Matrix, TakenMatrix), CaseError> {
     let columns = rows.first().map_or(0, Vec::len);
     if columns == 0 {
         return Err(check.value(field, "no entries", "rows of numbers"));
@@ -179,5 +149,12 @@ fn from_rows(check: &Check<'_>, field: &str, rows: &[Vec<f64>]) -> Result<DMatri
     for &value in rows.iter().flatten() {
         check.finite(field, value)?;
     }
-    Ok(DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+    let array = DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]);
+    let name = wanted.kind.map_or_else(String::new, |kind| kind.to_string());
+    let listed = Matrix::of_array(&name, &array).map_err(|problem| check.value(field, problem, "rows of numbers"))?;
+    let matrix = listed
+        .with_symmetry(wanted.symmetry, wanted.otherwise)
+        .map_err(|source| CaseError::Rows { path: check.path.to_owned(), field: field.to_owned(), source: Box::new(source) })?;
+    let taken = TakenMatrix { field: field.to_owned(), file: None, name, taken: matrix.taken() };
+    Ok((matrix, taken))
 }

@@ -21,7 +21,7 @@ pub(crate) use null_vectors::{NullVector, null_vectors};
 pub(crate) use qr::MOST_QR_STEPS;
 pub use qr::QrSolver;
 pub(crate) use scaling::MassRoot;
-pub use scaling::StandardForm;
+pub use scaling::{StandardForm, check_mass};
 pub use solver::{EigenSolver, WholeSpectra};
 pub use vectors::{
     backward_error, fix_phase, left_vector, right_vector, right_vectors, right_vectors_of_all, singular_vectors,

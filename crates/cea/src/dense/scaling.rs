@@ -126,6 +126,14 @@ impl StandardForm {
     }
 }
 
+/// Checks that a mass matrix is symmetric and positive definite, as the standard form needs it.
+///
+/// # Errors
+/// [`CeaError::MassNotPositiveDefinite`] where it is not.
+pub fn check_mass(m: &DMatrix<f64>) -> Result<(), CeaError> {
+    MassRoot::new(m).map(drop)
+}
+
 /// The factor L of a mass matrix `M = L L^T`: in the coordinates `y = L^T u` the mass matrix is the identity.
 pub(crate) enum MassRoot {
     /// `L^-1` of a diagonal mass matrix.

@@ -72,7 +72,7 @@ fn a_real_eigenvalue_that_grows_diverges_and_growth_below_a_threshold_is_not_sta
     std::fs::write(&case, replaced(&diverging(), "from = 0.5", "from = 1.6")).unwrap();
     let said = answer("cea", &case, &[]);
     assert!(
-        said.contains("UNSTABLE without oscillation: 1 real eigenvalues diverge") && said.contains(" diverges"),
+        said.contains("UNSTABLE without oscillation: 1 real eigenvalue diverges, by ") && said.contains(" diverges"),
         "{said}"
     );
     let json: serde_json::Value = serde_json::from_str(&answer("cea", &case, &["--json"])).unwrap();

@@ -10,6 +10,9 @@ use crate::error::DistributionFault;
 /// costs the inverse distribution function more than two digits.
 const SMALLEST_SHARE: f64 = 0.01;
 
+/// Probabilities of the quantiles that must be numbers: a draw beyond the first and the last is not to be expected.
+const TRIED: [f64; 3] = [1e-12, 0.5, 1.0 - 1e-12];
+
 type Checked = Result<(), DistributionFault>;
 
 fn fault(key: &'static str, value: impl ToString, allowed: impl Into<String>) -> Checked {
@@ -34,6 +37,31 @@ impl Distribution {
     /// # Errors
     /// The first parameter that is not allowed.
     pub fn check(&self) -> Result<(), DistributionFault> {
+        self.check_fields()?;
+        self.check_quantiles()
+    }
+
+    /// An error where quantiles are infinite, or 0 of a distribution whose values are all above that: with numbers that are too large or too small.
+    fn check_quantiles(&self) -> Checked {
+        let allowed = "a number with which quantiles are neither 0 nor infinite";
+        let is_finite = TRIED.iter().all(|&u| self.quantile(u).is_finite());
+        let is_positive = |of: &Self| of.quantile(TRIED[0]) > 0.0;
+        match *self {
+            Self::Weibull { shape, scale, .. } if !(is_finite && is_positive(&Self::Weibull { shape, scale, from: 0.0 })) => {
+                fault("shape", shape, allowed)
+            }
+            Self::LogNormal { sigma, .. } if !(is_finite && is_positive(self)) => fault("sigma", sigma, allowed),
+            Self::LogUniform { from, to } if !(to / from).is_finite() => fault("to", to, allowed),
+            Self::Normal { deviation, .. } if !is_finite => fault("deviation", deviation, allowed),
+            Self::Uniform { to, .. } | Self::Triangular { to, .. } if !is_finite => fault("to", to, allowed),
+            Self::Quantiles { ref values, .. } | Self::Empirical { ref values, .. } if !is_finite => {
+                fault("values", format!("{values:?}"), "numbers whose differences are finite")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_fields(&self) -> Checked {
         match self {
             Self::Constant { value } => finite("value", *value),
             &Self::Normal { mean, deviation, at_least, at_most } => {
@@ -117,16 +145,19 @@ impl Distribution {
         }
     }
 
-    /// The distribution with the measured values of its file, which `read` is asked for by its name and that of the column.
+    /// The distribution with the measured values of its file, which `read` is asked for by its name and that of the column; measured values in
+    /// ascending order, from wherever they are.
     ///
     /// # Errors
     /// Those of `read`.
     pub fn with_file<E>(self, read: impl FnOnce(&Path, Option<&str>) -> Result<Vec<f64>, E>) -> Result<Self, E> {
         match self {
-            Self::Empirical { values, file: Some(file), column } if values.is_empty() => {
-                let mut values = read(&file, column.as_deref())?;
+            Self::Empirical { mut values, file, column } => {
+                if let (Some(file), []) = (&file, &values[..]) {
+                    values = read(file, column.as_deref())?;
+                }
                 values.sort_by(f64::total_cmp);
-                Ok(Self::Empirical { values, file: Some(file), column })
+                Ok(Self::Empirical { values, file, column })
             }
             other => Ok(other),
         }

@@ -122,6 +122,8 @@ class Term:
     coefficient: Formula | None = None
     #: Name of its family of forces, where that is not `name`.
     family: str | None = None
+    #: Storage of its matrices, "whole", "upper", "lower" or "triangle" to be mirrored: to be said of entries on one side of the diagonal alone.
+    symmetry: str | None = None
 
 
 @dataclass(frozen=True)
@@ -216,7 +218,8 @@ def _plain(given: Mapping[str, Any]) -> dict[str, Any]:
 def _term(term: Term) -> dict[str, Any]:
     matrices = {key: getattr(term, key) for key in ("mass", "damping", "stiffness")}
     orders = {key: dense(f"terms {term.name!r}.{key}", of) for key, of in matrices.items() if of is not None}
-    return _plain({"name": term.name, "family": term.family, "coefficient": term.coefficient, **orders})
+    of = {"name": term.name, "family": term.family, "coefficient": term.coefficient, "symmetry": term.symmetry}
+    return _plain(of | orders)
 
 
 def _contact(contact: Contact, is_open: bool) -> dict[str, Any]:

@@ -71,6 +71,13 @@ impl Results {
     }
 }
 
+/// True if an evaluation of a set of constraints failed, or has a verdict that is open.
+fn is_open(results: &Results, set: usize) -> bool {
+    let scenes = results.panels().iter().filter(|panel| panel.key.constraints == set).flat_map(|panel| &panel.scenes);
+    let mut open = scenes.map(|&scene| results.failed(scene) + results.summary.tally.scenes[scene].undecided);
+    open.any(|open| open > 0)
+}
+
 /// Sentence on the unstable modes of a set of constraints.
 fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     let is_single = has_one_panel(results, set);
@@ -88,13 +95,14 @@ fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     let somewhere = list(&|range| range.is_likely_somewhere(), &|range| {
         format!("up to {} with {}", with_limits(&range.most.0), place(results, range.most.1))
     });
+    let no_mode_was = if is_single { "no mode was" } else { "in no panel was any mode" };
+    let [surely, sure] = if is_open(results, set) { ["surely ", "any sure "] } else { [""; 2] };
     let words = match (everywhere.as_str(), somewhere.as_str()) {
         ("", "") if found.unstable.is_empty() && results.has_band_modes => {
-            if is_single { "no mode was unstable" } else { "in no panel was any mode unstable" }.to_owned()
+            format!("{no_mode_was} {surely}unstable")
         }
         ("", "") if found.unstable.is_empty() => {
-            let place = if is_single { "no mode was" } else { "in no panel was any mode" };
-            format!("{place} unstable, nor was there divergence")
+            format!("{no_mode_was} {surely}unstable, nor was there {sure}divergence")
         }
         ("", "") if is_single => "no mode squeals in most of the draws, for sure".to_owned(),
         (all, _) if is_single => format!("most of the draws squeal with {all}"),

@@ -1,6 +1,6 @@
 //! Findings of a study on each mode and each set of constraints: the numbers behind `summary.md` and `report.html`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use montecarlo::Confidence;
 use study::{ComparisonKind, ModeLabel, Panel, SceneTally};
@@ -221,13 +221,21 @@ pub fn warnings(results: &Results) -> Vec<String> {
             summary.samples * scenes
         ));
     }
-    let sum = |of: fn(&SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum::<u64>();
-    let (undecided, samples) = (sum(|tally| tally.undecided), sum(|tally| tally.perhaps_unstable));
-    if undecided > 0 {
-        found.push(format!(
-            "{undecided} verdicts are UNDECIDED, because error bounds are larger than the distance from the limit of stability, and \
-             count as stable; in {samples} evaluations nothing surely is unstable"
-        ));
+    let reasons: BTreeSet<Option<&str>> = results.unknown_errors.iter().copied().collect();
+    for unknown in reasons {
+        let scenes = || summary.tally.scenes.iter().zip(&results.unknown_errors).filter(|(_, own)| **own == unknown);
+        let sum = |of: fn(&SceneTally) -> u64| scenes().map(|(tally, _)| of(tally)).sum::<u64>();
+        let (undecided, samples) = (sum(|tally| tally.undecided), sum(|tally| tally.perhaps_unstable));
+        if undecided > 0 {
+            let reason = match unknown {
+                None => "error bounds are larger than the distance from the limit of stability".to_owned(),
+                Some(reason) => format!("{reason}, so that nothing is known of its errors"),
+            };
+            found.push(format!(
+                "{undecided} verdicts are UNDECIDED, because {reason}, and count as stable; in {samples} evaluations nothing surely is \
+                 unstable"
+            ));
+        }
     }
     found
 }

@@ -57,6 +57,8 @@ pub struct Results {
     pub full_checks: Option<FullChecks>,
     /// The brake finds its modes itself, those of a band, and so shows no divergence.
     pub has_band_modes: bool,
+    /// Reason why nothing is known of the errors of each scene, where that is so.
+    pub unknown_errors: Vec<Option<&'static str>>,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
     /// Notes beside the counts, for the manifest.
@@ -82,8 +84,21 @@ impl Results {
         let source = study.brake().mode_source();
         let (labels, full_checks, has_band_modes) =
             (plan.mode_labels, source.and_then(|source| source.full_checks()).cloned(), source.is_some());
+        let unknown_errors = plan.scenes.iter().map(|scene| source.and_then(|source| source.unknown_error(scene))).collect();
         let notes = Mutex::default();
-        Self { labels, plan, origins, references, summary, full_checks, has_band_modes, panels, comparisons, notes }
+        Self {
+            labels,
+            plan,
+            origins,
+            references,
+            summary,
+            full_checks,
+            has_band_modes,
+            unknown_errors,
+            panels,
+            comparisons,
+            notes,
+        }
     }
 
     /// The results with modes named in another way, by the same counts.
@@ -94,6 +109,7 @@ impl Results {
             panels: self.panels.clone(),
             comparisons: self.comparisons.clone(),
             full_checks: self.full_checks.clone(),
+            unknown_errors: self.unknown_errors.clone(),
             notes: Mutex::default(),
             plan: Arc::clone(&self.plan),
             origins: Arc::clone(&self.origins),

@@ -150,7 +150,7 @@ fn divergence(results: &Results, checks: &FullChecks) -> Table {
         let (proportion, number) =
             (found.proportion(), |of: Option<f64>| of.map_or_else(String::new, |of| of.to_string()));
         let limits = proportion.interval(Confidence::P95);
-        let counts = [found.draws, found.diverging, found.open].map(|count| count.to_string());
+        let counts = [found.draws, found.diverging, found.beyond, found.open].map(|count| count.to_string());
         let share = number(proportion.estimate().map(|part| part.lower));
         let numbers = [
             share,
@@ -170,7 +170,7 @@ fn divergence(results: &Results, checks: &FullChecks) -> Table {
         let in_contact = labels.panels[panel.key.panel].in_contact.to_string();
         rows.push(row([constraints, law, speed, in_contact], &|key| *key == panel.key));
     }
-    let own = ["draws", "diverging", "open", "share", "lower", "upper", "fastest"];
+    let own = ["draws", "diverging", "beyond", "open", "share", "lower", "upper", "fastest"];
     Table::new("divergence", [&["constraints", "law", "speed", "in_contact"][..], &own].concat(), rows)
 }
 
