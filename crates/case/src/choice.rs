@@ -124,10 +124,11 @@ fn speeds(choice: &ChosenSpeed, ranges: &[SpeedRange], units: Units) -> Result<O
 /// An error where a choice names a law, a contact, a speed or a range of speed of a case in which these mean nothing.
 fn nothing_of_contact(choice: &SceneChoice, allowed: &str) -> Result<(), CaseError> {
     let SceneChoice { law, contact, constraints: _, speed } = choice;
-    let given =
-        [("law", law.is_some()), ("contact", contact.is_some()), ("speed", matches!(speed, ChosenSpeed::Fixed(_)))];
-    match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((what, _)) => Err(refused(what, "given", allowed.into())),
+    let numbers = |of: &Vec<usize>| of.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
+    let speed_given = if let ChosenSpeed::Fixed(speed) = speed { Some(speed.to_string()) } else { None };
+    let given = [("law", law.clone()), ("contact", contact.as_ref().map(numbers)), ("speed", speed_given)];
+    match given.into_iter().find_map(|(what, value)| Some((what, value?))) {
+        Some((what, value)) => Err(refused(what, &value, allowed.into())),
         None => speeds(speed, &[], Units::Si).map(drop),
     }
 }

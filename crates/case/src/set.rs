@@ -100,7 +100,19 @@ fn parameters_with<'a>(document: &'a mut Table, name: &str) -> Result<&'a mut dy
         (Some(_), Some(_)) => {
             Err(format!("{}, of which there are two", DRAWN.map(|of| format!("{of}.{name}")).join(" or ")))
         }
-        (None, _) => Err(allowed()),
+        // A field that is in one table alone needs no name of that.
+        (None, _) => {
+            let has_field = |(_, item): &(&str, &Item)| item.as_table_like().is_some_and(|of| of.contains_key(name));
+            let tables: Vec<String> = document.iter().filter(has_field).map(|(table, _)| table.to_owned()).collect();
+            match &tables[..] {
+                [] => Err(allowed()),
+                [table] => document.get_mut(table).and_then(Item::as_table_like_mut).ok_or_else(|| "a field".into()),
+                several => {
+                    let keys: Vec<String> = several.iter().map(|table| format!("{table}.{name}")).collect();
+                    Err(format!("{}, of which there are {}", keys.join(" or "), keys.len()))
+                }
+            }
+        }
     }
 }
 

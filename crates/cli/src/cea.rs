@@ -21,7 +21,7 @@ use work::ModeWork;
 
 use super::eig::announce;
 use super::options::MemoryArgs;
-use super::reasons::{first_scene, is_of, reasons, whys};
+use super::reasons::{Whys, first_scene, is_of, reasons, whys};
 use super::scene::{SceneArgs, counts_from};
 use super::sized;
 use crate::Error;
@@ -93,10 +93,10 @@ impl CeaArgs {
         }
         let scene = &plan.scenes[0];
         let at = brake.operating_point(scene, &brake.median())?;
-        let whys = if self.why { first_scene(brake)? } else { Vec::new() };
+        let whys = if self.why { first_scene(brake)? } else { Whys::default() };
         let (rows, real, modes) = analyse(plan.brake(scene), &at, &plan.threshold, self.modes)?;
         Ok(match self.json {
-            true => json_text(&brake.scene_json(), &rows, &real, &modes, &whys),
+            true => json_text(&brake.scene_json(), &rows, &real, &modes, &whys.of_modes),
             false => {
                 let name = |why: &Why| {
                     let row = rows.iter().find(|row| is_of(row.lambda, why));
@@ -119,7 +119,7 @@ impl CeaArgs {
             let found = threshold.verdict(lambda, brake.relative_error(scene) * lambda.norm());
             verdict_in_words(found, lambda, threshold)
         };
-        let whys = if self.why { whys(brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
+        let whys = if self.why { whys(brake, scene, Some(&modes.lambdas))? } else { Whys::default() };
         let shapes = if self.modes { on_rows(brake, scene, &at, &modes)? } else { Vec::new() };
         let spectrum = QrSolver.eigenvalues(&reduced.system().assemble(&full)?, &mut Workspace::default())?;
         let beside = growing_beside(brake, scene, &spectrum);
@@ -136,7 +136,7 @@ impl CeaArgs {
                         "residual": residual,
                         "verdict": verdict(*lambda),
                     });
-                    if let Some(why) = whys.iter().find(|why| is_of(*lambda, why)) {
+                    if let Some(why) = whys.of_modes.iter().find(|why| is_of(*lambda, why)) {
                         mode["why"] = json!(why);
                     }
                     if let Some((shape, energy)) = shapes.get(place) {
@@ -161,8 +161,12 @@ impl CeaArgs {
             return Ok(format!("{all:#}\n"));
         }
         let mut text = format!(
-            "{heading}\n\n{}{:>12}  {:>14}  {:>14}  {:>9}  {:>9}\n",
+            "{heading}
+
+{}{:>4}  {:>12}  {:>14}  {:>14}  {:>9}  {:>9}
+",
             divergence_in_words(&diverging, brake.case.reduction.frequencies[1]),
+            "rank",
             "Hz",
             "growth 1/s",
             "damping ratio",
@@ -172,7 +176,9 @@ impl CeaArgs {
         for (place, (lambda, residual)) in rows.enumerate() {
             let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
             let verdict = verdict(*lambda);
-            text += &format!("{hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}  {verdict:>9}\n", lambda.re);
+            let rank = place + 1;
+            text +=
+                &format!("{rank:>4}  {hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}  {verdict:>9}\n", lambda.re);
             if let Some((shape, energy)) = shapes.get(place) {
                 text += &largest_and_work(shape, energy, &brake.case);
             }
@@ -189,8 +195,12 @@ impl CeaArgs {
             text += &format!("\n{hz} Hz grows too, next to the band, and is not listed: widen reduction.frequencies\n");
         }
         Ok(text
-            + "\ndamping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in the unreduced brake\n"
-            + &reasons(&whys, |_| String::new()))
+            + "\nrank: by frequency, of the modes of the band; damping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in \
+               the unreduced brake\n"
+            + &reasons(&whys, |why| {
+                let rank = modes.lambdas.iter().position(|lambda| is_of(*lambda, why));
+                rank.map_or_else(String::new, |place| format!(" {}", place + 1))
+            }))
     }
 }
 

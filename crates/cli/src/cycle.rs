@@ -17,7 +17,7 @@ use squeal::sweep::Over;
 use squeal::workers;
 
 use super::options::{MemoryArgs, number};
-use super::scene::{SceneArgs, counts_from};
+use super::scene::{SceneArgs, counts_from, swept_in_words};
 use super::sweep::over;
 use super::{results_folder, sized};
 use crate::Error;
@@ -145,7 +145,10 @@ impl CycleArgs {
         if self.json {
             return Ok(format!("{:#}\n", json!({ "scene": plan.describe(&plan.scenes[0]), "rows": tables[0].json() })));
         }
-        let heading = brake.medians_in_words() + &counts_from(&plan.threshold);
+        let heading = match &self.over {
+            None => brake.medians_in_words() + &counts_from(&plan.threshold),
+            Some(over) => swept_in_words(plan, std::slice::from_ref(over)),
+        };
         let place = results_folder::place(self.out.as_deref());
         Ok(format!("{}\n\n{text}{seconds:.2} s{place}\n", printable(&heading)))
     }

@@ -16,6 +16,16 @@ pub fn whole_number(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("allowed: a whole number, 0 to {}", u64::MAX))
 }
 
+/// The value of an option that is a number of samples.
+///
+/// # Errors
+/// As [`whole_number`], of numbers that a study cannot have.
+pub fn samples(text: &str) -> Result<u64, String> {
+    let most = CaseHeader::MOST_SAMPLES;
+    let number = text.parse().ok().filter(|samples| (1..=most).contains(samples));
+    number.ok_or_else(|| format!("allowed: 1 to {most}"))
+}
+
 /// The value of an option that is a number of threads.
 ///
 /// # Errors

@@ -4,7 +4,7 @@ use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
 use num_complex::Complex;
 use output::{hertz, significant};
 use squeal::study::{Scene, UncertainBrake};
-use squeal::why::{Balance, Contribution, Explainer, Influence, Why};
+use squeal::why::{Balance, Contribution, Explainer, Influence, Why, least_damped};
 
 use crate::Error;
 
@@ -18,25 +18,34 @@ const LEAST_PART: f64 = 0.0005;
 const NOTE: &str = "\nholds to: change of the value up to which that of the growth is linear to a tenth; in parentheses where 1 % is beyond \
      it\ngrowth of a family, contact, term or body: the part of the growth that the work of its forces makes; docs/why.md\n";
 
+/// Answers for modes of a scene.
+#[derive(Default)]
+pub(super) struct Whys {
+    /// Answers, one for each mode.
+    pub of_modes: Vec<Why>,
+    /// The modes surely are unstable; otherwise none is, and there is one answer, of the least damped.
+    are_unstable: bool,
+}
+
 /// Reasons why the unstable modes of the first scene of a brake grow, or why the least damped one does not.
-pub(super) fn first_scene<B: UncertainBrake>(brake: &B) -> Result<Vec<Why>, Error> {
+pub(super) fn first_scene<B: UncertainBrake>(brake: &B) -> Result<Whys, Error> {
     whys(brake, &brake.plan().scenes[0], None)
 }
 
-/// Reasons why the unstable modes of a scene grow, or why the least damped one does not; where eigenvalues are given, of these alone: other
-/// modes of a reduction mean nothing.
-pub(super) fn whys<B: UncertainBrake>(
-    brake: &B,
-    scene: &Scene,
-    among: Option<&[Complex<f64>]>,
-) -> Result<Vec<Why>, Error> {
+/// Reasons why the modes of a scene that surely are unstable grow, or why the least damped one does not; where eigenvalues are given, of these
+/// alone: other modes of a reduction mean nothing.
+pub(super) fn whys<B: UncertainBrake>(brake: &B, scene: &Scene, among: Option<&[Complex<f64>]>) -> Result<Whys, Error> {
     let mut work = Workspace::default();
     let explainer = Explainer::new(brake, scene, &mut work)?;
-    let mut modes = explainer.asked_for(&mut work)?;
-    if let Some(among) = among {
-        modes.retain(|mode| among.iter().any(|lambda| is_same(*lambda, *mode)));
+    let is_wanted = |mode: &Complex<f64>| among.is_none_or(|among| among.iter().any(|lambda| is_same(*lambda, *mode)));
+    let [mut modes, mut all] = [explainer.unstable(&mut work)?, explainer.oscillating()];
+    modes.retain(is_wanted);
+    all.retain(is_wanted);
+    let are_unstable = !modes.is_empty();
+    if !are_unstable {
+        modes.extend(least_damped(all));
     }
-    Ok(explainer.why(&modes, &mut work)?)
+    Ok(Whys { of_modes: explainer.why(&modes, &mut work)?, are_unstable })
 }
 
 /// True if an answer is that of the mode with this eigenvalue.
@@ -49,19 +58,22 @@ fn is_same(a: Complex<f64>, b: Complex<f64>) -> bool {
 }
 
 /// Answers, each under a heading with the name of its mode.
-pub(super) fn reasons(whys: &[Why], name: impl Fn(&Why) -> String) -> String {
+pub(super) fn reasons(whys: &Whys, name: impl Fn(&Why) -> String) -> String {
     let one = |why: &Why| {
         let (hz, growth) = (hertz(frequency_hz(why.lambda)), why.lambda.re);
-        let heading = match growth > 0.0 {
+        let heading = match whys.are_unstable {
             true => format!("Why mode{} grows: {hz} Hz, growth {growth:.4} 1/s", name(why)),
             false => {
-                format!("No mode is unstable; mode{} is the least damped: {hz} Hz, growth {growth:.4} 1/s", name(why))
+                format!(
+                    "No mode surely is unstable; mode{} is the least damped: {hz} Hz, growth {growth:.4} 1/s",
+                    name(why)
+                )
             }
         };
         format!("\n{heading}\n{}", text_of(why))
     };
-    let text: String = whys.iter().map(one).collect();
-    match whys.is_empty() {
+    let text: String = whys.of_modes.iter().map(one).collect();
+    match text.is_empty() {
         true => text,
         false => text + NOTE,
     }

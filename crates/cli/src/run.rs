@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use brakes::case::{HALF_WIDTHS, is_half_width};
 use brakes::{CaseBrake, Purpose};
@@ -14,7 +15,7 @@ use squeal::study::{DivergenceCounts, FullChecks, Study};
 use squeal::{RunOptions, RunProgress, run_study_with};
 
 use super::mesh_shapes::{geometry, write_mesh_shapes};
-use super::options::{MachineArgs, number, override_run, whole_number};
+use super::options::{MachineArgs, number, override_run, samples, whole_number};
 use super::reduction::write_reduction;
 use super::sized;
 use crate::Error;
@@ -37,7 +38,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Samples per scene, instead of the case's; more than the folder holds extend its study to as many
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = samples)]
     pub samples: Option<u64>,
     /// Seed of the random streams, instead of the case's
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
@@ -79,14 +80,19 @@ impl RunArgs {
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let mut case = self.case.read()?;
+        let (begin, mut case) = (Instant::now(), self.case.read()?);
         override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
         let half_width = self.half_width.or(case.header().half_width);
         if self.shard.is_some() {
             // A part has no report: what draws of the full model say belongs to the whole.
             return self.part(&sized::brake(case, Purpose::Study, self.machine)?, out);
         }
-        self.run_brake(&sized::brake(case, Purpose::Study, self.machine)?, half_width, out)
+        let found = self.run_brake(&sized::brake(case, Purpose::Study, self.machine)?, half_width, out);
+        if matches!(found, Ok(()) | Err(Error::MostFailed { .. } | Error::NotTheWholeBrake { .. })) {
+            let all = begin.elapsed().as_secs_f64();
+            writeln!(out, "{all:.2} s in all, with preparation and report").map_err(Error::StandardOutput)?;
+        }
+        found
     }
 
     /// The complaint about a study of which more than half has failed: its results are written, but of the other half.

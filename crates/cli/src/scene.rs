@@ -3,11 +3,16 @@
 use brakes::case::{CaseError, CaseFile, ChosenSpeed, SceneChoice};
 use brakes::{AnyBrake, Purpose};
 use cea::Threshold;
+use squeal::study::Plan;
+use squeal::sweep::Over;
 
 use super::options::{MachineArgs, number, override_run, whole_number};
 use super::sized;
 use crate::Error;
 use crate::case_file::CaseArgs;
+
+/// Name of the sliding speed as a parameter.
+const SPEED: &str = "v";
 
 /// The options that choose one scene of a case.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -88,6 +93,18 @@ fn option(field: &str) -> &'static str {
 /// Threshold from which on a mode counts as unstable, to end a heading with; empty where that is the bare sign of Re lambda.
 pub(super) fn counts_from(threshold: &Threshold) -> String {
     if threshold.is_axis() { String::new() } else { format!("; unstable: with {threshold}") }
+}
+
+/// Heading of an answer over the ranges of some parameters: the first scene of a plan, without a speed where that is one of them.
+pub(super) fn swept_in_words(plan: &Plan, over: &[Over]) -> String {
+    let scene = &plan.scenes[0];
+    let described = plan.describe(scene);
+    let speed = scene.key.speed.map_or("", |range| &plan.labels.speeds[range].name);
+    let described = match over.iter().any(|over| over.name == SPEED) {
+        true => format!("{}speed {SPEED} as swept", described.strip_suffix(speed).unwrap_or(&described)),
+        false => described,
+    };
+    format!("{}: {described}; other parameters at their medians{}", plan.name, counts_from(&plan.threshold))
 }
 
 /// Index of the name that an option gives; 0 where it is not given.

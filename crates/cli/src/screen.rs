@@ -15,7 +15,7 @@ use squeal::study::Units;
 use squeal::workers;
 
 use super::mesh_shapes::geometry;
-use super::options::{MachineArgs, number, override_run, whole_number};
+use super::options::{MachineArgs, number, override_run, samples, whole_number};
 use super::scene::chosen;
 use super::{results_folder, sized};
 use crate::Error;
@@ -61,7 +61,7 @@ pub struct ScreenArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub draws: Option<u64>,
     /// Draws of the confirmation, instead of the case's samples
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = samples)]
     pub samples: Option<u64>,
     /// Seed of the random streams, instead of the case's
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]

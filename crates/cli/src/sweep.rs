@@ -18,7 +18,7 @@ use squeal::workers;
 
 use super::mesh_shapes::geometry;
 use super::options::{MachineArgs, check_threads};
-use super::scene::{SceneArgs, counts_from};
+use super::scene::{SceneArgs, swept_in_words};
 use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, PREPARED};
@@ -106,9 +106,7 @@ impl SweepArgs {
             Ok((found, modes))
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        let counts = counts_from(&plan.threshold);
-        let scene =
-            format!("{}: {}; other parameters at their medians{counts}", plan.name, plan.describe(&plan.scenes[0]));
+        let scene = swept_in_words(plan, &self.over);
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| -> Result<(), Error> {

@@ -7,6 +7,7 @@ use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
 use super::legend::{Entry, legend};
+use super::point_names::write_names;
 use super::style::VERMILLION;
 
 /// Modes by frequency and damping ratio.
@@ -48,8 +49,11 @@ pub fn damping_figure(data: &DampingFigure) -> Result<Figure, FigureError> {
     let mut canvas = Canvas::new()?;
     let worst = data.unstable.iter().map(|mode| -mode.damping_ratio[0]).fold(LEAST_REACH, f64::max);
     let (shown, beyond): (Vec<_>, Vec<_>) = data.stable.iter().partition(|(_, [_, ratio])| *ratio <= worst);
-    let hertz = data.unstable.iter().flat_map(|mode| mode.hz).chain(data.stable.iter().map(|(_, [hz, _])| *hz));
-    let hertz = AxisScale::linear(hertz, 8.0);
+    let hertz = data.unstable.iter().flat_map(|mode| mode.hz).chain(shown.iter().map(|(_, [hz, _])| *hz));
+    let [least, most] = hertz.fold([f64::INFINITY, 0.0], |[least, most], hz| [hz.min(least), hz.max(most)]);
+    // Of modes at one frequency the axis reaches to both sides.
+    let margin = if most > least { 0.02 * (most - least) } else { 0.05 * most };
+    let hertz = AxisScale::between(((least - margin).max(0.0), most + margin), 8.0);
     let ratio = AxisScale::between((-worst, worst), 6.0);
     let label = "damping ratio (1)";
     let mut y = title(&mut canvas, &data.title);
@@ -62,10 +66,8 @@ pub fn damping_figure(data: &DampingFigure) -> Result<Figure, FigureError> {
         Entry::new("never surely unstable, at median parameters", 8.0, stable_mark),
     ];
     if !beyond.is_empty() {
-        entries.push(Entry {
-            symbol: None,
-            text: format!("{} modes with more damping lie above the picture", beyond.len()),
-        });
+        let lie = if beyond.len() == 1 { "mode with more damping lies" } else { "modes with more damping lie" };
+        entries.push(Entry { symbol: None, text: format!("{} {lie} above the picture", beyond.len()) });
     }
     y = legend(&mut canvas, y + 4.0, &entries);
     let ticks = ratio.ticks(8);
@@ -99,10 +101,8 @@ pub fn damping_figure(data: &DampingFigure) -> Result<Figure, FigureError> {
         });
     }
     frame(&mut canvas, area);
-    for mode in &data.unstable {
-        let (x, y) = place(mode.hz[1], mode.damping_ratio[0]);
-        canvas.text(Label::new(x, y + LINE_SPACING, mode.mode.clone()).middle().halo());
-    }
+    let points = data.unstable.iter().map(|of| (of.mode.as_str(), place(of.hz[1], of.damping_ratio[2])));
+    write_names(&mut canvas, area, points.collect());
     y += 8.0;
     for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
         y += LINE_SPACING;
@@ -162,7 +162,7 @@ mod tests {
         let figure = damping_figure(&data).unwrap();
         let svg = figure.svg();
         for words in [
-            "1 modes with more damping",
+            "1 mode with more damping lies",
             "mode 14: 2600 Hz (2590 to 2610), damping ratio -0.01",
             "mode 1: 900 Hz",
             "a note",

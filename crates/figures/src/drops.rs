@@ -106,7 +106,10 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
     canvas.line((x(0.0), area.y), (x(0.0), area.bottom()), Paint::stroke(Color::BLACK, 0.8));
     frame(&mut canvas, area);
     y = area.bottom() + SMALL_TEXT + LINE_SPACING + 4.0;
-    canvas.text(Label::new(area.middle_x(), y, data.x_label.clone()).middle());
+    // Below the names too, where it is longer than its axis.
+    let half = 0.5 * canvas.fonts.width(&data.x_label, SMALL_TEXT, false);
+    let middle = area.middle_x().min(canvas.width - PAGE_MARGIN - half).max(PAGE_MARGIN + half);
+    canvas.text(Label::new(middle, y, data.x_label.clone()).middle());
     for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
         y += LINE_SPACING;
         canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
@@ -146,10 +149,10 @@ fn diamond(canvas: &mut Canvas, (x, y): (f64, f64)) {
 }
 
 fn key(data: &DropsFigure) -> Vec<Entry> {
-    let mut entries = vec![
-        Entry::new("95 % interval of what is confirmed", 14.0, |canvas, (x, y)| whisker(canvas, [x - 6.0, x + 6.0], y)),
-        Entry::new("predicted", 8.0, diamond),
-    ];
+    let mut entries = vec![Entry::new("95 % interval", 14.0, |canvas, (x, y)| whisker(canvas, [x - 6.0, x + 6.0], y))];
+    if data.groups.iter().flat_map(|group| &group.bars).any(|bar| bar.predicted.is_some()) {
+        entries.push(Entry::new("predicted", 8.0, diamond));
+    }
     if data.most.is_some() {
         entries.push(Entry::new("all there are", 10.0, |canvas, (x, y)| {
             canvas.line((x, y - 4.0), (x, y + 4.0), Paint::stroke(Color::DARK_GREY, 0.8).dashed(3.0));

@@ -46,6 +46,7 @@ mod model_diagram;
 mod occurrence;
 mod paths;
 mod pdf;
+mod point_names;
 mod raster;
 mod root_locus;
 mod scale;

@@ -7,6 +7,7 @@ use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
 use super::legend::{Entry, legend};
+use super::point_names::write_names;
 use super::scale::{bar, color};
 use super::style::{BLUE, VERMILLION};
 
@@ -69,8 +70,6 @@ pub struct LocusMark {
 /// Heights of the panels, pt; chosen.
 const LOCUS_HEIGHT: f64 = 210.0;
 const LOWER_HEIGHT: f64 = 170.0;
-/// Room in the corner of a panel for how many names have none, pt.
-const NOT_NAMED_WIDTH: f64 = 90.0;
 /// Distance between the panels below, pt.
 const GAP: f64 = 18.0;
 
@@ -174,43 +173,8 @@ impl Panel {
         }
         // Onsets at the axis of growth are beside each other: their names stand on several levels.
         if self.y == 2 {
-            self.name(canvas, area, data, &place);
-        }
-    }
-
-    /// Writes the modes of onsets above them, as low as there is room in the panel; how many have none is written in its corner.
-    fn name(&self, canvas: &mut Canvas, area: Area, data: &RootLocusFigure, place: &dyn Fn(&[f64; 3]) -> (f64, f64)) {
-        let mut onsets: Vec<(&LocusMark, (f64, f64))> =
-            data.marks.iter().filter(|mark| mark.event != LocusEvent::Coalescence).map(|m| (m, place(&m.at))).collect();
-        onsets.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        // Left and right end and baseline of each name that is written, the corner's first.
-        let corner = area.y + SMALL_TEXT + 2.0;
-        let mut written = vec![[area.right() - NOT_NAMED_WIDTH, area.right(), corner]];
-        let mut not_named = 0;
-        for (mark, (x, y)) in onsets {
-            let width = canvas.fonts.width(&mark.mode, SMALL_TEXT, false);
-            let left = (x - 0.5 * width).clamp(area.x + 1.0, (area.right() - width - 1.0).max(area.x + 1.0));
-            let is_free = |baseline: &f64| {
-                let is_over = |[from, to, at]: &[f64; 3]| {
-                    *from < left + width + 3.0 && left < *to + 3.0 && (at - baseline).abs() < LINE_SPACING
-                };
-                !written.iter().any(is_over)
-            };
-            let levels = (0..).map(|level| y - 7.0 - LINE_SPACING * f64::from(level)).take_while(|at| *at >= corner);
-            let Some(baseline) = levels.into_iter().find(is_free) else {
-                not_named += 1;
-                continue;
-            };
-            written.push([left, left + width, baseline]);
-            if baseline < y - 7.0 {
-                canvas.line((x, y - 4.0), (x, baseline + 1.0), Paint::stroke(Color::DARK_GREY, 0.4));
-            }
-            canvas.text(Label::new(left, baseline, mark.mode.clone()).halo());
-        }
-        if not_named > 0 {
-            let text = format!("{not_named} more in the table");
-            let left = area.right() - canvas.fonts.width(&text, SMALL_TEXT, false) - 2.0;
-            canvas.text(Label::new(left, corner, text).color(Color::DARK_GREY).halo());
+            let onsets = data.marks.iter().filter(|mark| mark.event != LocusEvent::Coalescence);
+            write_names(canvas, area, onsets.map(|mark| (mark.mode.as_str(), place(&mark.at))).collect());
         }
     }
 }

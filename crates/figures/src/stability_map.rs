@@ -58,6 +58,8 @@ const HEIGHT: f64 = 330.0;
 const PLACES: usize = 24;
 /// Largest distance of a mark beyond an end of the range, as a part of the range, at which it is on that end: rounding.
 const ON_END: f64 = 1e-9;
+/// Overlap of the rows of a map, pt; chosen: a pixel of a screen.
+const OVERLAP: f64 = 1.0;
 
 impl MapAxis {
     /// Round numbers within the range, at parts of it; its ends where there are not two.
@@ -97,8 +99,9 @@ pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
     for &([from, to], row, count) in &data.runs {
         let (x0, y0) = place([from, row as f64 / data.rows as f64]);
         let (x1, y1) = place([to, (row + 1) as f64 / data.rows as f64]);
-        // Rows overlap a little: no seams.
-        let cell = Area { x: x0, y: y1 - 0.3, width: x1 - x0, height: y0 - y1 + 0.3 };
+        // Rows overlap: no seams, whatever the resolution of a screen.
+        let over = OVERLAP.min(y1 - area.y).max(0.0);
+        let cell = Area { x: x0, y: y1 - over, width: x1 - x0, height: y0 - y1 + over };
         if count > 0 {
             canvas.rect(cell, Paint::fill(count_color(count, most)));
         }

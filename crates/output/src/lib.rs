@@ -61,8 +61,20 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// A frequency in Hz with three decimals, below 1 Hz with four significant digits: brakes in units of their own have such.
 #[must_use]
 pub fn hertz(frequency: f64) -> String {
+    hertz_within(frequency, 0.0)
+}
+
+/// A frequency in Hz as by [`hertz`], without the decimals that an error of up to `error` Hz leaves unknown.
+///
+/// ```
+/// let shown = [0.0, 0.02, 3.0].map(|error| output::hertz_within(6083.1234, error));
+/// assert_eq!(shown, ["6083.123", "6083.1", "6083"]);
+/// ```
+#[must_use]
+pub fn hertz_within(frequency: f64, error: f64) -> String {
     let below_one = -frequency.abs().log10().floor();
-    let decimals = if below_one.is_finite() { below_one.clamp(0.0, 9.0) as usize + 3 } else { 3 };
+    let most = if below_one.is_finite() { below_one.clamp(0.0, 9.0) + 3.0 } else { 3.0 };
+    let decimals = (-(2.0 * error).log10()).floor().clamp(0.0, most) as usize;
     format!("{frequency:.decimals$}")
 }
 

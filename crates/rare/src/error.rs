@@ -1,5 +1,7 @@
 //! Errors of this crate, each one line for its user.
 
+use std::f64::consts::TAU;
+
 /// Error of an estimate.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -16,8 +18,9 @@ pub enum Error {
     },
     /// A system that fails where all inputs have their medians.
     #[error(
-        "a mode of {omega:.6} rad/s fails with all inputs at their medians, with a growth of {growth:.4} 1/s: failure is not rare; allowed: a \
-         system that does not fail at its medians; plain samples say how often this one does"
+        "a mode of {:.6} Hz fails with all inputs at their medians, with a growth of {growth:.4} 1/s: failure is not rare; allowed: a \
+         system that does not fail at its medians; plain samples say how often this one does",
+        omega / TAU
     )]
     NotRare {
         /// Angular frequency of the mode, rad/s.
@@ -41,7 +44,7 @@ pub enum Error {
         found: f64,
     },
     /// A margin that is no number.
-    #[error("the margin of a mode of {omega:.6} rad/s is no number; allowed: numbers, and infinities")]
+    #[error("the margin of a mode of {:.6} Hz is no number; allowed: numbers, and infinities", omega / TAU)]
     NoMargin {
         /// Angular frequency of the mode, rad/s.
         omega: f64,

@@ -14,7 +14,7 @@ use output::{bytes_in_words, in_words, printable};
 use squeal::study::{Cost, UncertainBrake};
 use squeal::{ExpectedTime, estimate};
 
-use super::options::{MemoryArgs, override_run, whole_number};
+use super::options::{MemoryArgs, override_run, samples};
 use super::sized;
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
@@ -31,7 +31,7 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub case: CaseArgs,
     /// Samples per scene, instead of the case's
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = samples)]
     pub samples: Option<u64>,
     /// Also what so many shards of the study take, and how much of that is done by each of them anew
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = shards)]
@@ -189,7 +189,7 @@ fn cost<B: UncertainBrake>(
             if let Some(shards) = shards {
                 of_shards = line("shards", &shards_in_words(shards, bases, &expected));
             }
-            format!("roughly {} on this machine", in_words(expected.total().as_secs_f64()))
+            format!("roughly {} on this machine", in_words(expected.total().as_secs_f64() + bases))
         }
     };
     Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes + bytes_of_bases)))

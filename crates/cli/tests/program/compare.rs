@@ -60,8 +60,8 @@ fn damping_takes_from_the_occurrence_what_the_closed_form_says() {
     };
     let paired = width_of(&[&as_is, &damped], "paired", &["any", "2"]);
     let (others, plain) = (study("others", "0.1", &["--seed", "2"]), study("plain", "0.1", &[]));
-    let independent = width_of(&[&as_is, &others], "independent", &["2"]);
-    let dependent = width_of(&[&as_is, &plain], "any dependence", &["2"]);
+    let independent = width_of(&[&as_is, &others], "independent", &["any", "2"]);
+    let dependent = width_of(&[&as_is, &plain], "any dependence", &["any", "2"]);
     assert!(paired < independent / 4.0 && independent < dependent, "{paired} {independent} {dependent}");
     let said = String::from_utf8(compare(&[&as_is, &damped], &[]).stdout).unwrap();
     for word in [

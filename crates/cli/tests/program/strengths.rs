@@ -98,3 +98,78 @@ fn a_study_of_many_panels_has_the_strength_of_each_law_and_still_speaks_of_panel
     assert_eq!(found, largest);
     assert!(std::fs::read_to_string(out.join("summary.md")).unwrap().contains("panel"));
 }
+
+/// A table of a summary: the words before it, and its cells.
+fn tables_under<'a>(summary: &'a str, heading: &str) -> Vec<(&'a str, Vec<Vec<&'a str>>)> {
+    let (_, section) = summary.split_once(&format!("## {heading}\n")).unwrap();
+    let section = section.split("\n## ").next().unwrap();
+    let mut tables: Vec<(&str, Vec<Vec<&str>>)> = Vec::new();
+    for line in section.lines().filter(|line| !line.is_empty()) {
+        match line.strip_prefix("| ") {
+            Some(row) => tables.last_mut().unwrap().1.push(row.trim_end_matches(" |").split(" | ").collect()),
+            None => tables.push((line, Vec::new())),
+        }
+    }
+    tables.retain(|(_, rows)| !rows.is_empty());
+    tables
+}
+
+/// What a summary says of frequencies holds for every draw in which something is unstable: the frequency of a mode lies among its own, no green
+/// band has any, and a band is red where the table of occurrences says so of one of its modes.
+#[test]
+fn frequencies_and_lights_are_those_of_the_unstable_draws() {
+    let dir = tempfile::tempdir().unwrap();
+    let (case, out) = (dir.path().join("brake.toml"), dir.path().join("study"));
+    std::fs::write(&case, SMALL).unwrap();
+    run(&case, &out, &["--keep-samples"]);
+    let read = |name: &str| Table::read(&out.join(name)).unwrap().unwrap();
+    let text = |table: &Table, name: &str| -> Vec<String> { table.column(name).unwrap().map(str::to_owned).collect() };
+    let (drawn, occurrence) = (read("unstable_modes.csv"), read("occurrence.csv"));
+    let unstable: Vec<(String, String, f64)> = text(&drawn, "constraints")
+        .into_iter()
+        .zip(text(&drawn, "mode"))
+        .zip(text(&drawn, "frequency_hz"))
+        .map(|((set, mode), hz)| (set, mode, hz.parse().unwrap()))
+        .collect();
+    let likely: Vec<(String, String)> = text(&occurrence, "constraints")
+        .into_iter()
+        .zip(text(&occurrence, "mode"))
+        .zip(text(&occurrence, "lower"))
+        .filter(|(_, lower)| lower.parse::<f64>().unwrap() > 0.5)
+        .map(|(key, _)| key)
+        .collect();
+    let summary = std::fs::read_to_string(out.join("summary.md")).unwrap();
+    let set_of = |caption: &str| caption.split(['\u{201c}', '\u{201d}']).nth(1).unwrap().to_owned();
+    let number = |label: &str| label.trim_start_matches(char::is_alphabetic).to_owned();
+    let mut modes = 0;
+    for (caption, rows) in tables_under(&summary, "Every mode that is ever unstable") {
+        let set = set_of(caption);
+        for row in rows.iter().skip(2).filter(|row| row[1] != "-") {
+            let own = unstable.iter().filter(|(of, mode, _)| *of == set && *mode == number(row[0])).map(|(.., hz)| *hz);
+            let own: Vec<f64> = own.collect();
+            let (hz, digits) = (row[1].parse::<f64>().unwrap(), row[1].split('.').nth(1).map_or(0, str::len));
+            let rounding = 0.5 * 10_f64.powi(-(digits as i32));
+            let [least, most] =
+                [own.iter().fold(f64::INFINITY, |a, b| a.min(*b)), own.iter().fold(0.0, |a, b| b.max(a))];
+            assert!(own.is_empty() || (least - rounding..=most + rounding).contains(&hz), "{row:?} {least} {most}");
+            modes += usize::from(!own.is_empty());
+        }
+    }
+    assert!(modes > 4, "{summary}");
+    let (mut greens, mut reds) = (0, 0);
+    for (caption, rows) in tables_under(&summary, "In which bands") {
+        let set = set_of(caption);
+        for row in rows.iter().skip(2) {
+            let middle = (10.0 * row[0].parse::<f64>().unwrap().log10()).round();
+            let is_here = |hz: f64| (10.0 * hz.log10()).round() == middle;
+            let has_any = unstable.iter().any(|(of, _, hz)| *of == set && is_here(*hz));
+            let mut here = row[2].split(", ").filter(|name| !name.starts_with('(')).map(number);
+            let is_red = here.any(|mode| likely.contains(&(set.clone(), mode)));
+            assert_eq!(row[1] == "red", is_red, "{set}: {row:?}");
+            assert!(row[1] != "green" || !has_any, "{set}: {row:?}");
+            greens += usize::from(row[1] == "green");
+            reds += usize::from(is_red);
+        }
+    }
+    assert!(greens > 0 && reds > 0, "{summary}");
+}

@@ -13,8 +13,8 @@ const make = (name, attributes = {}, ...parts) => withParts(document.createEleme
 const draw = (name, attributes = {}, ...parts) =>
   withParts(document.createElementNS('http://www.w3.org/2000/svg', name), attributes, parts);
 
-// A number as it stands in a table, in percent with no digit lost and none invented.
-const percent = text => String(Number((100 * Number(text)).toPrecision(12)));
+// A part as it stands in a table, in percent with four digits; the table has all.
+const percent = text => String(Number((100 * Number(text)).toPrecision(4)));
 const rounded = text => `${(100 * Number(text)).toFixed(1)} %`;
 
 // Words beside an element, while it is pointed at or has the focus.

@@ -75,6 +75,8 @@ fn by_panel(results: &Results) -> Result<Value, Error> {
             row.push(labels.panels[panel.key.panel].in_contact.to_string());
             row.push(results.mode_label(set, name));
             row.push(results.frequency(set, name).map_or(String::new(), |hertz| hertz.to_string()));
+            let unstable = results.unstable_hertz(set, name).filter(|hertz| hertz.range.is_some());
+            row.push(unstable.map_or(String::new(), |hertz| hertz.to_string()));
             row.extend([median.value, median.lower, median.upper].map(|x| x.to_string()));
             row.extend([values().fold(1.0, f64::min), values().fold(0.0, f64::max)].map(|x| x.to_string()));
             row.push(panel.arrangements.to_string());
@@ -89,6 +91,7 @@ fn by_panel(results: &Results) -> Result<Value, Error> {
         "in_contact",
         "mode",
         "frequency_hz",
+        "unstable_hz",
         "median_occurrence",
         "lower",
         "upper",

@@ -1,5 +1,5 @@
 // The occurrence of each mode, drawn from the first of the tables.
-const PLOT = { width: 320, left: 64, right: 14, top: 8, bottom: 34, line: 12, gap: 6 };
+const PLOT = { width: 320, left: 76, right: 14, top: 8, bottom: 34, line: 12, gap: 6 };
 const plotX = part => PLOT.left + Number(part) * (PLOT.width - PLOT.left - PLOT.right);
 
 // A shape for each speed range, so that colour is not needed.
@@ -10,7 +10,8 @@ const markOf = series => draw('path', { d: SHAPES[series % SHAPES.length], class
 const inWords = row => {
   const place = [row.law, row.in_contact === '0' ? '' : `${row.in_contact} in contact`, row.speed === 'all' ? '' : `${row.speed} speed`];
   const all = `${row.arrangements} arrangements: ${rounded(row.least_of_arrangements)} to ${rounded(row.largest_of_arrangements)}`;
-  const hertz = row.frequency_hz === '' ? 'not oscillating' : `${Number(row.frequency_hz).toPrecision(7)} Hz`;
+  const [unstable, atMedians] = [row.unstable_hz, row.frequency_hz === '' ? '' : `${Number(row.frequency_hz).toPrecision(7)} Hz at the medians`];
+  const hertz = unstable === '' ? atMedians || 'not oscillating' : [`${unstable} Hz where unstable`, atMedians].filter(Boolean).join(', ');
   const what = { divergence: 'Divergence, not oscillating', unnamed: 'Modes without a name' }[row.mode] ?? `Mode ${row.mode}, ${hertz}`;
   return `${what}\n` +
     `${place.filter(Boolean).join(', ')}\n` +

@@ -13,6 +13,8 @@ use crate::Error;
 
 /// Numbers of shapes in a page, at most; chosen: 1.6 megabytes. The modes that come first are shown.
 const MOST_SHAPE_NUMBERS: usize = 600_000;
+/// Damping ratio from which on a mode is said to be stable; chosen, far above rounding.
+const NEXT_TO_AXIS: f64 = 1e-9;
 /// The part of a page that moves modes.
 pub(super) const SECTION: &str = include_str!("shapes.html");
 
@@ -73,12 +75,19 @@ pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>) -> Result<Val
         let findings = SetFindings::new(results, constraints)?;
         for (label, mode) in results.modes_of_set(constraints) {
             let place = findings.unstable.iter().position(|(other, _)| *other == label);
-            let note = place.map_or("", |place| findings.unstable[place].1.in_words());
+            let note = place.map_or_else(String::new, |place| {
+                let there =
+                    if mode.lambda.re < -NEXT_TO_AXIS * mode.lambda.norm() { ", where it is stable" } else { "" };
+                let words = findings.unstable[place].1.in_words();
+                let hertz = results.unstable_hertz(constraints, label).filter(|hertz| hertz.range.is_some());
+                let hertz = hertz.map_or_else(String::new, |hertz| format!(" at {hertz} Hz"));
+                format!("the shape at the medians{there}; {words}{hertz}")
+            });
             let moving = MovingMode {
                 group: constraints,
                 name: format!("Mode {}", results.mode_label(constraints, label)),
                 lambda: mode.lambda,
-                note: note.to_owned(),
+                note,
                 of: ModeOf { basis: BasisOf::Set(constraints), dofs, shape: &mode.shape },
             };
             listed.push(((place.is_none(), constraints, place, label), moving));

@@ -32,9 +32,8 @@ pub fn compare_figure(found: &ComparedStudies) -> Result<Option<Figure>, Error> 
         return Ok(None);
     }
     Ok(Some(drops(&DropsFigure {
-        title: String::new(),
-        x_label: "difference of the occurrence: positive where it is more often unstable than in the first study"
-            .into(),
+        title: format!("Change of the occurrence of modes, against {first}"),
+        x_label: "change of the occurrence: positive where it is more often unstable than in the first study".into(),
         groups,
         most: None,
         note: "Whiskers are 95 % intervals, each by itself.".into(),

@@ -29,7 +29,7 @@ pub(crate) fn damping(results: &Results) -> Result<Vec<(String, Figure)>, Error>
         return Ok(found);
     }
     for (constraints, set) in plan.labels.constraints.iter().enumerate() {
-        let title = format!("{}: {}", plan.name, set_heading(results, constraints));
+        let title = format!("{}: damping ratio of modes, {}", plan.name, set_heading(results, constraints));
         let mut data = DampingFigure { title, ..DampingFigure::default() };
         for (name, mode) in results.modes_of_set(constraints) {
             let label = results.mode_label(constraints, name);

@@ -21,6 +21,8 @@ pub type SceneNames = [String; 5];
 #[derive(Debug, Default)]
 pub(super) struct Occurrences {
     modes: BTreeMap<String, Proportion>,
+    /// Occurrence of anything, of a scene that is a panel by itself; of others the tables do not tell it.
+    pub any: Option<Proportion>,
     /// Number of samples that could not be evaluated.
     failed: u64,
 }
@@ -77,6 +79,9 @@ impl StudyFolder {
 
     pub fn read(path: &Path) -> Result<Self, Error> {
         let no_study = |found: &str| Error::NotComparable { path: path.to_owned(), found: found.to_owned() };
+        if !path.is_dir() {
+            return Err(no_study("no such folder"));
+        }
         let text = |name: &str| {
             fs::read_to_string(path.join(name)).map_err(|error| no_study(&format!("no {name} can be read ({error})")))
         };
@@ -103,6 +108,9 @@ impl StudyFolder {
         };
         let damaged = |name: &str| no_study(&format!("its {name}.csv is damaged"));
         study.enter_occurrences(&needed("occurrence")?).ok_or_else(|| damaged("occurrence"))?;
+        if let Some(panels) = table("panels")? {
+            study.enter_panels(&panels).ok_or_else(|| damaged("panels"))?;
+        }
         study.enter_modes(&needed("modes")?).ok_or_else(|| damaged("modes"))?;
         for (set, modes) in &mut study.modes {
             let name = format!("shapes-{set}");
@@ -125,6 +133,22 @@ impl StudyFolder {
             let of_scene = self.scenes.entry(scene.map(|at| row[at].clone())).or_default();
             of_scene.failed = count(failed)?;
             of_scene.modes.insert(row[mode].clone(), found);
+        }
+        Some(())
+    }
+
+    fn enter_panels(&mut self, table: &Table) -> Option<()> {
+        let panel = places(table, ["constraints", "law", "speed", "in_contact"])?;
+        let counts = places(table, ["arrangements", "any_unstable", "perhaps_unstable", "failed"])?;
+        for row in &table.rows {
+            let [arrangements, any, perhaps, failed] = counts.map(|at| row[at].parse::<u64>().ok());
+            if arrangements? != 1 {
+                continue;
+            }
+            let any = Proportion::of_counts(any?, perhaps? + failed?, self.samples);
+            let of_panel =
+                self.scenes.iter_mut().filter(|(scene, _)| scene.iter().zip(panel).all(|(name, at)| *name == row[at]));
+            of_panel.for_each(|(_, occurrences)| occurrences.any = Some(any));
         }
         Some(())
     }

@@ -184,10 +184,22 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Anything that is unstable, where samples were kept.
+    /// Anything that is unstable, where samples were kept or the scene is a panel by itself.
     fn anything(&self) -> Option<Compared> {
-        let pairs = self.pairs(Question::Anything, Question::Anything)?;
-        Some(self.paired(None, &pairs))
+        if let Some(pairs) = self.pairs(Question::Anything, Question::Anything) {
+            return Some(self.paired(None, &pairs));
+        }
+        let [first, second] = self.occurrences.map(|of| of.any);
+        let difference = Some(self.counted(&first?, &second?));
+        Some(Compared { scene: self.scene.clone(), link: None, occurrences: [first, second], difference })
+    }
+
+    /// Difference of two occurrences whose samples were not kept.
+    fn counted(&self, first: &Proportion, second: &Proportion) -> (Difference, Pairing) {
+        match self.studies[0].seed == self.studies[1].seed {
+            true => (dependent_difference(first, second, Confidence::P95), Pairing::AnyDependence),
+            false => (independent_difference(first, second, Confidence::P95), Pairing::Independent),
+        }
     }
 
     /// A mode: where its samples were kept, and give the counts of the study, in pairs.
@@ -203,15 +215,8 @@ impl Scene<'_> {
                 return Some(self.paired(Some(link), &pairs));
             }
         }
-        let difference = match found {
-            [Some(first), Some(second)] if self.studies[0].seed == self.studies[1].seed => {
-                Some((dependent_difference(&first, &second, Confidence::P95), Pairing::AnyDependence))
-            }
-            [Some(first), Some(second)] => {
-                Some((independent_difference(&first, &second, Confidence::P95), Pairing::Independent))
-            }
-            _ => None,
-        };
+        let [first, second] = &found;
+        let difference = first.as_ref().zip(second.as_ref()).map(|(first, second)| self.counted(first, second));
         Some(Compared { scene: self.scene.clone(), link: Some(link), occurrences: found, difference })
     }
 

@@ -1,7 +1,11 @@
 //! The comparison in words.
 
+use std::collections::BTreeSet;
+
+use montecarlo::Difference;
 use output::{hertz, printable};
 
+use super::folder::SceneNames;
 use super::{Against, Compared, ComparedStudies, Link, LinkedBy};
 
 /// Most lines of a study; the table has all. Chosen: a screen.
@@ -45,8 +49,23 @@ fn heading(other: &Against, first: &str) -> String {
 
 fn lines(other: &Against) -> Vec<String> {
     let rows = other.largest_first();
-    let line = |row: &&Compared| printable(&format!("{}: {}", row.scene_in_words(), in_words(row)));
-    let mut lines: Vec<String> = rows.iter().take(MOST_LINES).map(line).collect();
+    let line = |row: &Compared| {
+        let swap = other.swapped_with(row).map_or_else(String::new, |partner| {
+            format!("; the change of {} cancels it, as where two modes swap their names", partner.name_in_words())
+        });
+        printable(&format!("{}: {}{swap}", row.scene_in_words(), in_words(row)))
+    };
+    let mut lines: Vec<String> = Vec::new();
+    let mut told: BTreeSet<&SceneNames> = BTreeSet::new();
+    for row in rows.iter().take(MOST_LINES) {
+        // Whether anything squeals stands before the names of what does.
+        if told.insert(&row.scene) {
+            lines.extend(rows.iter().find(|any| any.link.is_none() && any.scene == row.scene).map(|any| line(any)));
+        }
+        if row.link.is_some() {
+            lines.push(line(row));
+        }
+    }
     if rows.is_empty() {
         lines.push("nothing is ever unstable in either".into());
     }
@@ -56,7 +75,24 @@ fn lines(other: &Against) -> Vec<String> {
     lines
 }
 
+/// Part of the larger of two changes that is left of both where they cancel; chosen.
+const LEFT: f64 = 0.2;
+
 impl Against {
+    /// The mode of the same scene whose change cancels that of another, as where two modes that meet swap their names; `None` where no change is
+    /// sure, or none cancels it.
+    #[must_use]
+    pub fn swapped_with(&self, row: &Compared) -> Option<&Compared> {
+        let change = sure_change(row)?;
+        let of_scene = self.rows.iter().filter(|other| other.scene == row.scene);
+        let changes = of_scene.filter_map(|other| Some((other, sure_change(other)?)));
+        let cancels = |other: f64| (change + other).abs() <= LEFT * change.abs().max(other.abs());
+        changes
+            .filter(|(_, other)| cancels(*other))
+            .min_by(|a, b| (change + a.1).abs().total_cmp(&(change + b.1).abs()))
+            .map(|(other, _)| other)
+    }
+
     /// What is ever unstable in either study, the largest difference first.
     #[must_use]
     pub fn largest_first(&self) -> Vec<&Compared> {
@@ -88,6 +124,20 @@ impl Compared {
         let names: Vec<&str> = self.scene.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
         names.join(", ")
     }
+}
+
+/// Change of the occurrence of a mode, where it is sure: all of one that is linked to none.
+fn sure_change(row: &Compared) -> Option<f64> {
+    row.link.as_ref()?;
+    let value = |at: usize| row.occurrences[at].and_then(|of| of.estimate()).map(|part| part.lower);
+    let change = match (row.difference, value(0), value(1)) {
+        (Some((Difference { value, interval }, _)), ..) => {
+            value.filter(|_| interval.lower > 0.0 || interval.upper < 0.0)?
+        }
+        (None, Some(first), _) => -first,
+        (None, None, second) => second?,
+    };
+    (change != 0.0).then_some(change)
 }
 
 /// True if anything is or may be unstable.
@@ -141,5 +191,54 @@ fn mode_in_words(Link { modes, hz, by }: &Link) -> String {
         }
         (Some(name), None) | (None, Some(name)) => format!("mode {name}"),
         (None, None) => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use montecarlo::{Confidence, Proportion, independent_difference};
+
+    use super::*;
+    use crate::compare::Pairing;
+
+    /// Modes by the numbers of 1000 samples in which they are unstable, before and after; `None` where linked to nothing.
+    fn against(counts: &[[Option<u64>; 2]]) -> Against {
+        let scene: SceneNames = ["none", "law", "all", "1", "all"].map(str::to_owned);
+        let row = |(at, counts): (usize, &[Option<u64>; 2])| {
+            let modes = counts.map(|count| count.map(|_| (at + 1).to_string()));
+            let occurrences = counts.map(|count| count.map(|hits| Proportion::of_counts(hits, 0, 1000)));
+            let [first, second] = &occurrences;
+            let difference = first.as_ref().zip(second.as_ref());
+            let difference =
+                difference.map(|(a, b)| (independent_difference(a, b, Confidence::P95), Pairing::Independent));
+            let link = Link { modes, hz: counts.map(|count| count.map(|_| 100.0)), by: None };
+            Compared { scene: scene.clone(), link: Some(link), occurrences, difference }
+        };
+        Against { path: "b".into(), notes: Vec::new(), rows: counts.iter().enumerate().map(row).collect() }
+    }
+
+    #[test]
+    fn changes_that_cancel_within_a_scene_are_said_to_be_a_swap() {
+        for (counts, swapped) in [
+            (
+                &[[Some(400), Some(10)], [Some(12), Some(395)], [Some(300), Some(310)]][..],
+                &[Some(1), Some(0), None][..],
+            ),
+            (&[[Some(400), None], [None, Some(410)]], &[Some(1), Some(0)]),
+            (&[[Some(400), Some(200)], [Some(100), Some(150)]], &[None, None]),
+            (&[[Some(400), Some(200)], [Some(100), Some(100)]], &[None, None]),
+            // Within chance there is nothing to cancel.
+            (&[[Some(400), Some(395)], [Some(100), Some(105)]], &[None, None]),
+        ] {
+            let against = against(counts);
+            for (row, partner) in against.rows.iter().zip(swapped) {
+                let found = against.swapped_with(row).map(Compared::name_in_words);
+                assert_eq!(found, partner.map(|at: usize| against.rows[at].name_in_words()), "{counts:?}");
+                assert_eq!(
+                    lines(&against).iter().any(|line| line.contains("cancels it")),
+                    swapped.iter().any(Option::is_some)
+                );
+            }
+        }
     }
 }

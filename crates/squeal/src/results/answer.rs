@@ -5,7 +5,7 @@ use montecarlo::{Interval, QuantileSketch};
 use output::{Block, Cell, Cells, hertz, printable, significant};
 use study::{ModeLabel, SetLinks};
 
-use super::bands::by_third_octaves;
+use super::bands::{LIGHTS, by_third_octaves};
 use super::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::measured::{RULE, in_cells};
 use super::study_results::Estimate;
@@ -36,9 +36,7 @@ impl Results {
             .collect();
         if !bands.is_empty() {
             answer.push(Block::Heading("In which bands".into()));
-            let lights = "Red: a mode of this third octave is unstable in most of the draws, and surely so. Amber: one is in some, or may be. \
-                          Green: none was in any draw. A mode lies where the median of its frequency does.";
-            answer.push(Block::Paragraph(lights.into()));
+            answer.push(Block::Paragraph(LIGHTS.into()));
             answer.extend(bands);
         }
         let beside = self.beside_measured(&findings);
@@ -113,12 +111,33 @@ fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
             format!("in every panel most of the draws squeal with {all}. In some panels they do with {some}")
         }
     };
+    let words = match worst(results, set, found) {
+        Some(worst) => format!("{words}. {worst}"),
+        None => words,
+    };
     // What is unstable without a mode's name stands before what modes with names do.
     let words = match found.anything_in_words(with_limits) {
         Some(anything) => format!("{anything}. {}", capitalised(&words)),
         None => words,
     };
     format!("**{}**: {words}.", set_in_words(results, set))
+}
+
+/// Words for the fastest growing mode, where no sentence on likely modes names it.
+fn worst(results: &Results, set: usize, found: &SetFindings<'_>) -> Option<String> {
+    let growth = |name: ModeLabel| Some(results.strength(set, name)?.growth.range()?.upper);
+    let by_growth = |a: &(f64, _), b: &(f64, _)| a.0.total_cmp(&b.0);
+    let all = found.unstable.iter().filter_map(|(name, range)| Some((growth(*name)?, (*name, range))));
+    let (_, (name, range)) = all.max_by(by_growth)?;
+    let is_named = range.is_likely_everywhere() || range.is_likely_somewhere();
+    (!is_named).then(|| {
+        let (mode, occurrence) = (mode_in_words(results, set, name), with_limits(&range.most.0));
+        let place = match has_one_panel(results, set) {
+            true => String::new(),
+            false => format!(" with {}", place(results, range.most.1)),
+        };
+        format!("The fastest growing is {mode}, in {occurrence} of the draws{place}{}", grows(results, set, name))
+    })
 }
 
 /// Changes by each set of constraints, the one with the largest least drop first.
@@ -207,10 +226,14 @@ fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
     let has_arrangements = results.panels().iter().any(|panel| panel.key.constraints == set && panel.arrangements > 1);
     let occurrence = |e: &Estimate| Cell { text: with_limits(e), value: Some(e.value) };
     let row = |(name, range): &(ModeLabel, ModeRange<'_>)| {
-        let frequency = results.frequency(set, *name);
+        let (unstable, at_medians) = (results.unstable_hertz(set, *name), results.frequency(set, *name));
         let mut cells = vec![
             results.mode_label(set, *name).into(),
-            Cell { text: frequency.map_or("-".into(), hertz), value: Some(frequency.unwrap_or(0.0)) },
+            Cell {
+                text: unstable.map_or("-".into(), |hz| hz.to_string()),
+                value: Some(unstable.map_or(0.0, |hz| hz.median)),
+            },
+            Cell { text: at_medians.map_or("-".into(), hertz), value: Some(at_medians.unwrap_or(0.0)) },
         ];
         let strength = results.strength(set, *name);
         cells.extend(median_and_end(strength.as_ref().map(|strength| &strength.growth), |range| range.upper));
@@ -225,7 +248,15 @@ fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
         }
         cells
     };
-    let mut columns = vec!["Mode", "Hz", "Median growth, 1/s", "Largest", "Median damping ratio", "Worst"];
+    let mut columns = vec![
+        "Mode",
+        "Hz where unstable",
+        "Hz at medians",
+        "Median growth, 1/s",
+        "Largest",
+        "Median damping ratio",
+        "Worst",
+    ];
     columns.push(if is_single { "Occurrence" } else { "Least of a panel" });
     if !is_single {
         columns.extend(["Largest of a panel", "Where"]);
@@ -300,7 +331,7 @@ fn followed(results: &Results, link: &SetLinks, sets: &[SetFindings<'_>]) -> Blo
             rows.push(before.iter().cloned().chain(after).map(Cell::from).collect());
         }
     }
-    let columns = ["mode", "Hz", "occurrence", "becomes", "Hz", "MAC", "occurrence"];
+    let columns = ["mode", "Hz at medians", "occurrence", "becomes", "Hz at medians", "MAC", "occurrence"];
     Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows })
 }
 
@@ -309,7 +340,7 @@ fn mode_in_words(results: &Results, set: usize, name: ModeLabel) -> String {
         return results.in_words(set, name);
     }
     let label = format!("mode {}", results.mode_label(set, name));
-    results.frequency(set, name).map_or(label.clone(), |f| format!("{label} ({} Hz)", hertz(f)))
+    results.hertz_in_words(set, name).map_or(label.clone(), |hz| format!("{label} ({hz})"))
 }
 
 fn set_in_words(results: &Results, set: usize) -> String {

@@ -1,15 +1,19 @@
 //! Unstable modes by third octaves, with a traffic light.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use output::{Block, Cell, Cells, significant};
-use study::Strength;
+use study::{Strength, divergence_doubt};
 
 use super::Results;
 use super::findings::{ModeRange, SetFindings};
 
 /// Nominal middles of the ten third octaves of a decade (IEC 61260-1).
 const NOMINAL: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
+
+/// Bands below the highest that are listed, at most; chosen: four decades.
+const MOST_BANDS: i32 = 40;
 
 /// Heading of the column with `red`, `amber` and `green`.
 pub const LIGHT: &str = "Light";
@@ -24,14 +28,50 @@ fn middle(number: i32) -> f64 {
     NOMINAL[number.rem_euclid(10) as usize] * 10_f64.powi(number.div_euclid(10))
 }
 
-/// An unstable mode in its band.
+/// What a reader of the lights has to know.
+pub(super) const LIGHTS: &str = "Red: a mode of this third octave is unstable in most of the draws of an arrangement, and surely so. Amber: \
+     one is in some, or may be. Green: none was in any draw, and nothing is open. A mode lies where the median of its frequency does, over \
+     the draws in which it is unstable; in parentheses where only some of these draws reach the band. A light with * is of a band that was studied in part.";
+
+/// An unstable mode in a band.
 struct InBand<'a> {
     label: String,
     range: &'a ModeRange<'a>,
     strength: Option<Strength>,
+    /// The median of its frequency lies in the band; otherwise some of its draws reach it.
+    is_median: bool,
 }
 
-/// Unstable modes of a set of constraints by third octaves, with the strength of each; `None` where there is none that has a frequency.
+/// Third octaves of a set of constraints, from the lowest to the highest in which modes are: those of the plan's band, of which the ends may be
+/// studied in part, or those of all modes, and of all measured frequencies.
+fn studied(results: &Results, set: usize) -> Vec<i32> {
+    let modes = results.modes_of_set(set).into_iter().map(|(_, mode)| cea::frequency_hz(mode.lambda));
+    let mut hertz: Vec<f64> = match results.plan().band {
+        Some(ends) => ends.map(|omega| omega / TAU).to_vec(),
+        None => modes.collect(),
+    };
+    hertz.extend(results.plan().measured.iter().flat_map(|of| &of.frequencies).map(|frequency| frequency.hz));
+    hertz.into_iter().filter(|hz| *hz > 0.0).map(third_octave).collect()
+}
+
+/// True if all of a third octave is in the band of the plan.
+fn is_whole(results: &Results, number: i32) -> bool {
+    let ends = [-0.5, 0.5].map(|side| TAU * 10_f64.powf((f64::from(number) + side) / 10.0));
+    results.plan().band.is_none_or(|[from, to]| from <= ends[0] && ends[1] <= to)
+}
+
+/// True if something may be unstable in any band: what has no frequency, a mode whose frequency in its unstable draws is not known, a verdict that is
+/// open, divergence that was not looked for.
+fn is_anything_open(results: &Results, set: usize, found: &SetFindings<'_>) -> bool {
+    let is_open = |scene: usize| results.summary.tally.scenes[scene].undecided > 0 || results.failed(scene) > 0;
+    let mut scenes = results.panels().iter().filter(|panel| panel.key.constraints == set).flat_map(|p| &p.scenes);
+    let checks = results.full_checks.as_ref();
+    found.unstable.iter().any(|(name, _)| results.unstable_hertz(set, *name).and_then(|hz| hz.range).is_none())
+        || scenes.any(|&scene| is_open(scene))
+        || divergence_doubt(results.plan(), results.has_band_modes, checks).is_some()
+}
+
+/// Unstable modes of a set of constraints by third octaves, with the strength of each; `None` of a set without a mode that has a frequency.
 pub(super) fn by_third_octaves(
     results: &Results,
     set: usize,
@@ -39,28 +79,33 @@ pub(super) fn by_third_octaves(
     caption: String,
 ) -> Option<Block> {
     let mut bands: BTreeMap<i32, Vec<InBand<'_>>> = BTreeMap::new();
-    // Unstable modes without a name may be in any band.
-    let mut has_unplaced = false;
     for (name, range) in &found.unstable {
-        let strength = results.strength(set, *name);
-        let Some(hz) = results.unstable_frequency(set, *name) else {
-            has_unplaced = true;
-            continue;
-        };
-        let label = results.mode_label(set, *name);
-        bands.entry(third_octave(hz)).or_default().push(InBand { label, range, strength });
+        let Some(hz) = results.unstable_hertz(set, *name) else { continue };
+        let median = third_octave(hz.median);
+        let [first, last] =
+            hz.range.map_or([median; 2], |of| [of.lower.max(f64::MIN_POSITIVE), of.upper].map(third_octave));
+        for number in first..=last {
+            let (label, strength) = (results.mode_label(set, *name), results.strength(set, *name));
+            bands.entry(number).or_default().push(InBand { label, range, strength, is_median: number == median });
+        }
     }
-    let (first, last) = (*bands.keys().next()?, *bands.keys().next_back()?);
+    let studied = studied(results, set);
+    let numbers = || studied.iter().chain(bands.keys()).copied();
+    let last = numbers().max()?;
+    // Rigid bodies have modes next to 0 Hz, of which nobody wants all bands.
+    let first = numbers().min()?.max(last - MOST_BANDS).min(bands.keys().next().copied().unwrap_or(last));
+    let is_open = is_anything_open(results, set, found);
     let row = |number: i32| {
         let modes = bands.get(&number).map_or(&[][..], Vec::as_slice);
+        let here = || modes.iter().filter(|of| of.is_median);
         let light = match modes {
-            [] if has_unplaced => "amber",
-            [] => "green",
-            _ if modes.iter().any(|of| of.range.is_likely_everywhere() || of.range.is_likely_somewhere()) => "red",
+            [] if !is_open => "green",
+            _ if here().any(|of| of.range.is_likely_in_an_arrangement()) => "red",
             _ => "amber",
         };
-        let names: Vec<&str> = modes.iter().map(|of| of.label.as_str()).collect();
-        let largest = |of: &dyn Fn(&InBand<'_>) -> Option<f64>| modes.iter().filter_map(of).max_by(f64::total_cmp);
+        let names: Vec<String> =
+            modes.iter().map(|of| if of.is_median { of.label.clone() } else { format!("({})", of.label) }).collect();
+        let largest = |of: &dyn Fn(&InBand<'_>) -> Option<f64>| here().filter_map(of).max_by(f64::total_cmp);
         let occurrence = largest(&|of| Some(of.range.largest.value));
         let growth = largest(&|of| Some(of.strength.as_ref()?.growth.range()?.upper));
         let damping = largest(&|of| Some(-of.strength.as_ref()?.damping_ratio.range()?.lower)).map(|least| -least);
@@ -70,7 +115,7 @@ pub(super) fn by_third_octaves(
         };
         vec![
             Cell { text: significant(middle(number), 5), value: Some(middle(number)) },
-            light.to_owned().into(),
+            format!("{light}{}", if is_whole(results, number) { "" } else { " *" }).into(),
             if names.is_empty() { "-".to_owned() } else { names.join(", ") }.into(),
             number_or_none(occurrence, &|part| format!("{:.1}\u{a0}%", 100.0 * part)),
             number_or_none(growth, &|rate| significant(rate, 3)),

@@ -32,6 +32,11 @@ impl ModeRange<'_> {
         self.least.0.lower > LIKELY
     }
 
+    /// True if the mode surely is likely in an arrangement.
+    pub fn is_likely_in_an_arrangement(&self) -> bool {
+        self.greatest_limits[0] > LIKELY
+    }
+
     /// Number of samples in which the mode is unstable, in words.
     pub fn in_words(&self) -> &'static str {
         match (self.least.0.value >= 1.0, self.largest.value > 0.0) {

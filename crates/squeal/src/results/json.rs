@@ -42,11 +42,17 @@ impl Results {
         };
         let mode = |name: ModeLabel, of: &[ArrangementOccurrence]| -> Result<Value, Error> {
             let frequency_hz = self.frequency(panel.key.constraints, name);
+            let unstable_hz =
+                self.unstable_hertz(panel.key.constraints, name).and_then(|hz| hz.range.map(|_| hz.median));
             let (occurrence, arrangements) = (self.median(of)?, by_arrangement(of));
             let name = name.to_string();
-            Ok(
-                json!({ "mode": name, "frequency_hz": frequency_hz, "occurrence": occurrence, "arrangements": arrangements }),
-            )
+            Ok(json!({
+                "mode": name,
+                "frequency_hz": frequency_hz,
+                "unstable_frequency_hz": unstable_hz,
+                "occurrence": occurrence,
+                "arrangements": arrangements,
+            }))
         };
         let all = self.every_occurrence(panel);
         Ok(json!({

@@ -2,16 +2,16 @@
 
 use std::fmt::Write as _;
 
-use output::{Block, Cell, Cells, Table, hertz, significant};
+use output::{Block, Cell, Cells, Table, significant};
 use study::{Measured, MeasuredFrequency, ModeLabel};
 
 use super::findings::SetFindings;
-use super::{Estimate, Results};
+use super::{Estimate, Results, UnstableHertz};
 
 /// Rule of the comparison, for whoever reads one.
 pub(super) const RULE: &str = "A measured frequency is hit where the occurrence of a mode within its tolerance surely is above the \
      share in some arrangement; open where it may be, as with few samples; missed where none is. A mode lies where the median of its frequency \
-     does, over the draws in which it is unstable. Modes that are unstable in some draw, and may be in more than the share of them, next to no \
+     does, over the draws in which it is unstable; the median is known to 1 in 2048, and within the tolerance where it may be. Modes that are unstable in some draw, and may be in more than the share of them, next to no \
      measured frequency, stand below as not measured.";
 
 /// Finding on a measured frequency.
@@ -42,7 +42,7 @@ impl Found {
 struct Placed {
     name: ModeLabel,
     label: String,
-    hz: f64,
+    hz: UnstableHertz,
     /// Its largest value of an arrangement, and the largest lower and upper limits of any.
     occurrence: Estimate,
     is_ever_unstable: bool,
@@ -67,7 +67,7 @@ impl<'a> Beside<'a> {
                 continue;
             }
             let occurrence = Estimate { value: range.largest.value, lower, upper };
-            match results.unstable_frequency(set, *name) {
+            match results.unstable_hertz(set, *name) {
                 Some(hz) => {
                     let label = results.mode_label(set, *name);
                     modes.push(Placed { name: *name, label, hz, occurrence, is_ever_unstable });
@@ -75,7 +75,7 @@ impl<'a> Beside<'a> {
                 None => has_unplaced |= is_ever_unstable && upper > measured.share,
             }
         }
-        modes.sort_by(|a, b| a.hz.total_cmp(&b.hz));
+        modes.sort_by(|a, b| a.hz.median.total_cmp(&b.hz.median));
         let is_outside = |frequency: &MeasuredFrequency| {
             let ends = [-1.0, 1.0].map(|side| std::f64::consts::TAU * (frequency.hz + side * frequency.tolerance_hz));
             results.plan().band.is_some_and(|[from, to]| ends.iter().any(|end| !(from..=to).contains(end)))
@@ -116,18 +116,12 @@ impl<'a> Beside<'a> {
     }
 }
 
+/// True if a mode may be within the tolerance of a measured frequency: its own is known to an error.
 fn is_near(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
-    (mode.hz - frequency.hz).abs() <= frequency.tolerance_hz
+    (mode.hz.median - frequency.hz).abs() <= frequency.tolerance_hz + mode.hz.error
 }
 
 impl Results {
-    /// Frequency of a mode where it is unstable, Hz: the median over those draws, or that of the medians where it has no strength; `None` of
-    /// what has none.
-    pub(super) fn unstable_frequency(&self, set: usize, name: ModeLabel) -> Option<f64> {
-        let median = self.strength(set, name).and_then(|strength| strength.frequency_hz.median().ok());
-        median.or(self.frequency(set, name)).filter(|hz| *hz > 0.0)
-    }
-
     /// Each set of constraints beside what was measured; none where the plan has nothing measured.
     pub(super) fn beside_measured<'a>(&'a self, findings: &[SetFindings<'_>]) -> Vec<Beside<'a>> {
         let Some(measured) = &self.plan().measured else { return Vec::new() };
@@ -167,7 +161,7 @@ fn shares(share: f64) -> String {
 fn in_words(mode: &Placed) -> String {
     let Estimate { value, lower, upper } = mode.occurrence;
     let [value, lower, upper] = [value, lower, upper].map(|part| 100.0 * part);
-    format!("mode {} ({} Hz) {value:.1} % ({lower:.1} to {upper:.1})", mode.label, hertz(mode.hz))
+    format!("mode {} ({} Hz) {value:.1} % ({lower:.1} to {upper:.1})", mode.label, mode.hz)
 }
 
 /// Table of a set of constraints for people.
@@ -180,7 +174,7 @@ pub(super) fn in_cells(beside: &Beside<'_>, caption: String) -> Block {
             let Estimate { value, lower, upper } = mode.occurrence;
             let [percent, lower, upper] = [value, lower, upper].map(|part| 100.0 * part);
             let limits = format!("{percent:.1}\u{a0}% ({lower:.1} to {upper:.1})");
-            vec![mode.label.clone().into(), number(mode.hz, hertz(mode.hz)), number(value, limits)]
+            vec![mode.label.clone().into(), number(mode.hz.median, mode.hz.to_string()), number(value, limits)]
         }
     };
     let mut rows = Vec::new();
@@ -217,7 +211,7 @@ pub(super) fn table(results: &Results, all: &[Beside<'_>]) -> Table {
             let Some(Placed { name, label, hz, occurrence: Estimate { value, lower, upper }, .. }) = mode else {
                 return vec![String::new(); 6];
             };
-            let numbers = [hz, value, lower, upper].map(ToString::to_string);
+            let numbers = [&hz.median, value, lower, upper].map(ToString::to_string);
             [name.to_string(), label.clone()].into_iter().chain(numbers).collect()
         };
         for (frequency, found) in &beside.measured {

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
-use output::{Table, hertz};
+use output::{Table, hertz, significant};
 use rayon::prelude::*;
 use study::{ModeLabel, Plan, Reference, SceneLabels, Study, UncertainBrake};
 
@@ -75,8 +75,7 @@ fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec
     let mut work = Workspace::default();
     let explainer = Explainer::new(study.brake(), &study.plan().scenes[scene], &mut work)?;
     let Reference { modes, names, .. } = &study.references()[scene];
-    let mut unstable = explainer.asked_for(&mut work)?;
-    unstable.retain(|lambda| lambda.re > 0.0);
+    let mut unstable = explainer.unstable(&mut work)?;
     let distance = |lambda: &num_complex::Complex<f64>, at: usize| (modes[at].lambda - lambda).norm();
     let mut named = Vec::with_capacity(unstable.len());
     unstable.retain(|lambda| {
@@ -170,7 +169,7 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
             }
         };
         let Some((names, why)) = fastest else {
-            text += &format!("- {described}: no oscillating mode grows at its medians\n");
+            text += &format!("- {described}: no oscillating mode surely grows at its medians\n");
             continue;
         };
         let parameters = why.influences.iter().filter(|influence| influence.kind == InfluenceKind::Parameter);
@@ -178,7 +177,9 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
         let listed: Vec<String> = listed
             .map(|influence| {
                 let caution = if influence.holds_for_a_percent() { "" } else { " (for less than 1 %)" };
-                format!("{} by {:+.3} 1/s{caution}", influence.name, influence.growth_per_percent)
+                let change = influence.growth_per_percent;
+                let sign = if change > 0.0 { "+" } else { "" };
+                format!("{} by {sign}{} 1/s{caution}", influence.name, significant(change, 3))
             })
             .collect();
         let change = match (why.is_simple, listed.is_empty()) {
@@ -187,7 +188,11 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
             (true, false) => listed.join(", "),
         };
         let (hz, growth) = (hertz(frequency_hz(why.lambda)), why.lambda.re);
-        text += &format!("- {described}: mode {} at {hz} Hz, growth {growth:.3} 1/s: {change}\n", in_words(names));
+        text += &format!(
+            "- {described}: mode {} at {hz} Hz, growth {} 1/s: {change}\n",
+            in_words(names),
+            significant(growth, 4)
+        );
     }
     text
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use montecarlo::{Progress, Sampling};
-use output::{hertz, printable};
+use output::printable;
 use study::{ModeLabel, Panel, SceneTally, Study, StudyTally, UncertainBrake};
 
 use super::findings::warnings;
@@ -30,7 +30,7 @@ impl Results {
         Ok(Results::new(study, summary))
     }
 
-    /// Text of the unstable modes of each panel: with frequency at median parameters and occurrence, the median over the
+    /// Text of the unstable modes of each panel: with its frequency where it is unstable and its occurrence, the median over the
     /// arrangements of the panel where there are several; unstable modes without a name; divergence. Failures and open verdicts come
     /// first.
     ///
@@ -95,8 +95,8 @@ impl Results {
             ModeLabel::DIVERGENCE => "divergence (real eigenvalues, no oscillation)".into(),
             ModeLabel::UNNAMED => "modes without a name (none has it at median parameters)".into(),
             name => {
-                let frequency = self.frequency(constraints, name);
-                let frequency = frequency.map_or(String::new(), |f| format!(" at {} Hz", hertz(f)));
+                let frequency = self.hertz_in_words(constraints, name);
+                let frequency = frequency.map_or(String::new(), |hz| format!(" at {hz}"));
                 format!("mode {}{frequency}", self.mode_label(constraints, name))
             }
         }

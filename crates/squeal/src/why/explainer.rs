@@ -2,7 +2,7 @@
 
 use cea::{
     EigenSolver, Eigentriple, Expansion, Mode, QrSolver, RealModes, Separation, Spectrum, Verdict, Workspace,
-    damping_ratio, verdicts,
+    damping_ratio, verdicts_beyond,
 };
 use linsys::{Internal, OperatingPoint, SecondOrder};
 use num_complex::Complex;
@@ -81,17 +81,33 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         Ok(Self { brake, scene, at, system, spectrum, structure: RealModes::new(&structure.m, &structure.k) })
     }
 
-    /// The unstable modes, ascending in frequency; where there are none the least damped one.
+    /// Modes that surely are unstable, ascending in frequency: beyond the threshold of the plan, by more than rounding and the error of a
+    /// reduction.
     ///
     /// # Errors
-    /// Those of [`verdicts`].
+    /// Those of [`verdicts_beyond`].
+    pub fn unstable(&self, work: &mut Workspace) -> Result<Vec<Complex<f64>>, Error> {
+        let (modes, threshold) = (self.oscillating(), &self.brake.plan().threshold);
+        let error = self.brake.mode_source().map_or(0.0, |source| source.relative_error(self.scene));
+        let verdicts = verdicts_beyond(threshold, &self.system, &modes, &self.spectrum, work)?;
+        let is_sure = |lambda: Complex<f64>| threshold.margin(lambda) > error * lambda.norm();
+        let unstable = modes.into_iter().zip(verdicts);
+        Ok(unstable.filter(|(mode, of)| *of == Verdict::Unstable && is_sure(*mode)).map(|(mode, _)| mode).collect())
+    }
+
+    /// Oscillating modes, ascending in frequency.
+    #[must_use]
+    pub fn oscillating(&self) -> Vec<Complex<f64>> {
+        self.spectrum.oscillatory().collect()
+    }
+
+    /// The modes of [`unstable`](Self::unstable); where there are none the least damped one.
+    ///
+    /// # Errors
+    /// As there.
     pub fn asked_for(&self, work: &mut Workspace) -> Result<Vec<Complex<f64>>, Error> {
-        let modes: Vec<Complex<f64>> = self.spectrum.oscillatory().collect();
-        let verdicts = verdicts(&self.system, &modes, &self.spectrum, work)?;
-        let unstable = modes.iter().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable);
-        let unstable: Vec<Complex<f64>> = unstable.map(|(lambda, _)| *lambda).collect();
-        let least_damped = modes.into_iter().min_by(|a, b| damping_ratio(*a).total_cmp(&damping_ratio(*b)));
-        Ok(if unstable.is_empty() { least_damped.into_iter().collect() } else { unstable })
+        let unstable = self.unstable(work)?;
+        Ok(if unstable.is_empty() { least_damped(self.oscillating()).into_iter().collect() } else { unstable })
     }
 
     /// Reasons of the growth of some modes of the scene, given by their eigenvalues.
@@ -198,6 +214,12 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         }
         Ok(())
     }
+}
+
+/// The least damped of some modes.
+#[must_use]
+pub fn least_damped(modes: Vec<Complex<f64>>) -> Option<Complex<f64>> {
+    modes.into_iter().min_by(|a, b| damping_ratio(*a).total_cmp(&damping_ratio(*b)))
 }
 
 /// The system at -h from those at 0, h and 2 h: each entry on its parabola, `3 a - 3 b + c`.

@@ -11,5 +11,5 @@ mod explainer;
 mod influence;
 
 pub use balance::{Balance, BodyShare, Contribution, TermShare};
-pub use explainer::{Explainer, StructureMode, Why};
+pub use explainer::{Explainer, StructureMode, Why, least_damped};
 pub use influence::{Influence, InfluenceKind};
