@@ -428,7 +428,10 @@ fn divergence_of_the_whole_brake_is_found_whatever_the_band() {
                 };
                 assert_eq!(found.len(), expected.len(), "{at} {weaker} {:?} {found:?} {expected:?}", scene.key);
                 for (found, expected) in found.iter().zip(&expected) {
-                    assert!((found.re - expected).abs() < 1e-8 * expected && found.im == 0.0, "{at} {found} {expected}");
+                    assert!(
+                        (found.re - expected).abs() < 1e-8 * expected && found.im == 0.0,
+                        "{at} {found} {expected}"
+                    );
                 }
                 has_any |= !expected.is_empty();
                 found_in += usize::from(!expected.is_empty());
@@ -506,7 +509,7 @@ fn assert_same(found: &[Complex<f64>], expected: &[Complex<f64>]) {
 /// band in size no growth is told that the whole brake does not have, whatever the reduced one has.
 #[test]
 fn growth_rates_of_divergence_are_those_of_the_whole_brake() {
-    let [mut both, mut pairs] = [0; 2];
+    let [mut has_any, mut has_beyond] = [0; 2];
     for at in 0..12 {
         let folder = tempfile::tempdir().unwrap();
         let mut random = Random::new(&mut stream(47, at));
@@ -517,7 +520,8 @@ fn growth_rates_of_divergence_are_those_of_the_whole_brake() {
         let text = random.text.replace("full_checks = 4", "full_checks = 0");
         let brake = FiniteElementBrake::new(case(folder.path(), text).unwrap(), &()).unwrap();
         let highest = TAU * brake.case.reduction.frequencies[1];
-        for scene in &brake.plan.scenes {
+        // Without the internal states of LuGre friction, which the matrices do not have.
+        for scene in brake.plan.scenes.iter().filter(|scene| scene.key.law < 2) {
             let sample = brake.draw(&mut stream(1, at)).unwrap();
             let all = divergence_in(&spectrum(whole(&brake, scene, &sample).each_ref()), 1.0);
             let (expected, beyond): (Vec<Complex<f64>>, Vec<_>) = all.into_iter().partition(|l| l.norm() <= highest);
@@ -526,16 +530,18 @@ fn growth_rates_of_divergence_are_those_of_the_whole_brake() {
             let reduced = QrSolver.eigenvalues(&reduced, &mut Workspace::default()).unwrap();
             let found = brake.diverging(scene, &point, &reduced).unwrap();
             assert!(!found.beyond || !beyond.is_empty(), "{at} {found:?} {beyond:?}");
-            both += usize::from(found.beyond && !expected.is_empty());
-            pairs += expected.iter().filter(|lambda| lambda.im > 0.0).count();
-            eprintln!("{at} {:?} {found:?} {expected:?} {beyond:?}", scene.key);
+            assert!(
+                found.any() != Some(false) || beyond.is_empty() && expected.is_empty(),
+                "{at} {found:?} {beyond:?}"
+            );
+            [has_any, has_beyond] =
+                [has_any + usize::from(!expected.is_empty()), has_beyond + usize::from(found.beyond)];
             if let Some(found) = found.whole {
                 assert_same(&found, &expected);
             }
         }
     }
-    eprintln!("{both} {pairs}");
-    assert!(both >= 5, "{both}");
+    assert!(has_any >= 5, "{has_any} {has_beyond}");
 }
 
 #[test]

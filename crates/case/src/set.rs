@@ -38,7 +38,8 @@ pub(super) fn placed(error: CaseError, text: &str, set: &[String]) -> CaseError 
     let whole = with(set.len());
     let at_fault = whole.lines().nth(line - 1).unwrap_or_default();
     let before = whole.lines().take(line - 1).filter(|line| *line == at_fault).count();
-    let place = |text: &str| text.lines().enumerate().filter(|(_, line)| *line == at_fault).map(|(at, _)| at + 1).nth(before);
+    let place =
+        |text: &str| text.lines().enumerate().filter(|(_, line)| *line == at_fault).map(|(at, _)| at + 1).nth(before);
     if let Some(line) = place(text) {
         return CaseError::Syntax { path, line, message };
     }
@@ -249,7 +250,7 @@ coefficient = 1.0
             let set: Vec<String> = set.iter().map(|&setting| setting.to_owned()).collect();
             CaseFile::read_with(&path, &set).unwrap_err().to_string()
         };
-        for setting in ["k.from=0.3", "study.sample=5", "parameters.k.from=low", "study.seed=-1", "terms.all.colour=red"] {
+        for setting in ["k.from=0.3", "study.sample=5", "study.seed=-1", "terms.all.colour=red"] {
             for others in [&[][..], &["study.name=other", "accuracy.half_width=0.01"]] {
                 let found = refused(case, &[others, &[setting], others].concat());
                 assert!(found.contains(&format!("brake.toml: --set {setting}: ")), "{found}");

@@ -65,7 +65,11 @@ impl Check<'_> {
             None => Ok(()),
             Some((kind, _)) => {
                 let allowed = "words on matrices that the term has";
-                Err(self.value(&field("terms", term, "symmetry"), format!("a word on its {kind}, which it lacks"), allowed))
+                Err(self.value(
+                    &field("terms", term, "symmetry"),
+                    format!("a word on its {kind}, which it lacks"),
+                    allowed,
+                ))
             }
         }
     }

@@ -73,7 +73,10 @@ fn every_format_gives_the_same_brake_in_every_mixture() {
                     .unwrap_or_else(|e| panic!("{mass} {stiffness}: {e}"));
                 let found = case.system.terms()[0].matrices();
                 assert_eq!((&found.m, &found.k), (&m, &k), "{mass} {stiffness}");
-                assert_eq!(case.taken.iter().filter(|taken| taken.file.is_some()).count(), 1 + usize::from(mass != rows));
+                assert_eq!(
+                    case.taken.iter().filter(|taken| taken.file.is_some()).count(),
+                    1 + usize::from(mass != rows)
+                );
             }
         }
     }
@@ -105,8 +108,7 @@ fn rows_are_taken_as_a_file_is() {
     let words = words.into_iter().flat_map(|word| {
         [format!("symmetry = {word:?}"), format!("symmetry = {{ stiffness = {word:?} }}")].map(|said| (word, said))
     });
-    for (at, matrix) in
-        [&whole, &unsymmetric, &no_images, &upper, &lower, &friction, &diagonal].into_iter().enumerate()
+    for (at, matrix) in [&whole, &unsymmetric, &no_images, &upper, &lower, &friction, &diagonal].into_iter().enumerate()
     {
         written(folder.path(), &format!("K{at}"), matrix);
         for (word, said) in words.clone().chain([("", String::new())]) {

@@ -360,7 +360,12 @@ fn diverging_in_words(diverging: &[Complex<f64>]) -> Vec<String> {
 /// First lines on a finite element brake that diverges; `highest` is the highest frequency of its band, Hz.
 fn divergence_in_words(found: &Diverging, highest: f64) -> String {
     let mut lines = found.whole.as_ref().map_or_else(
-        || vec![format!("whether anything of the whole brake diverges below 2 pi {} Hz could not be told", hertz(highest))],
+        || {
+            vec![format!(
+                "whether anything of the whole brake diverges below 2 pi {} Hz could not be told",
+                hertz(highest)
+            )]
+        },
         |whole| diverging_in_words(whole),
     );
     if found.beyond {
@@ -482,6 +487,9 @@ mod tests {
         let beyond = "UNSTABLE: something beyond 2 pi 5540.000 Hz diverges, how fast is not known\n\n";
         assert_eq!(said(Some(Vec::new()), true), beyond);
         assert_eq!(said(Some(vec![real]), true), words(&[real]) + "\n" + beyond);
-        assert!(said(None, false).starts_with("whether anything of the whole brake diverges below 2 pi 5540.000 Hz could not"));
+        assert!(
+            said(None, false)
+                .starts_with("whether anything of the whole brake diverges below 2 pi 5540.000 Hz could not")
+        );
     }
 }

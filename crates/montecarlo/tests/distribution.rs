@@ -285,7 +285,10 @@ fn every_slip_is_named_with_its_key_and_what_is_allowed() {
         (Distribution::LogNormal { median: 1.0, sigma: 200.0, at_least: None, at_most: None }, "sigma = 200"),
         (Distribution::LogNormal { median: low, sigma: 10.0, at_least: None, at_most: None }, "sigma = 10"),
         (Distribution::LogUniform { from: low, to: high }, "to = 1"),
-        (Distribution::Normal { mean: 1.0, deviation: high, at_least: f64::NEG_INFINITY, at_most: None }, "deviation = 1"),
+        (
+            Distribution::Normal { mean: 1.0, deviation: high, at_least: f64::NEG_INFINITY, at_most: None },
+            "deviation = 1",
+        ),
         (Distribution::Uniform { from: -high, to: high }, "to = 1"),
         (Distribution::Triangular { from: -high, mode: 0.0, to: high }, "to = 1"),
         (measured(&[-high, high]), "values = ["),

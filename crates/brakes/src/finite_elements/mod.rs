@@ -1,6 +1,7 @@
 //! A finite element brake of a case, reduced, with its friction laws and distributions.
 
 mod bridge;
+mod divergence;
 mod full_checks;
 mod layout;
 mod parameters;
@@ -15,15 +16,14 @@ mod whole;
 pub use points::{at_medians, frictionless, loads_at_medians};
 pub use reduce::{BESIDE, Bases, Part, ReducedSet, Rung};
 
-use std::f64::consts::TAU;
 use std::sync::PoisonError;
 
-use cea::{Mode, Spectrum};
+use cea::Mode;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use reduction::{ReducedModes, ReductionError, RouteCounts, grows_too_fast};
+use reduction::{ReducedModes, ReductionError, RouteCounts};
 use study::{
     BandMode, Bridge, CoarsePath, Cost, DrawnInputs, FullChecks, Input, ModeResidual, ModeSource, Modifiable,
     NamedParameter, Parametrised, Place, Plan, Scene, SingleParameter, Symmetry, UncertainBrake, WholeContact,
@@ -211,27 +211,6 @@ impl FiniteElementBrake {
     /// The operating point of the whole brake, reduced or not, from that of a scene.
     pub fn full_point(&self, scene: &Scene, at: &OperatingPoint) -> OperatingPoint {
         points::of_brake(&self.case, self.closed(scene), at)
-    }
-
-    /// What diverges in a scene, at an operating point of the brake: of the whole brake up to the end of the band in size, and whether anything
-    /// does beyond that in the spectrum of the reduced one, which says that it does and not how fast.
-    ///
-    /// # Errors
-    /// A point that the brake refuses.
-    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Diverging, Error> {
-        let part = self.part(scene);
-        let whole = reduce::diverging(&self.case, &self.sets[part.set].system.assemble(at)?, &self.plan.threshold);
-        let ([_, highest], error) = (self.case.reduction.frequencies, self.relative_error(scene));
-        let is_fast = |lambda: &&Complex<f64>| {
-            lambda.im >= 0.0
-                && grows_too_fast(**lambda)
-                && lambda.norm() > reduce::slowest_divergence(&self.case)
-                && self.plan.threshold.margin(**lambda) > error * lambda.norm()
-        };
-        let (beyond, below): (Vec<&Complex<f64>>, Vec<_>) =
-            reduced.eigenvalues.iter().filter(is_fast).partition(|lambda| lambda.norm() > TAU * highest);
-        let is_told = |whole: &Vec<Complex<f64>>| !whole.is_empty() || below.is_empty();
-        Ok(Diverging { whole: whole.filter(is_told), beyond: !beyond.is_empty() })
     }
 
     /// Law of a scene, and the distributions from which its friction is drawn; `None` without a contact.

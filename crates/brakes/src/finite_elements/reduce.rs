@@ -1,7 +1,7 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
 use std::iter::repeat_n;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 use cea::{ROUNDED_DATA, Threshold, Verdict, real_count};
 use linsys::{AffineSystem, DofMap, OperatingPoint};
@@ -14,6 +14,7 @@ use reduction::{
 };
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
+use super::divergence::Responses;
 use super::points::{all_patches, naming_point, of_brake};
 use super::set_basis::{self, HeldOut, SetBasis};
 use super::training::{AT_BORDER, Closed, arrangements, rectangle, training};
@@ -62,6 +63,8 @@ pub struct ReducedSet {
     /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
     /// of them does not have the same modes, and 0 without any.
     pub held_out: f64,
+    /// What grows far beyond the band, made when it is first asked for; `None` without contacts.
+    responses: OnceLock<Option<Responses>>,
     /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
     pub held_out_residual: f64,
 }
@@ -278,6 +281,7 @@ fn reduced_set(
         drawn,
         held_out: 0.0,
         held_out_residual: 0.0,
+        responses: OnceLock::new(),
     })
 }
 
@@ -346,6 +350,15 @@ fn part(
 }
 
 impl ReducedSet {
+    /// Responses of the contacts far beyond the band.
+    pub(super) fn responses(&self, case: &FiniteElementCase) -> Result<Option<&Responses>, Error> {
+        if self.responses.get().is_none() {
+            let made = Responses::new(case, &self.system)?;
+            return Ok(self.responses.get_or_init(|| made).as_ref());
+        }
+        Ok(self.responses.get().and_then(Option::as_ref))
+    }
+
     /// The brake on a smaller basis W within that of the set.
     fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
         let options = Options { tolerance: case.reduction.residual, ..Options::default() };

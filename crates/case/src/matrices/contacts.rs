@@ -28,7 +28,11 @@ pub(super) fn channels_with_gains(
         let r = sparse_vector(check, dofs, &field("contacts", &name, "reading"), &reading)?;
         for (key, vector) in [("force", &b), ("reading", &r)] {
             if !vector.is_empty() && vector.iter().all(|(_, value)| *value == 0.0) {
-                return Err(check.value(&field("contacts", &name, key), "0 throughout", "a number that is not 0, or several"));
+                return Err(check.value(
+                    &field("contacts", &name, key),
+                    "0 throughout",
+                    "a number that is not 0, or several",
+                ));
             }
         }
         if b.is_empty() {

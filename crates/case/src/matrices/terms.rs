@@ -152,9 +152,11 @@ fn from_rows(
     let array = DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]);
     let name = wanted.kind.map_or_else(String::new, |kind| kind.to_string());
     let listed = Matrix::of_array(&name, &array).map_err(|problem| check.value(field, problem, "rows of numbers"))?;
-    let matrix = listed
-        .with_symmetry(wanted.symmetry, wanted.otherwise)
-        .map_err(|source| CaseError::Rows { path: check.path.to_owned(), field: field.to_owned(), source: Box::new(source) })?;
+    let matrix = listed.with_symmetry(wanted.symmetry, wanted.otherwise).map_err(|source| CaseError::Rows {
+        path: check.path.to_owned(),
+        field: field.to_owned(),
+        source: Box::new(source),
+    })?;
     let taken = TakenMatrix { field: field.to_owned(), file: None, name, taken: matrix.taken() };
     Ok((matrix, taken))
 }

@@ -176,9 +176,21 @@ fn faults_are_named_in_one_line() {
         ),
         ("[0, 1.5]]", "[0, 1.5], [0, 0]]", "terms \"structure\".mass = a matrix 3 x 2; allowed: a square matrix"),
         ("[0, 1.5]]", "[0]]", "terms \"structure\".mass = row 2 with 1 numbers; allowed: 2, as in row 1"),
-        ("[0, 1.5]]", "[0, 0]]", "terms \"structure\".mass = not symmetric positive definite in row \"y\"; allowed: masses"),
-        ("[[1, 0], [0, 1.5]]", "[[1, 0.2], [0.1, 1.5]]", "terms \"structure\".mass = not symmetric positive definite in row \"y\""),
-        ("damping = [[0.0, 1.0]", "mass = [[-1, 0], [0, 0]]\ndamping = [[0.0, 1.0]", "terms \"structure\".mass, terms \"spin\".mass = not symmetric positive definite in row \"x\""),
+        (
+            "[0, 1.5]]",
+            "[0, 0]]",
+            "terms \"structure\".mass = not symmetric positive definite in row \"y\"; allowed: masses",
+        ),
+        (
+            "[[1, 0], [0, 1.5]]",
+            "[[1, 0.2], [0.1, 1.5]]",
+            "terms \"structure\".mass = not symmetric positive definite in row \"y\"",
+        ),
+        (
+            "damping = [[0.0, 1.0]",
+            "mass = [[-1, 0], [0, 0]]\ndamping = [[0.0, 1.0]",
+            "terms \"structure\".mass, terms \"spin\".mass = not symmetric positive definite in row \"x\"",
+        ),
         ("[0, 1.5]]", "[0, inf]]", "terms \"structure\".mass = inf; allowed: a finite number"),
         ("mass = [[1, 0], [0, 1.5]]", "mass = []", "terms \"structure\".mass = no entries; allowed: rows of numbers"),
         ("mass = [[1, 0], [0, 1.5]]", "mass = 1.0", "expected rows of numbers, as [[1.0, 0.0], [0.0, 1.0]]"),
@@ -193,7 +205,11 @@ fn faults_are_named_in_one_line() {
             "contacts \"pad\".force.z = \"z\"; allowed: the degrees of freedom x, y",
         ),
         ("force = { x = 1.0 }", "force = {}", "contacts \"pad\".force = {}; allowed: one degree of freedom or more"),
-        ("force = { x = 1.0 }", "force = { x = 0.0, y = -0.0 }", "contacts \"pad\".force = 0 throughout; allowed: a number"),
+        (
+            "force = { x = 1.0 }",
+            "force = { x = 0.0, y = -0.0 }",
+            "contacts \"pad\".force = 0 throughout; allowed: a number",
+        ),
         ("reading = { y = -5.0 }", "reading = { y = 0 }", "contacts \"pad\".reading = 0 throughout; allowed: a number"),
         (
             "reading = { y = -5.0 }",

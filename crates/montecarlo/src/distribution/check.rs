@@ -47,7 +47,9 @@ impl Distribution {
         let is_finite = TRIED.iter().all(|&u| self.quantile(u).is_finite());
         let is_positive = |of: &Self| of.quantile(TRIED[0]) > 0.0;
         match *self {
-            Self::Weibull { shape, scale, .. } if !(is_finite && is_positive(&Self::Weibull { shape, scale, from: 0.0 })) => {
+            Self::Weibull { shape, scale, .. }
+                if !(is_finite && is_positive(&Self::Weibull { shape, scale, from: 0.0 })) =>
+            {
                 fault("shape", shape, allowed)
             }
             Self::LogNormal { sigma, .. } if !(is_finite && is_positive(self)) => fault("sigma", sigma, allowed),

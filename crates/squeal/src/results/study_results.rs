@@ -84,7 +84,8 @@ impl Results {
         let source = study.brake().mode_source();
         let (labels, full_checks, has_band_modes) =
             (plan.mode_labels, source.and_then(|source| source.full_checks()).cloned(), source.is_some());
-        let unknown_errors = plan.scenes.iter().map(|scene| source.and_then(|source| source.unknown_error(scene))).collect();
+        let unknown_errors =
+            plan.scenes.iter().map(|scene| source.and_then(|source| source.unknown_error(scene))).collect();
         let notes = Mutex::default();
         Self {
             labels,

@@ -1,0 +1,115 @@
+//! Divergence of a finite element brake: what grows faster than it oscillates, whatever the band of the case.
+//!
+//! Up to the end of the band in size the whole brake is searched. Far beyond, single pairs of nodes, which have little mass, grow where the curve of friction
+//! falls more steeply than their damping holds. A basis of modes of the band does not have that; but at an eigenvalue s that contacts make, a mode is a combination
+//! of the responses `Q_0(s)^-1 b_i` and `Q_0(s)^-1 r_i` of the brake at its medians without friction to forces along all directions of friction b_i and
+//! readings r_i. These are smooth in s to the right of the band, so that those at a few real numbers hold them between.
+
+use std::f64::consts::TAU;
+
+use cea::{EigenSolver, QrSolver, Spectrum, Workspace, right_vector};
+use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use reduction::{grows_too_fast, shape_directions};
+use sparse::{Problem, SparseAffineSystem, SparseSecondOrder, eigenpair_near};
+use study::{ModeSource, Scene};
+
+use super::points::{all_patches, naming_point, of_brake};
+use super::reduce;
+use super::{Diverging, FiniteElementBrake};
+use crate::Error;
+use crate::case::FiniteElementCase;
+
+/// Real numbers at which responses are taken, over 2 pi times the highest frequency of the band; chosen: growth of cases/disc-pad reaches 170 times that.
+const SHIFTS: [f64; 4] = [1.5, 8.0, 50.0, 400.0];
+/// Backward error of an eigenvalue of the whole brake that is looked for next to one on the responses; chosen.
+const FOUND: f64 = 1e-10;
+
+/// What grows far beyond the band of a brake with one set of constraints.
+#[derive(Debug)]
+pub(super) struct Responses {
+    /// Orthonormal columns, n x k, and the brake on them.
+    basis: DMatrix<f64>,
+    reduced: AffineSystem,
+}
+
+impl Responses {
+    /// Those of a brake over its free rows; `None` without contacts.
+    pub fn new(case: &FiniteElementCase, system: &SparseAffineSystem) -> Result<Option<Self>, Error> {
+        let (channels, all) = (system.channels(), all_patches(case));
+        if channels.is_empty() {
+            return Ok(None);
+        }
+        let mut at = of_brake(case, &all, &naming_point(case, &all)?);
+        at.channels.fill(ChannelGain::default());
+        let problem = Problem::new(&system.assemble(&at)?)?;
+        let mut forces = DMatrix::zeros(system.order(), 2 * channels.len());
+        for (place, channel) in channels.iter().enumerate() {
+            channel.force.iter().for_each(|&(dof, value)| forces[(dof, 2 * place)] += value);
+            channel.reading.iter().for_each(|&(dof, value)| forces[(dof, 2 * place + 1)] += value);
+        }
+        let mut shapes = Vec::with_capacity(SHIFTS.len() * forces.ncols());
+        for shift in SHIFTS {
+            let solved = problem.solve(Complex::from(shift * highest(case)), &forces)?;
+            shapes.extend(solved.column_iter().filter(|column| column.norm() > 0.0).map(|column| column.into_owned()));
+        }
+        let basis = shape_directions(&shapes)?;
+        let reduced = system.project(&basis)?;
+        Ok(Some(Self { basis, reduced }))
+    }
+}
+
+/// Where the fastest eigenvalue of a reduced brake that passes a test is, and whether the whole brake has one there that does: `None` where the reduced one
+/// has none, and within that `false` where nothing is found in the whole one. Shapes are lifted to its rows.
+fn in_whole(
+    reduced: &SecondOrder,
+    lift: impl Fn(&DVector<Complex<f64>>) -> DVector<Complex<f64>>,
+    whole: &SparseSecondOrder,
+    passes: impl Fn(Complex<f64>) -> bool,
+) -> Result<Option<bool>, Error> {
+    let mut work = Workspace::default();
+    let all = QrSolver.eigenvalues(reduced, &mut work)?.eigenvalues;
+    let fastest = all.into_iter().filter(|&lambda| passes(lambda)).max_by(|a, b| a.re.total_cmp(&b.re));
+    let Some(fastest) = fastest else { return Ok(None) };
+    let Ok(shape) = right_vector(reduced, fastest, &mut work) else { return Ok(Some(false)) };
+    let found = eigenpair_near(whole, fastest, &lift(&shape), FOUND);
+    Ok(Some(found.is_ok_and(|pair| passes(pair.lambda))))
+}
+
+/// 2 pi times the highest frequency of the band, rad/s.
+fn highest(case: &FiniteElementCase) -> f64 {
+    TAU * case.reduction.frequencies[1]
+}
+
+impl FiniteElementBrake {
+    /// What diverges in a scene, at an operating point of the brake: of the whole brake up to the end of the band in size, and whether anything does beyond
+    /// that, which the `reduced` brake there, responses of its contacts, and the whole one next to the fastest of these say.
+    ///
+    /// # Errors
+    /// A point that the brake refuses, a factorisation that does not fit into memory.
+    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Diverging, Error> {
+        let set = &self.sets[self.part(scene).set];
+        let system = set.system.assemble(at)?;
+        let whole = reduce::diverging(&self.case, &system, &self.plan.threshold);
+        let (end, error) = (highest(&self.case), self.relative_error(scene));
+        let is_fast = |lambda: Complex<f64>| {
+            lambda.im >= 0.0
+                && grows_too_fast(lambda)
+                && lambda.norm() > reduce::slowest_divergence(&self.case)
+                && self.plan.threshold.margin(lambda) > error * lambda.norm()
+        };
+        let is_beyond = |lambda: Complex<f64>| is_fast(lambda) && lambda.norm() > end;
+        let is_below = |lambda: &Complex<f64>| is_fast(*lambda) && lambda.norm() <= end;
+        let part = &self.part(scene).reduced;
+        let mut found = vec![in_whole(&part.system().assemble(at)?, |shape| part.lift(shape), &system, is_beyond)?];
+        if let Some(Responses { basis, reduced }) = set.responses(&self.case)? {
+            let lift = |shape: &DVector<Complex<f64>>| linsys::real_times_complex(basis, shape);
+            found.push(in_whole(&reduced.assemble(at)?, lift, &system, is_beyond)?);
+        }
+        let (has_beyond, is_open) = (found.contains(&Some(true)), found.contains(&Some(false)));
+        let has_below = reduced.eigenvalues.iter().any(|lambda| is_below(lambda));
+        let is_told = |whole: &Vec<Complex<f64>>| !whole.is_empty() || has_beyond || !has_below && !is_open;
+        Ok(Diverging { whole: whole.filter(is_told), beyond: has_beyond })
+    }
+}
