@@ -29,8 +29,7 @@ struct OneCheck {
 
 impl FiniteElementBrake {
     /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares draws with the whole one, chosen at random among all scenes. Where
-    /// they do not agree, or residuals of a basis of responses are above the one asked for, these draws are trained on too, some times at most. It follows from the
-    /// case alone, whatever the number of samples is.
+    /// they do not agree, these draws are trained on too, some times at most. It follows from the case alone, whatever the number of samples is.
     ///
     /// # Errors
     /// As [`FiniteElementBrake::new`].
