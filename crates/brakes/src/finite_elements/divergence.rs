@@ -114,7 +114,7 @@ impl FiniteElementBrake {
             found.push(in_whole(&reduced.assemble(at)?, lift, &system, is_beyond)?);
         }
         let (has_beyond, is_open) = (found.contains(&Some(true)), found.contains(&Some(false)));
-        let has_below = reduced.eigenvalues.iter().any(|lambda| is_below(lambda));
+        let has_below = reduced.eigenvalues.iter().any(is_below);
         let is_told = |whole: &Vec<Complex<f64>>| !whole.is_empty() || has_beyond || !has_below && !is_open;
         Ok(Diverging { whole: whole.filter(is_told), beyond: has_beyond })
     }
