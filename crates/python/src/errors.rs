@@ -18,6 +18,13 @@ pub(crate) fn argument(py: Python<'_>, argument: &str, value: &str, allowed: &st
     exception(py, &format!("{argument} = {value}; allowed: {allowed}"), ("ArgumentError", attributes))
 }
 
+/// The exception for an array that is refused in one line, what is allowed at its end.
+pub(crate) fn array(py: Python<'_>, argument: &str, line: &str) -> PyErr {
+    let allowed = line.split_once("; allowed: ").map(|(_, allowed)| ("allowed", allowed.to_owned()));
+    let attributes = [("argument", argument.to_owned())].into_iter().chain(allowed).collect();
+    exception(py, line, ("ArgumentError", attributes))
+}
+
 /// The exception for an error of the library.
 pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
     match error {

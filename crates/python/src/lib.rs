@@ -27,7 +27,7 @@ mod _squeal {
     #[pymodule_export]
     use super::main;
     #[pymodule_export]
-    use super::matrices::read_matrices;
+    use super::matrices::{is_triangle, read_matrices};
     #[pymodule_export]
     use super::questions::{cea, estimate, evaluate, influence, merge, run, screen, shard, sweep};
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use formats::{File, FormatsError, Matrix, Symmetry, Wanted, read_with};
+use formats::{File, FormatsError, Matrix, Stored, Symmetry, Wanted, read_with};
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
@@ -38,6 +38,25 @@ pub(crate) fn sparse(
     made.ok_or_else(|| errors::argument(py, name, "a sparse matrix whose indices do not fit", "indices within it"))
 }
 
+/// How a matrix is stored, in a word.
+fn symmetry_of(py: Python<'_>, text: &str) -> PyResult<Symmetry> {
+    let known = Symmetry::NAMES.into_iter().find(|(name, _)| *name == text).map(|(_, said)| said);
+    known.ok_or_else(|| errors::argument(py, "symmetry", &format!("{text:?}"), "whole, upper, lower or triangle"))
+}
+
+/// Whether a matrix is a triangle of a symmetric one, as is said of it; one of which it is not said and cannot be seen is refused.
+#[pyfunction]
+pub(crate) fn is_triangle(py: Python<'_>, name: &str, matrix: Columns<'_>, symmetry: Option<&str>) -> PyResult<bool> {
+    let said = symmetry.map(|text| symmetry_of(py, text)).transpose()?;
+    let matrix = sparse(py, name, &matrix)?;
+    let taken = py.detach(|| {
+        let listed = Matrix::of_sparse(name, &matrix).map_err(|problem| problem.to_string())?;
+        listed.with_symmetry(None, said).map_err(|error| error.to_string())
+    });
+    let taken = taken.map_err(|fault| errors::array(py, name, &fault))?;
+    Ok(taken.stored() == Stored::Triangle)
+}
+
 /// A matrix as Python has it.
 fn as_dict<'py>(py: Python<'py>, matrix: &Matrix) -> PyResult<Bound<'py, PyDict>> {
     let entries = matrix.entries();
@@ -68,14 +87,7 @@ pub(crate) fn read_matrices<'py>(
     path: PathBuf,
     symmetry: Option<&str>,
 ) -> PyResult<(Vec<Bound<'py, PyDict>>, LeftOut)> {
-    let said = match symmetry {
-        None => None,
-        Some(text) => {
-            let known = Symmetry::NAMES.into_iter().find(|(name, _)| *name == text).map(|(_, said)| said);
-            let allowed = "whole, upper, lower or triangle";
-            Some(known.ok_or_else(|| errors::argument(py, "symmetry", &format!("{text:?}"), allowed))?)
-        }
-    };
+    let said = symmetry.map(|text| symmetry_of(py, text)).transpose()?;
     let read = move |path: &std::path::Path| -> Result<(Vec<Matrix>, LeftOut), FormatsError> {
         let file = read_with(path, formats::Options::default())?;
         let taken = |matrix: &Matrix| {

@@ -129,6 +129,28 @@ def test_a_box_has_what_the_whole_spectrum_has_there():
     assert len(band) == len(exact)
 
 
+@pytest.mark.parametrize("side", ["upper", "lower"])
+def test_a_triangle_is_what_is_said_of_it(side):
+    random = np.random.default_rng(7)
+    for n in (2, 5, 40):
+        A = random.normal(size=(n, n))
+        M, K = np.eye(n), A @ A.T + n * np.eye(n)
+        part = np.triu(K) if side == "upper" else np.tril(K)
+        box = {"box": ((-1, 1), (0, 1e3)), "progress": False}
+        for given in (part, scipy.sparse.csr_array(part), scipy.sparse.csc_matrix(part)):
+            for options in ({}, box):
+                with pytest.raises(sq.ArgumentError, match="nothing says whether"):
+                    sq.eig(M, None, given, **options)
+                mirrored = sq.eig(M, None, given, symmetry={"K": side}, **options)
+                assert np.allclose(mirrored.eigenvalues, sq.eig(M, None, K, **options).eigenvalues, rtol=1e-10, atol=1e-10)
+        as_given = sq.eig(M, None, part, symmetry="whole")
+        assert np.allclose(np.unique(np.abs(as_given.eigenvalues.imag)), np.sort(np.sqrt(np.diag(K))), rtol=1e-6)
+        stack = np.stack([part, 2 * part])
+        with pytest.raises(sq.ArgumentError, match="nothing says whether"):
+            sq.eigvals(M, None, stack)
+        assert np.array_equal(sq.eigvals(M, None, stack, symmetry=side), sq.eigvals(M, None, stack + np.swapaxes(np.tril(stack, -1) + np.triu(stack, 1), 1, 2)))
+
+
 @pytest.mark.parametrize("options", [{}, {"box": ((-10, 10), (-10, 10))}])
 def test_rows_that_huge_entries_hold_are_taken_out_and_named(options):
     M, C, K = system()
@@ -205,6 +227,11 @@ NAN_BELOW = np.array([[1.0, 2.0, 0.0], [0.0, 3.0, 0.0], [0.0, np.nan, 4.0]])
         (lambda: sq.eig(np.eye(2), None, np.eye(2), band_hz=(5, 1)), "band_hz", "each first below"),
         (lambda: sq.eig(np.eye(2), None, np.eye(2), rightmost=1), "rightmost", "with `box`"),
         (lambda: sq.eigvals(np.eye(2), None, np.eye(3)), "M, C, K", "shapes that broadcast"),
+        (lambda: sq.eig(np.eye(2), None, [[2.0, 1.0], [0.0, 2.0]]), "K", 'symmetry = "whole" to take them as they are'),
+        (lambda: sq.eigvals(np.eye(2), [[[2.0, 0.0], [1.0, 2.0]]] * 3, np.eye(2)), "C", 'symmetry = "lower" to mirror them'),
+        (lambda: sq.eig(np.eye(2), None, [[2.0, 1.0], [0.0, 2.0]], symmetry="lower"), "K", '"whole", "upper", "triangle"'),
+        (lambda: sq.eig(np.eye(2), None, np.eye(2), symmetry="both"), "symmetry", "whole, upper, lower or triangle"),
+        (lambda: sq.eig(np.eye(2), None, np.eye(2), symmetry={"D": "whole"}), "symmetry", "words on M, C, K"),
         (lambda: sq.eig(np.eye(2), None, np.ma.masked_equal(np.eye(2), 1.0)), "K", "numbers, none masked"),
         (lambda: sq.eig(np.eye(2), None, list(np.ma.masked_equal(np.eye(2), 1.0))), "K", "numbers, none masked"),
         (lambda: sq.eig(np.eye(2), None, [[1.0], [1.0, 2.0]]), "K", "an array of numbers"),

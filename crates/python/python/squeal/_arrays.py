@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _squeal
 from ._errors import ArgumentError, refused
 
 Floats = npt.NDArray[np.float64]
 Columns = tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int64], Floats]
+#: How matrices are stored, "whole", "upper", "lower" or "triangle": all of them, or each by its name.
+Symmetry = str | Mapping[str, str] | None
 
 
 def is_sparse(matrix: object) -> bool:
@@ -84,6 +87,26 @@ def columns(argument: str, given: Any, order: int | None = None) -> Columns:
     rows, places = np.nonzero(array.T)
     offsets = np.searchsorted(rows, np.arange(array.shape[0] + 1))
     return array.shape[0], offsets.astype(np.int64), places.astype(np.int64), array.T[rows, places]
+
+
+def whole(argument: str, given: Any, symmetry: Symmetry) -> Any:
+    """A matrix, or a stack of them, as the whole that it is said to be a triangle of; where nothing tells, it is refused."""
+    if isinstance(symmetry, Mapping):
+        for name in symmetry:
+            if name not in ("M", "C", "K"):
+                raise refused("symmetry", f"a word on {name!r}", "words on M, C, K")
+        symmetry = symmetry.get(argument)
+    if symmetry is not None and not isinstance(symmetry, str):
+        raise refused("symmetry", repr(symmetry), "whole, upper, lower or triangle, or a dict from M, C, K to these")
+    matrix = given if is_sparse(given) else real(argument, given)
+    listed = matrix if matrix.ndim == 2 else (matrix != 0).any(axis=tuple(range(matrix.ndim - 2)))
+    if not _squeal.is_triangle(argument, columns(argument, listed), symmetry):
+        return matrix
+    if is_sparse(matrix):
+        import scipy.sparse
+
+        return matrix + matrix.T - scipy.sparse.diags(matrix.diagonal())
+    return np.where(np.eye(matrix.shape[-1], dtype=bool), matrix, matrix + np.swapaxes(matrix, -1, -2))
 
 
 def none_of(order: int) -> Columns:

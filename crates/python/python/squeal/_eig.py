@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Columns, Floats, columns, dense, is_sparse, none_of, number, real, without
+from ._arrays import Columns, Floats, Symmetry, columns, dense, is_sparse, none_of, number, real, whole, without
 from ._errors import CaseWarning, FailureWarning, refused
 from ._progress import Progress, receiver
 
@@ -225,6 +225,7 @@ def eig(
     rightmost: int | None = None,
     count: bool = False,
     left: bool = False,
+    symmetry: Symmetry = None,
     progress: Progress = None,
 ) -> Spectrum:
     """Eigenvalues of lambda^2 M + lambda C + K, each with a bound of its error.
@@ -234,7 +235,8 @@ def eig(
     `box`, ((re from, re to), (im from, im to)) in rad/s, those of the rectangle are, of more than 300 degrees of freedom by sparse
     matrices. `band_hz=(from, to)` is the box of these frequencies in which nothing grows or decays faster than the highest of them.
     `rightmost` keeps so many of a box, those of largest Re lambda, that first. `count` counts what is in the box a second time however
-    long that takes. `left` adds the left eigenvectors.
+    long that takes. `left` adds the left eigenvectors. A matrix with entries on one side of the diagonal alone is refused until
+    `symmetry` says what it is, "whole", or "upper", "lower" or "triangle" to be mirrored; a dict says it of each, as `{"K": "upper"}`.
     """
     borders = _borders(box, band_hz)
     for name, given in (("rightmost", rightmost is not None), ("count", count)):
@@ -246,15 +248,17 @@ def eig(
         for name, matrix in (("M", M), ("C", C), ("K", K)):
             if is_sparse(matrix) and max(matrix.shape) > _MADE_DENSE:
                 raise refused(name, f"a sparse matrix of shape {matrix.shape}", "at most 1000 without `box` or `band_hz`")
-        m = dense("M", M)
-        c, k = np.zeros_like(m) if C is None else dense("C", C, len(m)), dense("K", K, len(m))
+        m = dense("M", whole("M", M, symmetry))
+        c = np.zeros_like(m) if C is None else dense("C", whole("C", C, symmetry), len(m))
+        k = dense("K", whole("K", K, symmetry), len(m))
         held = _held(columns("M", m), columns("C", c), columns("K", k))
         m, c, k = (np.delete(np.delete(matrix, held, 0), held, 1) for matrix in (m, c, k))
         found = _squeal.eig(m, c, k)
         coverage = None
     else:
-        first = columns("M", M)
-        all_of = [first, none_of(first[0]) if C is None else columns("C", C, first[0]), columns("K", K, first[0])]
+        first = columns("M", whole("M", M, symmetry))
+        damping = none_of(first[0]) if C is None else columns("C", whole("C", C, symmetry), first[0])
+        all_of = [first, damping, columns("K", whole("K", K, symmetry), first[0])]
         held = _held(*all_of)
         (re0, re1), (im0, im1) = borders
         m_few, c_few, k_few = (without(matrix, held) for matrix in all_of)
@@ -297,13 +301,14 @@ def _with_held(vectors: Complexes, held: tuple[int, ...]) -> Complexes:
     return whole
 
 
-def eigvals(M: Any, C: Any, K: Any, *, threads: int | None = None) -> Complexes:
+def eigvals(M: Any, C: Any, K: Any, *, symmetry: Symmetry = None, threads: int | None = None) -> Complexes:
     """Eigenvalues of stacks of systems, (..., 2 n), over all cores; no bounds.
 
     Those of a system ascend by ``|Im lambda|``, then Re lambda, then Im lambda: real ones first, conjugates next to each other. A column is
     no mode: where frequencies cross, modes change places.
     M, C, K are arrays (..., n, n) whose leading dimensions are broadcast against each other; `C` may be None. A system that the solver
-    refuses, as one whose M is singular, has NaN, and there is a `FailureWarning`; `eig` takes those.
+    refuses, as one whose M is singular, has NaN, and there is a `FailureWarning`; `eig` takes those. `symmetry` as in `eig`, of what
+    all matrices of a stack have entries in.
     """
     m, k = real("M", M), real("K", K)
     c = np.zeros_like(m) if C is None else real("C", C)
@@ -319,6 +324,7 @@ def eigvals(M: Any, C: Any, K: Any, *, threads: int | None = None) -> Complexes:
         raise refused("M, C, K", f"matrices of orders {m.shape[-1]}, {c.shape[-1]}, {k.shape[-1]}", "one order")
     if 0 in shape[:-2]:
         return np.empty((*shape[:-2], 2 * n), np.complex128)
+    m, c, k = whole("M", m, symmetry), whole("C", c, symmetry), whole("K", k, symmetry)
     stacks = [np.broadcast_to(array, shape).reshape(-1, n, n) for array in (m, c, k)]
     values, failed, first = _squeal.eigvals(stacks[0], stacks[1], stacks[2], workers(threads))
     if failed:
