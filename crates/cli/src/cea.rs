@@ -195,7 +195,7 @@ impl CeaArgs {
             text += &format!("\n{hz} Hz grows too, next to the band, and is not listed: widen reduction.frequencies\n");
         }
         Ok(text
-            + "\nrank: by frequency, of the modes listed here (a study counts all of the reduced brake); damping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in \
+            + "\nrank: by frequency, of the modes listed here; a study numbers its modes so, at the medians with all patches in contact; damping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in \
                the unreduced brake\n"
             + &reasons(&whys, |why| {
                 let rank = modes.lambdas.iter().position(|lambda| is_of(*lambda, why));

@@ -256,6 +256,8 @@ pub struct Plan {
     /// Band of the frequencies studied, rad/s: of a reduced brake those that it holds. `None` studies all. A real eigenvalue is studied
     /// whatever the band.
     pub band: Option<[f64; 2]>,
+    /// Least Re lambda, 1/s, of the modes that a reduced brake surely has in the band: these are numbered first. `None` numbers by frequency alone.
+    pub least_growth: Option<f64>,
     /// Instability threshold of a mode. Default: the imaginary axis, every mode that grows.
     pub threshold: Threshold,
     /// Naming points are the operating points of the medians, for each configuration in one of its scenes; a study checks it where this is
@@ -296,6 +298,7 @@ impl Plan {
             mode_labels: ModeNaming::Tracked,
             mode_identity: ModeIdentity::Continuation,
             band: None,
+            least_growth: None,
             threshold: Threshold::AXIS,
             is_named_at_medians: false,
             units: Units::Si,

@@ -22,6 +22,7 @@ pub(super) fn plan(
 ) -> Result<(Plan, Vec<Vec<usize>>), Error> {
     let mut plan = case.header.plan(case.identity());
     plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
+    plan.least_growth = Some(case.reduction.growth[0]);
     if let Some(contact) = &case.contact {
         plan.labels = labels(contact, case.header.units);
     }

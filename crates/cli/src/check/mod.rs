@@ -134,25 +134,27 @@ impl CheckArgs {
     }
 }
 
-/// Lines on the reduction of a finite element brake, one for each set of constraints: columns, residuals and comparison with the whole brake.
+/// Lines on the reduction of a finite element brake, one for each set of constraints: columns, and comparison with the whole brake.
 fn reduction(brake: &FiniteElementBrake) -> String {
-    let (plan, asked) = (&brake.plan, brake.case.reduction.residual);
+    let plan = &brake.plan;
     let mut text = String::new();
     for (at, (set, name)) in brake.sets.iter().zip(&plan.labels.constraints).enumerate() {
         let parts: Vec<&Part> = brake.parts.iter().filter(|part| part.set == at).collect();
         let columns = parts.iter().map(|part| part.within.basis.ncols());
         let sum = |of: &dyn Fn(&Part) -> usize| parts.iter().map(|part| of(part)).sum::<usize>();
         let not_reached = sum(&|part| usize::from(!part.within.is_reached));
-        let reached = if not_reached == 0 { String::new() } else { format!(", NOT reached by {not_reached}") };
+        let reached = if not_reached == 0 {
+            String::new()
+        } else {
+            format!(" (the error asked for NOT reached by {not_reached})")
+        };
+        let (least, most) = (columns.clone().min().unwrap_or(0), columns.max().unwrap_or(0));
+        let size = if least == most { most.to_string() } else { format!("{least} to {most}") };
         let found = format!(
-            "{name}: {} columns for all arrangements, bases within them: {}, of {} to {} columns, from {} complete solutions (residual asked: \
-             {:.0e}{reached}); {} modes found missing on the way; at the medians {} of {} modes of the whole brake, within {:.1e}",
+            "{name}: {} columns for all arrangements, {} within them of {size}{reached}; {} modes found missing on the way; at the medians {} of {} \
+             modes of the whole brake, within {:.1e}",
             set.basis.ncols(),
-            parts.len(),
-            columns.clone().min().unwrap_or(0),
-            columns.max().unwrap_or(0),
-            sum(&|part| part.within.solved.len()),
-            asked,
+            if parts.len() == 1 { "a basis".to_owned() } else { format!("{} bases", parts.len()) },
             sum(&|part| part.within.missed.len()),
             set.compared.pairs.len(),
             set.compared.pairs.len() + set.compared.missed.len(),

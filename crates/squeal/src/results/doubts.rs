@@ -17,8 +17,8 @@ impl Results {
         if above > 0 {
             let largest = self.summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max);
             doubts.push(format!(
-                "{above} of {residuals} unstable modes have a residual in the whole brake above the one asked for, up to {largest:.1e}: more \
-                 reduction.training makes fewer of them."
+                "{above} of {residuals} unstable modes have a residual in the whole brake above reduction.residual and above those of draws whose \
+                 error is known, up to {largest:.1e}: their growth may be less sure than is assumed. More reduction.full_checks tell."
             ));
         }
         if let Some(FullChecks { samples, growing_beside, beside_hz: Some([low, high]), .. }) = &self.full_checks {
@@ -44,7 +44,7 @@ fn failed_checks(checks: &FullChecks) -> Option<String> {
         format!(
             "The reduced brake FAILED its check: of {modes} modes of the whole brake in {samples} draws it misses {missing}, has {invented} \
              more, and gives {other_verdicts} another verdict, although it was trained on {trained_on} times. Do not rely on these \
-             results: a smaller reduction.residual or more reduction.training is needed."
+             results: more reduction.training is needed."
         )
     })
 }

@@ -115,7 +115,8 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         plan.source_file.clone_from(&of.source_file);
         plan.commit = of.commit;
         (plan.mode_labels, plan.mode_identity) = (ModeNaming::Rank, ModeIdentity::Mac);
-        (plan.band, plan.threshold, plan.is_named_at_medians) = (of.band, of.threshold, of.is_named_at_medians);
+        (plan.band, plan.least_growth) = (of.band, of.least_growth);
+        (plan.threshold, plan.is_named_at_medians) = (of.threshold, of.is_named_at_medians);
         plan.labels =
             SceneLabels { constraints: sets.iter().map(|set| set.name.clone()).collect(), ..of.labels.clone() };
         let mut modified = Self { inner, plan, from: Vec::new() };

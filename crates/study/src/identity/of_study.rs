@@ -83,6 +83,8 @@ pub fn channel(to: &mut Written, Channel { name, family, force, reading }: &Chan
 fn modes(to: &mut Written, plan: &Plan) {
     naming(to, plan.mode_labels, plan.mode_identity);
     to.option(plan.band, |to, band| band.iter().for_each(|&edge| to.number(edge)));
+    // Only where there is one, so that other studies stay as they were.
+    plan.least_growth.into_iter().for_each(|least| to.number(least));
 }
 
 /// Writes out how modes are named.

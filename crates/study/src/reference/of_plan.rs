@@ -1,9 +1,12 @@
 //! The references of a plan: of its origins, of its configurations from the origins, and of its scenes from the configurations.
 
+use std::collections::BTreeMap;
+
 use cea::{EigenSolver, Mode, Modes, ranks_together};
 use linsys::{OperatingPoint, SecondOrder, real_times_complex};
 use montecarlo::Progress;
 use nalgebra::DMatrix;
+use num_complex::Complex;
 use osc_model::Sector;
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, follow};
@@ -72,7 +75,17 @@ pub(crate) fn references(
     Ok(References { origins, scenes })
 }
 
-/// The modes of an origin, each named by its frequency rank.
+/// Numbers of the modes of an origin, from their eigenvalues and frequency ranks: these ranks, or with a band those among the modes that the brake surely
+/// has in it, and all others, which are followed as they may come in, after these.
+fn numbered(modes: &[(Complex<f64>, usize)], plan: &Plan) -> BTreeMap<usize, ModeLabel> {
+    let is_known = |lambda| plan.is_studied(lambda) && plan.least_growth.is_none_or(|least| lambda.re >= least);
+    let mut order: Vec<(bool, usize)> = modes.iter().map(|&(lambda, rank)| (!is_known(lambda), rank)).collect();
+    order.sort_unstable();
+    let number = |(place, (_, rank))| (rank, if plan.band.is_some() { place + 1 } else { rank });
+    order.into_iter().enumerate().map(number).map(|(rank, number)| (rank, ModeLabel::of_rank(number))).collect()
+}
+
+/// The modes of an origin, each with its number as its name.
 fn of_origin(origin: &Origin, plan: &Plan, solver: &dyn EigenSolver) -> Result<Reference, Error> {
     let (brake, mut work) = (&origin.brake, bounded_workspace(origin.brake.system.order()));
     let system = brake.system.assemble(&origin.naming_point)?;
@@ -83,11 +96,15 @@ fn of_origin(origin: &Origin, plan: &Plan, solver: &dyn EigenSolver) -> Result<R
     };
     let (found, systems): (Vec<Modes>, Vec<_>) =
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+    let ranked = found.iter().zip(ranks_together(&found.iter().collect::<Vec<_>>()));
+    let ranked = ranked.map(|(all, ranks)| all.oscillatory.iter().copied().zip(ranks));
+    let followed: Vec<Vec<_>> =
+        ranked.map(|part| part.filter(|(lambda, _)| plan.is_followed(*lambda)).collect()).collect();
+    let numbers = numbered(&followed.concat(), plan);
     let mut parts = Vec::with_capacity(found.len());
-    for ((all, system), ranks) in found.iter().zip(systems).zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
-        let followed = all.oscillatory.iter().zip(ranks).filter(|(lambda, _)| plan.is_followed(**lambda));
+    for (modes, system) in followed.into_iter().zip(systems) {
         let (lambdas, names): (Vec<_>, Vec<_>) =
-            followed.map(|(&lambda, rank)| (lambda, vec![ModeLabel::of_rank(rank)])).unzip();
+            modes.iter().map(|(lambda, rank)| (*lambda, vec![numbers[rank]])).unzip();
         let mut part = Reference { names, ..Reference::of_modes(system, &lambdas, &mut work)? };
         part.open_equal_modes();
         parts.push(part);

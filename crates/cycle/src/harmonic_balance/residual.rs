@@ -1,0 +1,167 @@
+//! The residual of a balance and its derivatives.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::{Balance, Equations};
+use crate::Error;
+use crate::system::ContactForces;
+
+/// Transfer from the forces of contacts to what they see, by harmonic, and its derivative by the angular frequency.
+struct Transfer {
+    h: Vec<DMatrix<Complex<f64>>>,
+    by_omega: Vec<DMatrix<Complex<f64>>>,
+}
+
+impl Equations<'_> {
+    fn transfer(&self, omega: f64) -> Result<Transfer, Error> {
+        let (n, contacts) = (self.system.order(), self.system.contacts());
+        let structure = self.system.structure();
+        let mut input = DMatrix::<Complex<f64>>::zeros(n, 2 * contacts.len());
+        let mut output = DMatrix::<Complex<f64>>::zeros(2 * contacts.len(), n);
+        for (at, contact) in contacts.iter().enumerate() {
+            for &(dof, c) in &contact.normal {
+                input[(dof, at)] -= Complex::from(c);
+                output[(at, dof)] += Complex::from(contact.stiffness * c / self.scales[at]);
+            }
+            for &(dof, b) in &contact.sliding {
+                input[(dof, contacts.len() + at)] += Complex::from(b);
+                output[(contacts.len() + at, dof)] += Complex::from(b / self.scales[contacts.len() + at]);
+            }
+        }
+        let (mut h, mut by_omega) = (Vec::new(), Vec::new());
+        for k in 0..=self.balance.harmonics {
+            let lambda = Complex::new(0.0, k as f64 * omega);
+            let lu = structure.dynamic_stiffness(lambda).lu();
+            let singular = Error::Structure("the structure resonates without damping at a harmonic of the motion");
+            let response = lu.solve(&input).ok_or_else(|| singular.clone())?;
+            let turned = structure.dynamic_stiffness_derivative(lambda) * Complex::new(0.0, k as f64) * &response;
+            let change = lu.solve(&turned).ok_or(singular)?;
+            h.push(&output * response);
+            by_omega.push(-(&output * change));
+        }
+        Ok(Transfer { h, by_omega })
+    }
+
+    /// Forces of each contact over the samples.
+    pub(super) fn forces(&self, series: &DVector<f64>, omega: f64) -> Vec<Vec<ContactForces>> {
+        let (terms, contacts) = (self.balance.terms(), self.system.contacts().len());
+        let of = |output: usize| series.rows(output * terms, terms) * self.scales[output];
+        let derivative = self.balance.derivative();
+        let mut bristle = 2 * contacts;
+        (0..contacts)
+            .map(|contact| {
+                let gap = &self.balance.evaluate * of(contact);
+                let slip = &self.balance.evaluate * (&derivative * of(contacts + contact)) * omega;
+                let state = self.system.bristle(contact).map(|_| {
+                    bristle += 1;
+                    &self.balance.evaluate * of(bristle - 1)
+                });
+                let speed = self.system.contacts()[contact].speed;
+                let at = |sample: usize| {
+                    let state = state.as_ref().map_or(0.0, |state| state[sample]);
+                    self.system.forces(contact, gap[sample], speed - slip[sample], state)
+                };
+                (0..gap.len()).map(at).collect()
+            })
+            .collect()
+    }
+
+    /// Residual of the balance and, where wanted, its derivatives by the series and the angular frequency in its scale.
+    pub fn residual(
+        &self,
+        series: &DVector<f64>,
+        omega: f64,
+        wants_jacobian: bool,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), Error> {
+        let (terms, size) = (self.balance.terms(), self.size());
+        let contacts = self.system.contacts().len();
+        let Balance { evaluate, project, harmonics } = self.balance;
+        let transfer = self.transfer(omega)?;
+        let derivative = self.balance.derivative();
+        let forces = self.forces(series, omega);
+        let mut residual = DMatrix::from_column_slice(size, 1, series.as_slice());
+        let mut jacobian = DMatrix::zeros(size, if wants_jacobian { size + 1 } else { 0 });
+        // Product of a transfer with a series of a force, for each output and all columns of `force`, is taken from `to`.
+        let subtract = |h: &[DMatrix<Complex<f64>>],
+                        input: usize,
+                        force: &DMatrix<f64>,
+                        mut to: nalgebra::DMatrixViewMut<'_, f64>| {
+            for output in 0..2 * contacts {
+                for column in 0..force.ncols() {
+                    let (rows, place) = (force.column(column), output * terms);
+                    to[(place, column)] -= h[0][(output, input)].re * rows[0];
+                    for k in 1..=*harmonics {
+                        let (h, a, b) = (h[k][(output, input)], rows[2 * k - 1], rows[2 * k]);
+                        to[(place + 2 * k - 1, column)] -= h.re * a + h.im * b;
+                        to[(place + 2 * k, column)] -= h.re * b - h.im * a;
+                    }
+                }
+            }
+        };
+        if wants_jacobian {
+            jacobian.view_mut((0, 0), (2 * contacts * terms, 2 * contacts * terms)).fill_with_identity();
+        }
+        let mut bristle = 2 * contacts;
+        for (contact, forces) in forces.iter().enumerate() {
+            let series_of = |value: fn(&ContactForces) -> f64| {
+                let values = DMatrix::from_iterator(forces.len(), 1, forces.iter().map(value));
+                project * values
+            };
+            let product = |value: fn(&ContactForces) -> f64| {
+                let mut weighted = evaluate.clone();
+                weighted.row_iter_mut().zip(forces).for_each(|(mut row, forces)| row *= value(forces));
+                project * weighted
+            };
+            let slip = contacts + contact;
+            let slip_series = series.rows(slip * terms, terms) * self.scales[slip];
+            let (excess, friction) = (series_of(|f| f.excess), series_of(|f| f.friction));
+            subtract(&transfer.h, contact, &excess, residual.view_mut((0, 0), (size, 1)));
+            subtract(&transfer.h, slip, &friction, residual.view_mut((0, 0), (size, 1)));
+            let state = self.system.bristle(contact).map(|_| {
+                bristle += 1;
+                bristle - 1
+            });
+            let rate_scale = state.map_or(1.0, |state| 1.0 / (self.scales[state] * self.omega_scale));
+            if let Some(state) = state {
+                let own = series.rows(state * terms, terms) * self.scales[state];
+                let rate = series_of(|f| f.rate).column(0) - &derivative * own * omega;
+                residual.rows_mut(state * terms, terms).copy_from(&(rate * rate_scale));
+            }
+            if !wants_jacobian {
+                continue;
+            }
+            let by_gap = (product(|f| f.excess_by_gap), product(|f| f.friction_by_gap));
+            let by_velocity = product(|f| f.friction_by_velocity);
+            let all = size;
+            let columns = |at: usize| (0, at * terms);
+            let scale = self.scales[contact];
+            subtract(&transfer.h, contact, &(by_gap.0 * scale), jacobian.view_mut(columns(contact), (all, terms)));
+            subtract(&transfer.h, slip, &(by_gap.1 * scale), jacobian.view_mut(columns(contact), (all, terms)));
+            let by_slip = -(&by_velocity * &derivative) * (omega * self.scales[slip]);
+            subtract(&transfer.h, slip, &by_slip, jacobian.view_mut(columns(slip), (all, terms)));
+            // By the frequency: through the transfer, and through the velocity of the slip.
+            let last = (0, size);
+            subtract(&transfer.by_omega, contact, &(excess * self.omega_scale), jacobian.view_mut(last, (all, 1)));
+            subtract(&transfer.by_omega, slip, &(friction * self.omega_scale), jacobian.view_mut(last, (all, 1)));
+            let turned = &derivative * &slip_series;
+            let by_omega =
+                DMatrix::from_column_slice(terms, 1, (-(&by_velocity * &turned) * self.omega_scale).as_slice());
+            subtract(&transfer.h, slip, &by_omega, jacobian.view_mut(last, (all, 1)));
+            if let Some(state) = state {
+                let by_state = product(|f| f.friction_by_state) * self.scales[state];
+                subtract(&transfer.h, slip, &by_state, jacobian.view_mut(columns(state), (all, terms)));
+                let by_rate = product(|f| f.rate_by_velocity);
+                let mut rows = jacobian.rows_mut(state * terms, terms);
+                let of_slip = -(&by_rate * &derivative) * (omega * self.scales[slip] * rate_scale);
+                rows.columns_mut(slip * terms, terms).copy_from(&of_slip);
+                let own = (product(|f| f.rate_by_state) - &derivative * omega) * (self.scales[state] * rate_scale);
+                rows.columns_mut(state * terms, terms).copy_from(&own);
+                let own = series.rows(state * terms, terms) * self.scales[state];
+                let by_omega = -(&by_rate * turned + &derivative * own) * (self.omega_scale * rate_scale);
+                rows.column_mut(size).copy_from(&by_omega);
+            }
+        }
+        Ok((residual.column(0).into_owned(), jacobian))
+    }
+}
