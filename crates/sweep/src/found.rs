@@ -6,8 +6,8 @@ use output::{Table, significant};
 use serde_json::{Value, json};
 
 use super::{
-    BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Marginal, StabilityMap, Sweep, SweepOnset,
-    SweptParameter,
+    BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Jump, Marginal, Opening, StabilityMap, Sweep,
+    SweepOnset, SweptParameter,
 };
 
 /// A sweep over one parameter or two.
@@ -140,6 +140,12 @@ impl Found {
                 "checks": map.checks,
             }),
         };
+        if let Self::Branches(sweep) = self
+            && let Some(steps) = sweep.opening_steps
+        {
+            all["openings"] = json!(sweep.openings);
+            all["opening_steps"] = json!(steps);
+        }
         if let Self::Map(map) = self
             && let Some(distance) = map.from_whole
         {
@@ -172,11 +178,15 @@ fn branch_tables(sweep: &Sweep) -> Vec<Table> {
     let header = ["branch", "mode", name, "frequency_hz", "growth", "frequency_rate", "growth_rate"];
     let branches = Table::new("branches", header, points);
     let is_of_reduced = sweep.onsets.iter().any(|onset| onset.moved.is_some() || onset.is_reduced);
+    let has_jumps = sweep.onsets.iter().any(|onset| onset.jump.is_some());
     let onset = |onset: &SweepOnset| {
         let SweepOnset { at, error, omega, ref mode, moved, .. } = *onset;
         let mode = mode.clone();
         let mut row = vec![at.to_string(), error.to_string(), onset.direction().into(), mode, hertz(omega).to_string()];
         row.extend([onset.growth.to_string(), onset.unstable.to_string()]);
+        if has_jumps {
+            row.push(onset.jump.map_or(String::new(), |[_, beyond]| beyond.to_string()));
+        }
         if is_of_reduced {
             row.push(moved.map_or(String::new(), |moved| moved.to_string()));
             row.push(if onset.is_reduced { "reduced" } else { "whole" }.into());
@@ -184,6 +194,7 @@ fn branch_tables(sweep: &Sweep) -> Vec<Table> {
         row
     };
     let mut header = vec![name, "error", "direction", "mode", "frequency_hz", "growth", "unstable"];
+    header.extend(["growth_beyond"].into_iter().filter(|_| has_jumps));
     header.extend(["from_reduced", "brake"].into_iter().filter(|_| is_of_reduced));
     let onsets = Table::new("onsets", header, sweep.onsets.iter().map(onset));
     let coalescence = |found: &Coalescence| {
@@ -191,7 +202,43 @@ fn branch_tables(sweep: &Sweep) -> Vec<Table> {
         found.modes.iter().cloned().chain(numbers.map(|number| number.to_string())).collect()
     };
     let header = ["mode", "other_mode", name, "distance", "error", "frequency_hz", "growth"];
-    vec![branches, onsets, Table::new("coalescences", header, sweep.coalescences.iter().map(coalescence))]
+    let mut tables =
+        vec![branches, onsets, Table::new("coalescences", header, sweep.coalescences.iter().map(coalescence))];
+    tables.extend(sweep.opening_steps.map(|_| opening_table(sweep)));
+    tables
+}
+
+/// The openings, with the largest jump of a branch at each.
+fn opening_table(sweep: &Sweep) -> Table {
+    let row = |found: &Opening| {
+        let [before, beyond] = found.unresolved;
+        let counts = [found.continuous, found.jumping, before, beyond].map(|count| count.to_string());
+        let jump = |of: &dyn Fn(&Jump) -> String| found.largest.as_ref().map_or(String::new(), of);
+        let mut row =
+            vec![found.at.to_string(), found.width.to_string(), found.opens.join(" "), found.closes.join(" ")];
+        row.extend(counts);
+        row.push(jump(&|jump| jump.mode.clone()));
+        row.extend([0, 1].map(|end| jump(&|jump| hertz(jump.omega[end]).to_string())));
+        row.extend([0, 1].map(|end| jump(&|jump| jump.growth[end].to_string())));
+        row
+    };
+    let name = sweep.parameter.name.as_str();
+    let header = [
+        name,
+        "width",
+        "opens",
+        "closes",
+        "continuous",
+        "jumping",
+        "open_before",
+        "open_beyond",
+        "largest_jump",
+        "frequency_hz",
+        "frequency_hz_beyond",
+        "growth",
+        "growth_beyond",
+    ];
+    Table::new("openings", header, sweep.openings.iter().map(row))
 }
 
 fn map_tables(map: &StabilityMap) -> Vec<Table> {
@@ -246,8 +293,11 @@ fn branch_text(sweep: &Sweep) -> String {
     for onset in &sweep.onsets {
         let (hz, does) = (output::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
         let whose = if onset.is_reduced { ", of the REDUCED brake: that of the whole one was not found" } else { "" };
+        let jumps = onset.jump.map_or(String::new(), |[before, beyond]| {
+            format!(", by a jump of the growth from {before:.4} to {beyond:.4} 1/s at an opening")
+        });
         let SweepOnset { at, error, mode, unstable, .. } = onset;
-        text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{whose}\n");
+        text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{jumps}{whose}\n");
     }
     if let Some(moved) = largest_move(sweep) {
         let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");
@@ -257,6 +307,7 @@ fn branch_text(sweep: &Sweep) -> String {
             "{onsets} those of the whole brake, by {solved} of it: the reduced brake has them within {moved:.1e}\n"
         );
     }
+    text += &opening_text(sweep);
     for (from, to) in &sweep.unresolved {
         let line = if sweep.threshold.is_axis() { "axis" } else { "threshold" };
         text += &format!("{name} = {from} to {to}: a mode comes so near the {line} that it may cross it or not\n");
@@ -282,6 +333,47 @@ fn branch_text(sweep: &Sweep) -> String {
         sweep.certain(),
         count(spectra as usize, "spectrum", "spectra"),
         count(eigenvectors as usize, "vector", "vectors"),
+    )
+}
+
+/// Openings in words; nothing of a brake whose contact points do not open.
+fn opening_text(sweep: &Sweep) -> String {
+    let (Some(steps), SweptParameter { name, from, to, .. }) = (sweep.opening_steps, &sweep.parameter) else {
+        return String::new();
+    };
+    let mut text = format!("\n{} of contact points", count(sweep.openings.len(), "opening", "openings"));
+    if !sweep.openings.is_empty() {
+        let heads = ["opens", "closes", "smooth", "jump", "mode", "largest jump, Hz", "of the growth, 1/s"];
+        let [opens, closes, smooth, jump, mode, hz, growth] = heads;
+        text +=
+            &format!(", between which branches are smooth:\n\n{name:>22}  {:>8}  {opens:>6}  {closes:>6}  ", "width");
+        text += &format!("{smooth:>6}  {jump:>6}  {mode:>8}  {hz:>16}  {growth:>18}\n");
+    }
+    for found in &sweep.openings {
+        let Opening { at, width, continuous, jumping, .. } = found;
+        let (opens, closes) = (found.opens.len(), found.closes.len());
+        let (mode, by_hz, by_growth) = found.largest.as_ref().map_or(("-", "-".into(), "-".into()), |jump| {
+            let [by_omega, by_growth] = [jump.omega, jump.growth].map(|[before, beyond]| beyond - before);
+            (jump.mode.as_str(), format!("{:.4}", hertz(by_omega)), format!("{by_growth:.4}"))
+        });
+        text += &format!("{at:>22}  {width:>8.1e}  {opens:>6}  {closes:>6}  {continuous:>6}  {jumping:>6}  ");
+        text += &format!("{mode:>8}  {by_hz:>16}  {by_growth:>18}");
+        let [before, beyond] = found.unresolved;
+        if before + beyond > 0 {
+            text += &format!("  {before} before and {beyond} beyond are not joined");
+        }
+        text += "\n";
+    }
+    let jumps: usize = sweep.openings.iter().map(|opening| opening.jumping).sum();
+    if jumps > 0 {
+        text += &format!(
+            "{} of branches: the stiffness of a point is there up to its opening and not beyond\n",
+            count(jumps, "jump", "jumps")
+        );
+    }
+    text + &format!(
+        "points that open and close again within {:.3e} of {name} are not seen\n",
+        (to - from) / steps as f64
     )
 }
 

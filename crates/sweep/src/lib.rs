@@ -24,9 +24,14 @@ mod modes;
 mod names;
 mod one_parameter;
 mod onset;
+mod opening;
+mod openings;
 mod parameter;
 mod part_map;
+mod part_sweep;
+mod pieces;
 mod regions;
+mod remembered;
 
 pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
 pub use change::ChangeOf;
@@ -40,6 +45,7 @@ pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
 pub use one_parameter::{NamedBranch, Sweep, sweep};
 pub use onset::SweepOnset;
+pub use opening::{Jump, Opening};
 pub use parameter::{Over, SweptParameter, swept};
 pub use regions::{CELLS, Region, Run};
 
