@@ -6,8 +6,8 @@ use output::{Table, significant};
 use serde_json::{Value, json};
 
 use super::{
-    BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Jump, Marginal, Opening, StabilityMap, Sweep,
-    SweepOnset, SweptParameter,
+    BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Jump, LineChange, MapLines, Marginal, Opening,
+    StabilityMap, Sweep, SweepOnset, SweptParameter,
 };
 
 /// A sweep over one parameter or two.
@@ -151,6 +151,11 @@ impl Found {
         {
             all["from_whole"] = json!(distance);
         }
+        if let Self::Map(map) = self
+            && let Some(lines) = &map.lines
+        {
+            all["lines"] = json!(lines);
+        }
         all["counts"] = counts;
         all
     }
@@ -254,7 +259,17 @@ fn map_tables(map: &StabilityMap) -> Vec<Table> {
         let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]).to_string());
         [region.unstable.to_string(), region.share.to_string()].into_iter().chain(at).collect()
     });
-    vec![boundary, Table::new("regions", ["unstable", "share", x, y], regions)]
+    let mut tables = vec![boundary, Table::new("regions", ["unstable", "share", x, y], regions)];
+    if let Some(lines) = &map.lines {
+        let change = |change: &LineChange| {
+            let numbers =
+                [change.at[0], change.at[1], change.by as f64, hertz(change.omega)].map(|number| number.to_string());
+            numbers.into_iter().chain([if change.at_opening { "opening" } else { "onset" }.into()]).collect()
+        };
+        let header = [x, y, "unstable_modes", "frequency_hz", "at"];
+        tables.push(Table::new("changes", header, lines.changes.iter().map(change)));
+    }
+    tables
 }
 
 /// Words for a number of things.
@@ -396,7 +411,19 @@ fn map_text(map: &StabilityMap) -> String {
     let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
     let width = widest(map.curves.iter().map(|curve| &curve.mode));
     let mut text = not_looked_for(map.counts_divergence).to_owned();
-    text += &format!("{:>width$}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
+    if let Some(MapLines { along, lines, openings, changes }) = &map.lines {
+        let (name, across) = if *along == 0 { (x, y) } else { (y, x) };
+        let jumps = changes.iter().filter(|change| change.at_opening).count();
+        text += &format!(
+            "contact points open or close at {openings} places of {lines} lines along {name}; of {} of the number of unstable modes on them {jumps} are \
+             jumps there\nso the boundary is not followed: along {name} it is exact on each line, over {across} it is within 1/{} of the range\n\n",
+            count(changes.len(), "change", "changes"),
+            2 * (lines - 1),
+        );
+    }
+    if map.lines.is_none() {
+        text += &format!("{:>width$}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
+    }
     for BoundaryCurve { mode, ends, points } in &map.curves {
         let of = |value: fn(&super::BoundaryPoint) -> f64, pick: fn(f64, f64) -> f64, start: f64| {
             points.iter().map(value).fold(start, pick)
@@ -429,6 +456,14 @@ fn map_text(map: &StabilityMap) -> String {
     }
     if map.unresolved > 0 {
         text += &format!("{} on lines of the grid left open\n", count(map.unresolved, "step", "steps"));
+    }
+    if map.lines.is_some() {
+        let spectra = map.evaluations.spectra;
+        return text
+            + &format!(
+                "{spectra} spectra solved; spectra at {} places count as many unstable modes as the lines\n",
+                map.checks
+            );
     }
     let Evaluations { spectra, eigenvectors, continued, .. } = map.evaluations;
     text + &format!(

@@ -88,7 +88,13 @@ pub fn sweep<B: UncertainBrake>(
     let parameter = family.parameters[0].clone();
     let in_words = |source: Error| source.in_sweep(|| format!("sweep over {over}"));
     let median = parameter.part(parameter.median);
-    let opened = openings(&family, [median.min(0.0), median.max(1.0)]).map_err(in_words)?;
+    let opened = match family.contact_points()[..] {
+        [] => Vec::new(),
+        _ => {
+            let (closed, value) = (|at: f64| family.closed_points(&[parameter.at(at)]), |at: f64| parameter.at(at));
+            openings(&closed, &value, [median.min(0.0), median.max(1.0)]).map_err(in_words)?
+        }
+    };
     let (mut sweep, parts) = if opened.is_empty() {
         let parts = family.parts()?;
         progress.begin(parts.len() as u64, 0);

@@ -4,13 +4,10 @@
 //! takes equilibria of the contacts and no spectra.
 
 use rayon::prelude::*;
-use study::UncertainBrake;
 
-use super::family::Family;
-use super::parameter::SweptParameter;
 use crate::Error;
 
-/// Number of equal steps at which the state of the contact points is asked for; chosen: a point that opens and closes again within a step is not
+/// Number of equal steps of the range at which the state of the contact points is asked for; chosen: a point that opens and closes again within a step is not
 /// seen.
 pub(super) const OPENING_STEPS: usize = 1024;
 /// Width of an opening, as a fraction of the range, that is not halved any more; chosen: the last bits.
@@ -21,7 +18,7 @@ pub(super) const TOGETHER: f64 = 1e-7;
 /// A place at which contact points open or close.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct OpeningAt {
-    /// Values of the parameter next to it: the state is the old one at the first, the new one at the second.
+    /// Places next to it, as fractions of the range: the state is the old one at the first, the new one at the second.
     pub between: [f64; 2],
     /// Points that are open beyond it and not before.
     pub opens: Vec<usize>,
@@ -36,26 +33,26 @@ struct StateAt {
     closed: Vec<bool>,
 }
 
-/// The openings of a family over its one parameter, ascending, between two fractions of its range.
+/// Function that tells which contact points are closed at a place, a fraction of the range.
+pub(super) type ClosedAt<'a> = &'a (dyn Fn(f64) -> Result<Vec<bool>, Error> + Sync);
+
+/// The openings between two places, ascending; `value` is that of the parameter at a place.
 ///
 /// # Errors
 /// Those of the brake.
-pub(super) fn openings<B: UncertainBrake>(
-    family: &Family<'_, B>,
+pub(super) fn openings(
+    closed: ClosedAt<'_>,
+    value: &(dyn Fn(f64) -> f64 + Sync),
     [from, to]: [f64; 2],
 ) -> Result<Vec<OpeningAt>, Error> {
-    if family.contact_points().is_empty() {
-        return Ok(Vec::new());
-    }
-    let parameter = &family.parameters[0];
-    let state = |at: f64| Ok(StateAt { at, closed: family.closed_points(&[parameter.at(at)])? });
-    let place =
-        |step: usize| if step == OPENING_STEPS { to } else { from + (to - from) * step as f64 / OPENING_STEPS as f64 };
-    let states = (0..=OPENING_STEPS).into_par_iter().map(|step| state(place(step)));
+    let state = |at: f64| Ok(StateAt { at, closed: closed(at)? });
+    let steps = (OPENING_STEPS as f64 * (to - from)).ceil() as usize;
+    let place = |step: usize| if step == steps { to } else { from + (to - from) * step as f64 / steps as f64 };
+    let states = (0..=steps).into_par_iter().map(|step| state(place(step)));
     let states = states.collect::<Result<Vec<StateAt>, Error>>()?;
     let in_step = |step: &[StateAt]| {
         let mut found = Vec::new();
-        halve(&state, parameter, [&step[0], &step[1]], &mut found)?;
+        halve(&state, value, [&step[0], &step[1]], &mut found)?;
         Ok(found)
     };
     let found = states.par_windows(2).map(in_step).collect::<Result<Vec<_>, Error>>()?;
@@ -66,13 +63,13 @@ pub(super) fn openings<B: UncertainBrake>(
             _ => together.push([before, beyond]),
         }
     }
-    Ok(together.into_iter().map(|ends| OpeningAt::new(parameter, &ends)).collect())
+    Ok(together.iter().map(OpeningAt::new).collect())
 }
 
 /// Enters the steps as short as they can be between two places at which the state changes.
 fn halve(
     state: &impl Fn(f64) -> Result<StateAt, Error>,
-    parameter: &SweptParameter,
+    value: &dyn Fn(f64) -> f64,
     [a, b]: [&StateAt; 2],
     found: &mut Vec<[StateAt; 2]>,
 ) -> Result<(), Error> {
@@ -80,26 +77,22 @@ fn halve(
         return Ok(());
     }
     let at = 0.5 * (a.at + b.at);
-    let is_end = [a, b].iter().any(|end| parameter.at(at) == parameter.at(end.at));
+    let is_end = [a, b].iter().any(|end| value(at) == value(end.at));
     if is_end || b.at - a.at <= NARROWEST {
         found.push([a.clone(), b.clone()]);
         return Ok(());
     }
     let middle = state(at)?;
-    halve(state, parameter, [a, &middle], found)?;
-    halve(state, parameter, [&middle, b], found)
+    halve(state, value, [a, &middle], found)?;
+    halve(state, value, [&middle, b], found)
 }
 
 impl OpeningAt {
-    fn new(parameter: &SweptParameter, [before, beyond]: &[StateAt; 2]) -> Self {
+    fn new([before, beyond]: &[StateAt; 2]) -> Self {
         let changed = |from: &StateAt, to: &StateAt| {
             let both = from.closed.iter().zip(&to.closed).enumerate();
             both.filter(|(_, (from, to))| **from && !**to).map(|(point, _)| point).collect()
         };
-        Self {
-            between: [before, beyond].map(|state| parameter.at(state.at)),
-            opens: changed(before, beyond),
-            closes: changed(beyond, before),
-        }
+        Self { between: [before.at, beyond.at], opens: changed(before, beyond), closes: changed(beyond, before) }
     }
 }

@@ -85,8 +85,9 @@ pub(super) fn piecewise<B: UncertainBrake>(family: &Family<'_, B>, openings: &[O
 fn pieces(parameter: &SweptParameter, openings: &[OpeningAt]) -> Vec<Piece> {
     let (start, end) = (parameter.from.min(parameter.median), parameter.to.max(parameter.median));
     let least = TOGETHER * (parameter.to - parameter.from);
+    let value = |place: f64| parameter.at(place);
     let mut cuts: Vec<([f64; 2], Option<usize>)> =
-        openings.iter().enumerate().map(|(at, opening)| (opening.between, Some(at))).collect();
+        openings.iter().enumerate().map(|(at, opening)| (opening.between.map(value), Some(at))).collect();
     for seam in [parameter.from, parameter.to] {
         let is_near = |(between, _): &([f64; 2], _)| between[0] - least <= seam && seam <= between[1] + least;
         if start < seam && seam < end && !cuts.iter().any(is_near) {
@@ -289,7 +290,8 @@ impl<B: UncertainBrake> Pieces<'_, B> {
                 let (ended, begun) = (of(&from, &alive), of(&to, &at_start));
                 opening.unresolved = [ended.len(), begun.len()];
                 if !(ended.is_empty() && begun.is_empty()) {
-                    let [from, to] = openings[self.pieces[at - 1].opening.unwrap_or(0)].between;
+                    let place = |place: f64| parameter.at(place);
+                    let [from, to] = openings[self.pieces[at - 1].opening.unwrap_or(0)].between.map(place);
                     total.ambiguities.push(Ambiguity { from, to, before: ended, after: begun });
                 }
                 total.openings.push(opening);
@@ -370,7 +372,7 @@ impl<B: UncertainBrake> Joint<'_, B> {
         points: &[String],
         sweep: &mut Sweep,
     ) -> Result<(Opening, [Vec<usize>; 2]), Error> {
-        let [a, b] = opening.between;
+        let [a, b] = opening.between.map(|place| sweep.parameter.at(place));
         let (at, width) = (0.5 * (a + b), b - a);
         let part = self.parts[0];
         let is_studied = |lambda: Complex<f64>| part.is_studied(lambda.im);
@@ -436,20 +438,22 @@ impl<B: UncertainBrake> Joint<'_, B> {
         for lambda in growing[more].iter().skip(growing[fewer].len()) {
             let distance = |index: &&usize| (self.edges[fewer].lambdas[**index] - lambda).norm();
             let nearest = open[fewer].iter().min_by(|x, y| distance(x).total_cmp(&distance(y)));
-            let other = nearest.map_or(f64::NAN, |&index| self.edges[fewer].lambdas[index].re);
-            let jump = if starts { [other, lambda.re] } else { [lambda.re, other] };
+            let jump = nearest.map(|&index| {
+                let other = self.edges[fewer].lambdas[index].re;
+                if starts { [other, lambda.re] } else { [lambda.re, other] }
+            });
             sweep.onsets.push(SweepOnset {
                 at,
                 error: width,
                 omega: lambda.im,
-                growth: jump[0],
+                growth: jump.map_or(lambda.re, |[before, _]| before),
                 starts,
                 of: ChangeOf::Flutter,
                 mode: in_words(&mode),
                 unstable: 0,
                 moved: None,
                 is_reduced: part.relative_error() > 0.0,
-                jump: Some(jump),
+                jump,
             });
         }
         let [divergence, more_divergence] = [0, 1].map(|end| {
