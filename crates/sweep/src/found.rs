@@ -364,6 +364,9 @@ fn opening_text(sweep: &Sweep) -> String {
             &format!(", between which branches are smooth:\n\n{name:>22}  {:>8}  {opens:>6}  {closes:>6}  ", "width");
         text += &format!("{smooth:>6}  {jump:>6}  {mode:>8}  {hz:>16}  {growth:>18}\n");
     }
+    if sweep.openings.is_empty() {
+        text += "\n";
+    }
     for found in &sweep.openings {
         let Opening { at, width, continuous, jumping, .. } = found;
         let (opens, closes) = (found.opens.len(), found.closes.len());
