@@ -19,6 +19,8 @@ mod double;
 mod error;
 mod family;
 mod found;
+mod found_openings;
+mod joint;
 mod line_map;
 mod map;
 mod modes;
