@@ -210,7 +210,7 @@ fn branches_are_smooth_between_openings_and_jump_there_as_spectra_do() {
                         assert!(nearest < 1e-3, "{p}: {lambda} is off by {nearest:e}");
                     }
                     let unstable = spectrum.iter().filter(|lambda| lambda.re > 0.0).count();
-                    let before = found.onsets.iter().filter(|onset| onset.at < p).next_back();
+                    let before = found.onsets.iter().rfind(|onset| onset.at < p);
                     assert_eq!(before.map_or(found.unstable_at_start, |onset| onset.unstable), unstable, "{p}");
                     assert_eq!(names(&found, p), names(&whole, p), "{p}");
                 }
