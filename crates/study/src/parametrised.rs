@@ -26,4 +26,18 @@ pub trait Parametrised: Sync {
     /// # Errors
     /// A value that is not allowed; as [`UncertainBrake::operating_point`](crate::UncertainBrake::operating_point).
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error>;
+
+    /// Contact points that open and close as parameters change, by their names. None, as provided, where systems are smooth in all parameters.
+    fn contact_points(&self, _scene: &Scene) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Flags of [`Parametrised::contact_points`], true of those that are closed, at values as of [`Parametrised::system_with`]. Where all flags
+    /// are the same systems are smooth functions of the parameters; where one changes, at an *opening*, they kink or jump.
+    ///
+    /// # Errors
+    /// As [`Parametrised::system_with`].
+    fn closed_points(&self, _scene: &Scene, _values: &[(usize, f64)]) -> Result<Vec<bool>, Error> {
+        Ok(Vec::new())
+    }
 }

@@ -98,14 +98,19 @@ pub(super) fn add(candidate: Candidate, list: &mut Vec<Candidate>) {
     list.push(candidate);
 }
 
-/// Candidates at a parameter of the root locus with its neighbours at `from` and `to`.
-pub(super) fn candidates(at: f64, points: &[(usize, BranchPoint)], [from, to]: [f64; 2]) -> Vec<Candidate> {
+/// Candidates at a parameter of the root locus with its neighbours at `from` and `to`, near the real axis by `farthest` as in [`settle`].
+pub(super) fn candidates(
+    at: f64,
+    points: &[(usize, BranchPoint)],
+    [from, to]: [f64; 2],
+    farthest: f64,
+) -> Vec<Candidate> {
     let mut found = Vec::new();
     for (i, &(first, a)) in points.iter().enumerate() {
         for &(second, b) in &points[i + 1..] {
             let pair = Pair::new(at, a, b);
             let zero = pair.zero();
-            if (from..=to).contains(&zero.re) && zero.im.abs() <= (to - from).min(2.0 * FARTHEST) {
+            if (from..=to).contains(&zero.re) && zero.im.abs() <= (to - from).min(2.0 * farthest) {
                 found.push(Candidate { pair, branches: [first, second] });
             }
         }
@@ -121,17 +126,19 @@ pub(super) struct BranchPointFound {
     pub lambda: Complex<f64>,
 }
 
-/// The branch point that a candidate leads to; `None` where it leads out of the range, away from the real axis or nowhere.
+/// The branch point that a candidate leads to; `None` where it leads out of the range, farther from the real axis than `farthest`, a fraction
+/// of the range, or nowhere.
 pub(super) fn settle<B: Branches<Error = Error>>(
     branches: &mut B,
     candidate: &Candidate,
+    farthest: f64,
 ) -> Result<Option<BranchPointFound>, Error> {
     let (mut pair, mut zero) = (candidate.pair, candidate.pair.zero());
     for _ in 0..MOST_MOVES {
-        if !((0.0..=1.0).contains(&zero.re) && zero.im.abs() <= 2.0 * FARTHEST) {
+        if !((0.0..=1.0).contains(&zero.re) && zero.im.abs() <= 2.0 * farthest) {
             return Ok(None);
         }
-        let spacing = (2.0 * zero.im.abs()).clamp(LEAST_SPACING, FARTHEST);
+        let spacing = (2.0 * zero.im.abs()).clamp(LEAST_SPACING, farthest);
         let centre = zero.re.clamp(spacing, 1.0 - spacing);
         let mut nodes = Vec::with_capacity(3);
         for at in [centre - spacing, centre, centre + spacing] {
@@ -150,7 +157,7 @@ pub(super) fn settle<B: Branches<Error = Error>>(
             let error = coarse.map_or(spacing, |coarse| change.max((coarse - zero).norm()));
             let [_, slope, curvature] = square.values(zero);
             let is_double = slope.norm() <= 0.5 * DOUBLE * curvature.norm();
-            let is_near = (0.0..=1.0).contains(&zero.re) && zero.im.abs() <= FARTHEST;
+            let is_near = (0.0..=1.0).contains(&zero.re) && zero.im.abs() <= farthest;
             let lambda = Hermite::new(&places, &of(|node| node.mean)).values(zero)[0];
             return Ok((is_near && !is_double).then_some(BranchPointFound { at: zero, error, lambda }));
         }

@@ -71,6 +71,8 @@ pub(super) struct Family<'a, B: UncertainBrake> {
     pub solver: WholeSpectra<'a>,
     pub progress: &'a dyn Progress,
     pub parameters: Vec<SweptParameter>,
+    /// Fraction of the range that is asked for: 1, or that of a piece between openings.
+    pub share: f64,
 }
 
 /// Part of a family whose modes do not couple with others: a sector, or all of it.
@@ -108,9 +110,36 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         let (brake, at) = (study.brake(), &study.plan().scenes[scene]);
         let of = brake.parametrised().ok_or(Error::NotGiven { capability: "parametrised()", needed_by: "a sweep" })?;
         let parameters = swept(&of.parameters(at), &study.plan().describe(at), over)?;
-        let family = Self { study, of, scene, solver: WholeSpectra(solver), progress, parameters };
+        let family = Self { study, of, scene, solver: WholeSpectra(solver), progress, parameters, share: 1.0 };
         family.corners().iter().try_for_each(|corner| family.system(corner).map(drop))?;
         Ok(family)
+    }
+
+    /// The same family with another solver.
+    pub fn with_solver<'b>(&self, solver: &'b dyn EigenSolver) -> Family<'b, B>
+    where
+        'a: 'b,
+    {
+        let Self { study, of, scene, progress, share, .. } = *self;
+        Family { study, of, scene, solver: WholeSpectra(solver), progress, parameters: self.parameters.clone(), share }
+    }
+
+    /// The same family on a piece of the range of its one parameter, given by its values, which is the fraction `share` of it.
+    pub fn piece(&self, [from, to]: [f64; 2], share: f64) -> Self {
+        let Self { study, of, scene, solver: WholeSpectra(solver), progress, .. } = *self;
+        let parameters = vec![SweptParameter { from, to, ..self.parameters[0].clone() }];
+        Self { study, of, scene, solver: WholeSpectra(solver), progress, parameters, share }
+    }
+
+    /// Names of the contact points that open and close.
+    pub fn contact_points(&self) -> Vec<String> {
+        self.of.contact_points(self.scene())
+    }
+
+    /// Flags of the contact points, true of those that are closed, at values of the swept parameters.
+    pub fn closed_points(&self, values: &[f64]) -> Result<Vec<bool>, Error> {
+        self.progress.go_on()?;
+        self.of.closed_points(self.scene(), &self.placed(values)).map_err(|source| self.at_values(source, values))
     }
 
     /// Corners of the ranges: all combinations of their ends.
@@ -125,10 +154,13 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     /// The system at values of the swept parameters.
     pub fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
         self.progress.go_on()?;
-        self.of.system_with(self.scene(), &self.placed(values)).map_err(|source| {
-            let named = || self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name));
-            Error::from(source).in_sweep(|| named().collect::<Vec<_>>().join(", "))
-        })
+        self.of.system_with(self.scene(), &self.placed(values)).map_err(|source| self.at_values(source, values))
+    }
+
+    /// An error of the brake with the values of the swept parameters at which it happened.
+    fn at_values(&self, source: study::Error, values: &[f64]) -> Error {
+        let named = || self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name));
+        Error::from(source).in_sweep(|| named().collect::<Vec<_>>().join(", "))
     }
 
     /// True if divergence counts: of a reduced brake nothing is known that does not oscillate.
@@ -163,8 +195,13 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
             let part = |(sector, reference)| Part { family: self, sector: Some(sector), reference };
             brake.sectors.iter().zip(references).map(part).collect()
         } else {
-            vec![Part { family: self, sector: None, reference: &self.study.references()[self.scene] }]
+            vec![self.whole()]
         })
+    }
+
+    /// All of the family as one part.
+    pub fn whole(&'a self) -> Part<'a, B> {
+        Part { family: self, sector: None, reference: &self.study.references()[self.scene] }
     }
 }
 

@@ -5,6 +5,7 @@ use num_complex::Complex;
 use output::{Table, significant};
 use serde_json::{Value, json};
 
+use super::found_openings::{change_table, lines_text, opening_table, opening_text};
 use super::{
     BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Marginal, StabilityMap, Sweep, SweepOnset,
     SweptParameter,
@@ -20,7 +21,7 @@ pub enum Found {
 }
 
 /// The frequency of an eigenvalue, Hz.
-fn hertz(omega: f64) -> f64 {
+pub(super) fn hertz(omega: f64) -> f64 {
     frequency_hz(Complex::new(0.0, omega))
 }
 
@@ -140,10 +141,21 @@ impl Found {
                 "checks": map.checks,
             }),
         };
+        if let Self::Branches(sweep) = self
+            && let Some(steps) = sweep.opening_steps
+        {
+            all["openings"] = json!(sweep.openings);
+            all["opening_steps"] = json!(steps);
+        }
         if let Self::Map(map) = self
             && let Some(distance) = map.from_whole
         {
             all["from_whole"] = json!(distance);
+        }
+        if let Self::Map(map) = self
+            && let Some(lines) = &map.lines
+        {
+            all["lines"] = json!(lines);
         }
         all["counts"] = counts;
         all
@@ -172,11 +184,15 @@ fn branch_tables(sweep: &Sweep) -> Vec<Table> {
     let header = ["branch", "mode", name, "frequency_hz", "growth", "frequency_rate", "growth_rate"];
     let branches = Table::new("branches", header, points);
     let is_of_reduced = sweep.onsets.iter().any(|onset| onset.moved.is_some() || onset.is_reduced);
+    let has_jumps = sweep.onsets.iter().any(|onset| onset.jump.is_some());
     let onset = |onset: &SweepOnset| {
         let SweepOnset { at, error, omega, ref mode, moved, .. } = *onset;
         let mode = mode.clone();
         let mut row = vec![at.to_string(), error.to_string(), onset.direction().into(), mode, hertz(omega).to_string()];
         row.extend([onset.growth.to_string(), onset.unstable.to_string()]);
+        if has_jumps {
+            row.push(onset.jump.map_or(String::new(), |[_, beyond]| beyond.to_string()));
+        }
         if is_of_reduced {
             row.push(moved.map_or(String::new(), |moved| moved.to_string()));
             row.push(if onset.is_reduced { "reduced" } else { "whole" }.into());
@@ -184,6 +200,7 @@ fn branch_tables(sweep: &Sweep) -> Vec<Table> {
         row
     };
     let mut header = vec![name, "error", "direction", "mode", "frequency_hz", "growth", "unstable"];
+    header.extend(["growth_beyond"].into_iter().filter(|_| has_jumps));
     header.extend(["from_reduced", "brake"].into_iter().filter(|_| is_of_reduced));
     let onsets = Table::new("onsets", header, sweep.onsets.iter().map(onset));
     let coalescence = |found: &Coalescence| {
@@ -191,7 +208,10 @@ fn branch_tables(sweep: &Sweep) -> Vec<Table> {
         found.modes.iter().cloned().chain(numbers.map(|number| number.to_string())).collect()
     };
     let header = ["mode", "other_mode", name, "distance", "error", "frequency_hz", "growth"];
-    vec![branches, onsets, Table::new("coalescences", header, sweep.coalescences.iter().map(coalescence))]
+    let mut tables =
+        vec![branches, onsets, Table::new("coalescences", header, sweep.coalescences.iter().map(coalescence))];
+    tables.extend(sweep.opening_steps.map(|_| opening_table(sweep)));
+    tables
 }
 
 fn map_tables(map: &StabilityMap) -> Vec<Table> {
@@ -207,11 +227,13 @@ fn map_tables(map: &StabilityMap) -> Vec<Table> {
         let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]).to_string());
         [region.unstable.to_string(), region.share.to_string()].into_iter().chain(at).collect()
     });
-    vec![boundary, Table::new("regions", ["unstable", "share", x, y], regions)]
+    let mut tables = vec![boundary, Table::new("regions", ["unstable", "share", x, y], regions)];
+    tables.extend(map.lines.as_ref().map(|lines| change_table([x, y], lines)));
+    tables
 }
 
 /// Words for a number of things.
-fn count(number: usize, one: &str, more: &str) -> String {
+pub(super) fn count(number: usize, one: &str, more: &str) -> String {
     if number == 1 { format!("1 {one}") } else { format!("{number} {more}") }
 }
 
@@ -246,8 +268,11 @@ fn branch_text(sweep: &Sweep) -> String {
     for onset in &sweep.onsets {
         let (hz, does) = (output::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
         let whose = if onset.is_reduced { ", of the REDUCED brake: that of the whole one was not found" } else { "" };
+        let jumps = onset.jump.map_or(String::new(), |[before, beyond]| {
+            format!(", by a jump of the growth from {before:.4} to {beyond:.4} 1/s at an opening")
+        });
         let SweepOnset { at, error, mode, unstable, .. } = onset;
-        text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{whose}\n");
+        text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{jumps}{whose}\n");
     }
     if let Some(moved) = largest_move(sweep) {
         let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");
@@ -257,6 +282,7 @@ fn branch_text(sweep: &Sweep) -> String {
             "{onsets} those of the whole brake, by {solved} of it: the reduced brake has them within {moved:.1e}\n"
         );
     }
+    text += &opening_text(sweep);
     for (from, to) in &sweep.unresolved {
         let line = if sweep.threshold.is_axis() { "axis" } else { "threshold" };
         text += &format!("{name} = {from} to {to}: a mode comes so near the {line} that it may cross it or not\n");
@@ -304,7 +330,10 @@ fn map_text(map: &StabilityMap) -> String {
     let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
     let width = widest(map.curves.iter().map(|curve| &curve.mode));
     let mut text = not_looked_for(map.counts_divergence).to_owned();
-    text += &format!("{:>width$}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
+    text += &lines_text(map);
+    if map.lines.is_none() {
+        text += &format!("{:>width$}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
+    }
     for BoundaryCurve { mode, ends, points } in &map.curves {
         let of = |value: fn(&super::BoundaryPoint) -> f64, pick: fn(f64, f64) -> f64, start: f64| {
             points.iter().map(value).fold(start, pick)
@@ -337,6 +366,14 @@ fn map_text(map: &StabilityMap) -> String {
     }
     if map.unresolved > 0 {
         text += &format!("{} on lines of the grid left open\n", count(map.unresolved, "step", "steps"));
+    }
+    if map.lines.is_some() {
+        let spectra = map.evaluations.spectra;
+        return text
+            + &format!(
+                "{spectra} spectra solved; spectra at {} places count as many unstable modes as the lines\n",
+                map.checks
+            );
     }
     let Evaluations { spectra, eigenvectors, continued, .. } = map.evaluations;
     text + &format!(

@@ -9,6 +9,7 @@ use study::{Study, UncertainBrake};
 
 use super::boundary::BoundaryCurve;
 use super::family::{Evaluations, Family, Part};
+use super::line_map::{LinesOfPart, MapLines, lines, opens_along};
 use super::parameter::{Over, SweptParameter};
 use super::part_map::{PartMap, of_part};
 use super::regions::{CELLS, Region, Run, places_apart, regions, runs};
@@ -38,6 +39,9 @@ pub struct StabilityMap {
     pub grid: usize,
     /// Number of steps on lines of the grid in which a mode comes so near the threshold that it is not known whether it crosses.
     pub unresolved: usize,
+    /// Lines on which the map rests where contact points open and close in it, so that no boundary is followed; `None` else.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lines: Option<MapLines>,
     /// Divergence was looked for; of a reduced brake it is not.
     pub counts_divergence: bool,
     /// Number of places at which a spectrum has the number of unstable modes that the curves say.
@@ -90,19 +94,31 @@ pub fn stability_map<B: UncertainBrake>(
     progress: &dyn Progress,
 ) -> Result<StabilityMap, Error> {
     let family = Family::new(study, scene, over, solver, progress)?;
-    let parts = family.parts()?;
+    let along = opens_along(&family)?;
+    // Contact points that open keep no symmetry.
+    let parts = if along.is_some() { vec![family.whole()] } else { family.parts()? };
     let at = || format!("sweep over {} and {}", over[0], over[1]);
     let middle = parts.iter().map(|part| part.system(&[0.5, 0.5])).collect::<Result<Vec<_>, Error>>()?;
     let is_small = middle.iter().all(|system| 2 * system.order() + system.states() <= SMALL);
     let mut evaluations = Evaluations::default();
     let mut contradicted: Option<(Region, usize)> = None;
     for grid in GRIDS.into_iter().take(if is_small { GRIDS.len() } else { 2 }) {
-        // A step for each line of the grid, and one for following the curves.
-        progress.begin((parts.len() * (2 * (grid + 1) + 1)) as u64, 0);
-        let of_part = |part: &Part<'_, B>| of_part(part, grid, progress);
-        let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
-        progress.end();
-        let mut map = drawn(&family, found.map_err(|source| source.in_sweep(at))?, grid);
+        let mut map = match along {
+            Some(along) => {
+                progress.begin((2 * grid + 1) as u64, 0);
+                let found = lines(&parts[0], along, 2 * grid + 1, progress);
+                progress.end();
+                by_lines(&family, found.map_err(|source| source.in_sweep(at))?, grid)
+            }
+            None => {
+                // A step for each line of the grid, and one for following the curves.
+                progress.begin((parts.len() * (2 * (grid + 1) + 1)) as u64, 0);
+                let of_part = |part: &Part<'_, B>| of_part(part, grid, progress);
+                let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+                progress.end();
+                drawn(&family, found.map_err(|source| source.in_sweep(at))?, grid)
+            }
+        };
         let mut checks = map.regions.clone();
         if is_small {
             checks.extend(places_apart(&map.rows, BETWEEN_CHECKS));
@@ -121,6 +137,25 @@ pub fn stability_map<B: UncertainBrake>(
     let [x, y] = [0, 1].map(|axis| format!("{} = {}", over[axis].name, family.parameters[axis].at(place.at[axis])));
     let source = Error::MapContradicted { at: format!("{x}, {y}"), found, expected: place.unstable };
     Err(source.in_sweep(at))
+}
+
+/// The map of lines between openings, not checked yet.
+fn by_lines<B: UncertainBrake>(family: &Family<'_, B>, found: LinesOfPart, grid: usize) -> StabilityMap {
+    let LinesOfPart { lines, rows, unresolved, evaluations } = found;
+    StabilityMap {
+        parameters: [family.parameters[0].clone(), family.parameters[1].clone()],
+        curves: Vec::new(),
+        regions: regions(&rows),
+        rows,
+        grid,
+        unresolved,
+        lines: Some(lines),
+        counts_divergence: family.counts_divergence(),
+        checks: 0,
+        from_whole: None,
+        evaluations,
+        fine_grid: (CELLS * CELLS) as u64,
+    }
 }
 
 /// The map of all parts, not checked yet.
@@ -153,6 +188,7 @@ fn drawn<B: UncertainBrake>(family: &Family<'_, B>, found: Vec<PartMap>, grid: u
         rows,
         grid,
         unresolved,
+        lines: None,
         counts_divergence: family.counts_divergence(),
         checks: 0,
         from_whole,

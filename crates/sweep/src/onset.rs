@@ -38,6 +38,9 @@ pub struct SweepOnset {
     /// The onset is that of the reduced brake, because that of the full model was not found.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_reduced: bool,
+    /// Growth rates just before and just beyond an opening at which the growth jumps over the threshold, 1/s; `None` where it crosses it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jump: Option<[f64; 2]>,
 }
 
 /// Onset of the full model, of which a brake is a reduction.
@@ -76,6 +79,10 @@ impl WholeOnset {
             if step.abs() <= error.max(2.0 * f64::EPSILON * at.abs()) {
                 let onset = Onset { at, error: error + step.abs(), omega: found.lambda.im, ..*onset };
                 return Ok(Self::Found(onset, solved as u64));
+            }
+            // Beyond an opening the brake is another one.
+            if part.family.share < 1.0 && !(0.0..=1.0).contains(&(at + step)) {
+                break;
             }
             let Some(next) = whole(at + step, found.lambda + rate * step)?.flatten() else { break };
             let growth = threshold.margin(next.lambda) - threshold.margin(found.lambda);

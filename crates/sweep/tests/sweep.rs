@@ -16,6 +16,8 @@ use sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, s
 mod cases;
 #[path = "sweep/kinds.rs"]
 mod kinds;
+#[path = "sweep/openings.rs"]
+mod openings;
 #[path = "sweep/thresholds.rs"]
 mod thresholds;
 

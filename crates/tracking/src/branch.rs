@@ -22,7 +22,7 @@ const CLEAR_LINK_ERROR: f64 = 0.25;
 /// of the others need not be computed.
 const COMPARED_EIGENVALUES: usize = 4;
 /// Number of steps that an interval is divided into before any step is halved; chosen.
-const FIRST_STEPS: usize = 16;
+pub(crate) const FIRST_STEPS: usize = 16;
 
 /// An eigenvalue and its derivative by the parameter.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -200,9 +200,9 @@ fn two_best<B: Branches + ?Sized>(
 }
 
 /// The steps with which the search for onsets and the root locus begin, ascending.
-pub(crate) fn first_steps(from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
-    let at = move |i: usize| from + (to - from) * i as f64 / FIRST_STEPS as f64;
-    (0..FIRST_STEPS).map(move |i| [at(i), at(i + 1)])
+pub(crate) fn first_steps(from: f64, to: f64, steps: usize) -> impl Iterator<Item = [f64; 2]> {
+    let at = move |i: usize| from + (to - from) * i as f64 / steps as f64;
+    (0..steps).map(move |i| [at(i), at(i + 1)])
 }
 
 /// The modes at `b` that the mode `index` at `a` may have become: one mode, unless a coalescence lies so near to the branch

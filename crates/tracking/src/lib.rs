@@ -85,7 +85,7 @@ pub use error::TrackingError;
 pub use escalation::{follow, identify, identify_all};
 pub use family::{branches, onsets};
 pub use kept_spectra::{KeptSpectra, SystemAt, SystemChange};
-pub use locus::{Ambiguity, Branch, RootLocus, root_locus};
+pub use locus::{Ambiguity, Branch, RootLocus, root_locus, root_locus_in_steps};
 pub use mac::{clear_matches, mac};
 pub use onset::{Onset, Onsets, find_onsets, onset_between};
 pub use path::{Eigenpair, Links, OwnedPath, Path, PathEnd, PathStart};

@@ -3,7 +3,7 @@
 use num_complex::Complex;
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, first_steps, is_equal, link};
+use crate::branch::{BranchPoint, Branches, FIRST_STEPS, first_steps, is_equal, link};
 use crate::error::check_interval;
 
 /// Most steps that one of the first steps is divided into; chosen: where links stay in doubt over a whole interval, as those of equal
@@ -59,9 +59,27 @@ where
     B: Branches + ?Sized,
     B::Error: From<TrackingError>,
 {
+    root_locus_in_steps(branches, [from, to], FIRST_STEPS, smallest)
+}
+
+/// The root locus as by [`root_locus`], whose interval is divided into so many equal steps before any of them is halved: fewer serve where the
+/// interval is a small part of what is of interest.
+///
+/// # Errors
+/// As [`root_locus`].
+pub fn root_locus_in_steps<B>(
+    branches: &mut B,
+    [from, to]: [f64; 2],
+    first: usize,
+    smallest: f64,
+) -> Result<RootLocus, B::Error>
+where
+    B: Branches + ?Sized,
+    B::Error: From<TrackingError>,
+{
     check_interval(from, to)?;
     let mut steps = Vec::new();
-    for [a, b] in first_steps(from, to) {
+    for [a, b] in first_steps(from, to, first) {
         let mut in_step = Vec::new();
         subdivide(branches, a, b, smallest, &mut in_step)?;
         steps.append(&mut in_step);

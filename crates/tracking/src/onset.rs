@@ -11,7 +11,7 @@
 use num_complex::Complex;
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, RefinedPoint, first_steps, link};
+use crate::branch::{BranchPoint, Branches, FIRST_STEPS, RefinedPoint, first_steps, link};
 use crate::error::check_interval;
 
 /// A branch is watched in a step if it would reach the axis at this multiple of its speed at one end of the step; chosen.
@@ -66,7 +66,7 @@ where
 {
     check_interval(from, to)?;
     let mut found = Onsets::default();
-    for [a, b] in first_steps(from, to) {
+    for [a, b] in first_steps(from, to, FIRST_STEPS) {
         search(branches, a, b, smallest, &mut found)?;
     }
     found.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));

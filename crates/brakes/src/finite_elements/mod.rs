@@ -384,6 +384,14 @@ impl Parametrised for FiniteElementBrake {
         let at = parameters::point(&self.scene_of(scene), values)?;
         Ok(self.part(scene).reduced.system().assemble(&at)?)
     }
+
+    fn contact_points(&self, scene: &Scene) -> Vec<String> {
+        parameters::contact_points(&self.scene_of(scene))
+    }
+
+    fn closed_points(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<Vec<bool>, study::Error> {
+        Ok(parameters::closed_points(&self.scene_of(scene), values)?)
+    }
 }
 
 impl Modifiable for FiniteElementBrake {

@@ -85,9 +85,8 @@ pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
     of_scene(scene).into_iter().filter_map(named).collect()
 }
 
-/// The operating point of the whole brake, reduced or not, with some parameters at other values. What is constant in the brake of a scene is
-/// taken apart again: each patch is a term.
-pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<OperatingPoint, Error> {
+/// The medians of a scene with some parameters at other values.
+fn changed(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Values {
     let (mut at, parameters) = (medians(scene), of_scene(scene));
     for &(place, value) in values {
         match &parameters[place] {
@@ -104,6 +103,30 @@ pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<Oper
             Choice::Stiffness(patch) => at.stiffness[*patch] = value,
         }
     }
+    at
+}
+
+/// Names of the contact points of a scene that open and close, by patch and number from 1; none where loads are given.
+pub(super) fn contact_points(scene: &SceneOf<'_>) -> Vec<String> {
+    let contact = scene.case.contact.as_ref().filter(|contact| contact.balance.is_some());
+    let of_patch = |contact: &PatchContact, patch: usize| {
+        let patch = &contact.patches[patch];
+        (1..=patch.points.len()).map(|number| format!("{}.{number}", patch.name)).collect::<Vec<_>>()
+    };
+    contact.into_iter().flat_map(|contact| scene.closed.iter().flat_map(move |&at| of_patch(contact, at))).collect()
+}
+
+/// Flags of [`contact_points`], true of those that press, with some parameters at other values.
+pub(super) fn closed_points(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<Vec<bool>, Error> {
+    let at = changed(scene, values);
+    let scales = Scales { load: at.load, stiffness: &at.stiffness };
+    points::closed_points(scene.case, scene.closed, at.friction, &at.sample, scales)
+}
+
+/// The operating point of the whole brake, reduced or not, with some parameters at other values. What is constant in the brake of a scene is
+/// taken apart again: each patch is a term.
+pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<OperatingPoint, Error> {
+    let at = changed(scene, values);
     let scales = Scales { load: at.load, stiffness: &at.stiffness };
     let point = points::scaled_point(scene.case, scene.closed, at.friction, &at.sample, scales)?;
     let mut whole = points::of_brake(scene.case, scene.closed, &point);

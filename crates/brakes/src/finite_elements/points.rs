@@ -103,6 +103,37 @@ pub(super) fn scaled_point(
     sample: &FiniteElementSample,
     scales: Scales<'_>,
 ) -> Result<OperatingPoint, Error> {
+    let (coefficients, factor) = coefficients(case, sample, scales)?;
+    let gains = match sliding((case, closed), friction, sample, scales)? {
+        Some(scene) => scene.gains(&coefficients, factor)?,
+        None => Vec::new(),
+    };
+    Ok(OperatingPoint { coefficients, channels: gains })
+}
+
+/// Flags of the points of closed patches at an operating point as by [`scaled_point`], patch by patch: true of those that press. None where
+/// loads are given.
+pub(super) fn closed_points(
+    case: &FiniteElementCase,
+    closed: &[usize],
+    friction: Option<(Law, f64)>,
+    sample: &FiniteElementSample,
+    scales: Scales<'_>,
+) -> Result<Vec<bool>, Error> {
+    let (coefficients, factor) = coefficients(case, sample, scales)?;
+    let Some(scene) = sliding((case, closed), friction, sample, scales)? else { return Ok(Vec::new()) };
+    let Loaded { state, .. } = scene.loaded(&coefficients, factor)?;
+    let Some((_, state)) = state else { return Ok(Vec::new()) };
+    let points = closed.iter().flat_map(|&patch| &scene.contact.patches[patch].points);
+    Ok(points.map(|&point| state.forces[point] > 0.0).collect())
+}
+
+/// Coefficients of the terms at a sample, as an operating point of a scene has them, and the factor of the stiffness of all pairs.
+fn coefficients(
+    case: &FiniteElementCase,
+    sample: &FiniteElementSample,
+    scales: Scales<'_>,
+) -> Result<(Vec<f64>, f64), Error> {
     let named = |name: &str, source| CaseError::Expression {
         path: case.header.path.clone(),
         field: format!("terms {name:?}.coefficient"),
@@ -117,15 +148,19 @@ pub(super) fn scaled_point(
         ConstantTerm::Contact => factor,
         ConstantTerm::Holders | ConstantTerm::HoldersAndContact => 1.0,
     }));
-    let gains = match (&case.contact, friction) {
-        (Some(contact), Some((law, speed))) => {
-            let speed = own_speed(case, sample)?.unwrap_or(speed);
-            let scene = Sliding { case, contact, closed, law, speed, sample, scales };
-            scene.gains(&coefficients, factor)?
-        }
-        _ => Vec::new(),
-    };
-    Ok(OperatingPoint { coefficients, channels: gains })
+    Ok((coefficients, factor))
+}
+
+/// The contacts of a configuration that slide; `None` without a contact.
+fn sliding<'a>(
+    (case, closed): (&'a FiniteElementCase, &'a [usize]),
+    friction: Option<(Law, f64)>,
+    sample: &'a FiniteElementSample,
+    scales: Scales<'a>,
+) -> Result<Option<Sliding<'a>>, Error> {
+    let Some((contact, (law, speed))) = case.contact.as_ref().zip(friction) else { return Ok(None) };
+    let speed = own_speed(case, sample)?.unwrap_or(speed);
+    Ok(Some(Sliding { case, contact, closed, law, speed, sample, scales }))
 }
 
 /// Factors of the load of all pairs and of the stiffness of each patch, beside those of a sample.
@@ -156,14 +191,20 @@ struct Sliding<'a> {
     scales: Scales<'a>,
 }
 
+/// Friction and loads of closed patches.
+struct Loaded<'a> {
+    /// The speed of each pair of each patch, and the tangent of the law there.
+    tangents: Vec<Vec<(f64, Tangent)>>,
+    /// Factor of all loads.
+    load_factor: f64,
+    /// Equilibrium of the points, where loads follow from one.
+    state: Option<(&'a ContactBalance, Arc<ContactState>)>,
+}
+
 impl Sliding<'_> {
     /// The gains of the closed patches, with the factor of the stiffness of all of them. Of a patch with a scale those are of its pairs without it.
     fn gains(&self, coefficients: &[f64], factor: f64) -> Result<Vec<ChannelGain>, Error> {
-        let tangents = self.closed.iter().map(|&patch| self.tangents(patch)).collect::<Result<Vec<_>, Error>>()?;
-        let load_factor = load_factor(self.case, self.contact, self.sample)? * self.scales.load;
-        let balance = self.contact.balance.as_deref();
-        let state = balance.map(|balance| self.state(balance, &tangents, coefficients, factor, load_factor));
-        let state = balance.zip(state.transpose()?);
+        let Loaded { tangents, load_factor, state } = self.loaded(coefficients, factor)?;
         let mut gains = Vec::new();
         for (&number, tangents) in self.closed.iter().zip(&tangents) {
             let patch = &self.contact.patches[number];
@@ -189,6 +230,16 @@ impl Sliding<'_> {
             }
         }
         Ok(gains)
+    }
+
+    /// Friction and loads of the closed patches.
+    fn loaded(&self, coefficients: &[f64], factor: f64) -> Result<Loaded<'_>, Error> {
+        let tangents = self.closed.iter().map(|&patch| self.tangents(patch)).collect::<Result<Vec<_>, Error>>()?;
+        let load_factor = load_factor(self.case, self.contact, self.sample)? * self.scales.load;
+        let balance = self.contact.balance.as_deref();
+        let state = balance.map(|balance| self.state(balance, &tangents, coefficients, factor, load_factor));
+        let state = balance.zip(state.transpose()?);
+        Ok(Loaded { tangents, load_factor, state })
     }
 
     /// The speed of each pair of a patch, and the tangent of the law there.

@@ -47,12 +47,27 @@ fn pressed_off_the_middle() -> String {
     pressed.replacen("6e4", "2e3", 2)
 }
 
-fn constant(value: f64) -> montecarlo::Distribution {
+/// The text of [`pressed_off_the_middle`] for a folder whose mesh gets the set of nodes that is pressed.
+pub(super) fn pressed_off_the_middle_in(folder: &Folder) -> String {
+    let deck_path = folder.folder.path().join("brake.inp");
+    let mut deck = std::fs::read_to_string(&deck_path).unwrap();
+    let first = folder.parse(in_equilibrium()).unwrap();
+    writeln!(deck, "*NSET, NSET=EDGE").unwrap();
+    for node in &first.mesh.as_ref().unwrap().nodes {
+        if node.position[2] == 11.0 && node.position[0] > 0.0 {
+            writeln!(deck, "{}", node.label).unwrap();
+        }
+    }
+    std::fs::write(&deck_path, deck).unwrap();
+    pressed_off_the_middle()
+}
+
+pub(super) fn constant(value: f64) -> montecarlo::Distribution {
     montecarlo::Distribution::Constant { value }
 }
 
 /// The normal force of each point at the medians: friction across the sliding is `mu N0 / (Omega r)`.
-fn forces(case: &FiniteElementCase) -> Vec<f64> {
+pub(super) fn forces(case: &FiniteElementCase) -> Vec<f64> {
     let contact = case.contact.as_ref().unwrap();
     let (mu, at) = (contact.friction.mu.median(), brakes::at_medians(case).unwrap());
     let speed = 5.0 * contact.own_speed.as_ref().unwrap().factor;
@@ -69,17 +84,7 @@ fn forces(case: &FiniteElementCase) -> Vec<f64> {
 #[test]
 fn equilibrium_is_found_anew_where_friction_or_pressure_differ() {
     let folder = Folder::new();
-    let deck_path = folder.folder.path().join("brake.inp");
-    let mut deck = std::fs::read_to_string(&deck_path).unwrap();
-    let first = folder.parse(in_equilibrium()).unwrap();
-    writeln!(deck, "*NSET, NSET=EDGE").unwrap();
-    for node in &first.mesh.as_ref().unwrap().nodes {
-        if node.position[2] == 11.0 && node.position[0] > 0.0 {
-            writeln!(deck, "{}", node.label).unwrap();
-        }
-    }
-    std::fs::write(&deck_path, deck).unwrap();
-    let text = pressed_off_the_middle();
+    let text = pressed_off_the_middle_in(&folder);
     let case = folder.parse(text.clone()).unwrap();
     let order = case.dofs.len();
     let structure = {

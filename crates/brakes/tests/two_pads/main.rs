@@ -17,6 +17,7 @@ use sparse::{Options, Rectangle, eigenpairs_in};
 
 mod equilibrium;
 mod faults;
+mod openings;
 
 fn parse(path: &Path, text: String) -> Result<FiniteElementCase, String> {
     match CaseFile::parse(path, text).map_err(|error| error.to_string())? {

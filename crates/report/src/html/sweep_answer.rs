@@ -70,6 +70,13 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
     if modes.is_empty() && exchanges.is_empty() && sweep.unresolved.is_empty() {
         sentences.push(format!("That stays so up to {name} = {}: no mode crosses.", sweep.parameter.to));
     }
+    if !sweep.openings.is_empty() {
+        let jumps: usize = sweep.openings.iter().map(|opening| opening.jumping).sum();
+        sentences.push(format!(
+            "Contact points open or close at {} values of {name}, where branches jump {jumps} times; openings.csv has them.",
+            sweep.openings.len()
+        ));
+    }
     let of_reduced = onsets.iter().filter(|onset| onset.is_reduced).count();
     if of_reduced > 0 {
         let of = if of_reduced == 1 { "One onset is" } else { "Some onsets are" };
@@ -120,6 +127,15 @@ fn of_map(map: &StabilityMap) -> Vec<String> {
         sentences.push(format!("Unstable modes elsewhere: {}.", elsewhere.join(", ")));
     }
     sentences.extend(map.share_in_words().map(|words| capitalised(&words) + "."));
+    if let Some(lines) = &map.lines {
+        let [name, across] = [lines.along, 1 - lines.along].map(|axis| &map.parameters[axis].name);
+        sentences.push(format!(
+            "Contact points open and close in the ranges, so that the boundary jumps: it is exact along {name} on {} lines (changes.csv), and over {across} \
+             within 1/{} of the range.",
+            lines.lines,
+            2 * (lines.lines - 1)
+        ));
+    }
     let mut crossing: Vec<String> = Vec::new();
     for curve in &map.curves {
         let name = named(&curve.mode);

@@ -85,7 +85,8 @@ pub fn branches<B: UncertainBrake>(
         Ok(contacts.contact_system(key, &[(parameter.place, at)], options.stick)?)
     };
     let bodies: Vec<_> = plan.brake(key).bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect();
-    let onsets = found.onsets.iter().filter(|onset| onset.of == ChangeOf::Flutter);
+    // A mode that jumps over the threshold at an opening has no motion of small amplitude there.
+    let onsets = found.onsets.iter().filter(|onset| onset.of == ChangeOf::Flutter && onset.jump.is_none());
     let mut branches = Vec::new();
     for onset in onsets {
         let of_cea = of_cea(onset.at)?;
