@@ -9,7 +9,7 @@ use study::{AnySample, Cost, Erased, IndependentBrake, Scene, UncertainBrake};
 use sweep::Over;
 
 use crate::case::CaseFile;
-use crate::{Bases, Error, FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::{Error, FiniteElementBrake, LatticeBrake, MatricesBrake, Prepared};
 
 /// A brake that programs run on: what they show of it beside what a study needs. All of it has an answer for a brake that is known by
 /// its equations alone, so that `impl CaseBrake for MyBrake {}` is enough.
@@ -164,14 +164,24 @@ pub fn cost_of_making(case: &CaseFile) -> Option<Cost> {
 /// # Errors
 /// Refusals of the model or of the reduction; [`study::Error::Median`] where the medians of the parameters have no operating point.
 pub fn make(case: CaseFile, purpose: Purpose<'_>, progress: &dyn Progress) -> Result<AnyBrake, Error> {
+    make_prepared(case, purpose, &Prepared::default(), progress)
+}
+
+/// The brake of a case as by [`make`], of pieces that are read where they are kept.
+///
+/// # Errors
+/// As [`make`]; a file of another prepared brake.
+pub fn make_prepared(
+    case: CaseFile,
+    purpose: Purpose<'_>,
+    prepared: &Prepared,
+    progress: &dyn Progress,
+) -> Result<AnyBrake, Error> {
     Ok(match case {
         CaseFile::Lattice(case) => Box::new(Erased(LatticeBrake::new(*case)?)),
         CaseFile::Matrices(case) => Box::new(Erased(MatricesBrake::new(*case)?)),
-        CaseFile::FiniteElements(case) => Box::new(Erased(match purpose {
-            Purpose::Study => FiniteElementBrake::checked(*case, progress)?,
-            Purpose::Analysis => FiniteElementBrake::new(*case, progress)?,
-            Purpose::Sweep(over) => FiniteElementBrake::for_sweep(*case, over, progress)?,
-            Purpose::Screen => FiniteElementBrake::on(*case, Bases::OfEachSet, progress)?,
-        })),
+        CaseFile::FiniteElements(case) => {
+            Box::new(Erased(FiniteElementBrake::prepared(*case, purpose, prepared, progress)?))
+        }
     })
 }

@@ -1,5 +1,7 @@
 //! Errors of the brakes that case files make, each one line for its user.
 
+use std::path::PathBuf;
+
 /// Error between a case file and its brake.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
@@ -21,6 +23,43 @@ pub enum Error {
         /// The case file, or the name of the study.
         study: String,
     },
+    /// A file of a prepared brake that cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    PreparedRead {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: std::io::Error,
+    },
+    /// A file that is no prepared brake, or was cut or changed.
+    #[error("{}: no prepared brake, or a damaged one: {source}; allowed: a file that squeal prepare wrote", path.display())]
+    PreparedDamage {
+        /// The file.
+        path: PathBuf,
+        /// The part of the file that is wrong.
+        source: montecarlo::Damage,
+    },
+    /// A prepared brake of another program, or of a processor that rounds differently: its numbers are not those of this one to the last bit.
+    #[error("{}: prepared by squeal {found}; allowed: by squeal {expected}", path.display())]
+    PreparedElsewhere {
+        /// The file.
+        path: PathBuf,
+        /// Version, commit and rounding of the program that wrote it.
+        found: String,
+        /// Version, commit and rounding of this program.
+        expected: String,
+    },
+    /// A prepared brake that is not the one of the case.
+    #[error("{}: holds {found}; allowed: what squeal prepare writes for this case", path.display())]
+    PreparedOther {
+        /// The file.
+        path: PathBuf,
+        /// What it holds, in words.
+        found: String,
+    },
+    /// A prepared brake that cannot be written.
+    #[error(transparent)]
+    PreparedWrite(Box<output::OutputError>),
     /// Friction whose motion is not followed, only its tangent.
     #[error("{what} has no motion here, only a tangent; allowed: {allowed}")]
     Motion {

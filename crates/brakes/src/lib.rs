@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | read a case, of any kind | [`case::CaseFile`] |
 //! | make it a brake | [`make`]; [`LatticeBrake`], [`MatricesBrake`], [`FiniteElementBrake`] |
+//! | make what takes long once | [`make_prepared`], [`Prepared`] |
 //!
 //! A study, as `squeal run` runs it:
 //!
@@ -28,6 +29,7 @@
 //! ```
 
 mod any;
+mod bits;
 mod error;
 mod finite_elements;
 mod friction_parameters;
@@ -35,8 +37,9 @@ mod labels;
 mod lattice;
 mod matrices;
 mod motion;
+mod prepared;
 
-pub use any::{AnyBrake, CaseBrake, Purpose, cost_of_making, make};
+pub use any::{AnyBrake, CaseBrake, Purpose, cost_of_making, make, make_prepared};
 pub use case;
 pub use error::Error;
 pub use finite_elements::{
@@ -45,6 +48,7 @@ pub use finite_elements::{
 };
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};
 pub use matrices::MatricesBrake;
+pub use prepared::{Prepared, PreparedCounts};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

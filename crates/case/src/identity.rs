@@ -92,12 +92,7 @@ impl FiniteElementCase {
                 });
             })
             .part("terms", |to| {
-                to.list(system.terms(), |to, SparseTerm { name, family, matrices }| {
-                    to.text(name);
-                    to.text(family);
-                    let SparseSecondOrder { m, c, k, states: _ } = matrices;
-                    [m, c, k].into_iter().for_each(|matrix| sparse_matrix(to, matrix));
-                });
+                to.list(system.terms(), of_term);
                 to.list(coefficients, expression);
             })
             .part("contact", |to| {
@@ -107,6 +102,38 @@ impl FiniteElementCase {
             .part("constraints", |to| to.list(constraints, fixed_dofs))
             .part("reduction", |to| of_reduction(to, reduction))
             .part("correlation", |to| to.option(correlation.as_ref(), of_correlation))
+            .into_line()
+    }
+
+    /// Identifies what a reduced brake is made of: the case, as [`FiniteElementCase::identity`] does, with what else its bases and their checks
+    /// depend on. Number of samples, half width, what was measured, units and the text of the file change none of it.
+    pub fn prepared_identity(&self) -> String {
+        let Self { header, contact, .. } = self;
+        Identity::read(&header.name, &self.identity())
+            .part("equilibrium", |to| {
+                let balance = contact.as_ref().and_then(|contact| contact.balance.as_deref());
+                to.option(balance, |to, balance| balance.identify(to));
+            })
+            .given("growth_above", header.threshold.growth_above())
+            .given("damping_ratio_below", header.threshold.damping_ratio_below())
+            .given("seed", header.seed)
+            .into_line()
+    }
+
+    /// Identifies the brake of the case whichever of its scenes are chosen, and whatever is drawn of it.
+    pub fn brake_identity(&self) -> String {
+        let Self { header, parameters, system, coefficients, contact, reduction, .. } = self;
+        Identity::named(&header.name)
+            .part("parameters", |to| to.list(parameters, parameter))
+            .part("terms", |to| {
+                to.list(system.terms(), of_term);
+                to.list(coefficients, expression);
+            })
+            .part("contact", |to| {
+                to.list(system.channels(), channel);
+                to.option(contact.as_ref(), |to, contact| of_friction(to, &contact.friction));
+            })
+            .part("reduction", |to| of_reduction(to, reduction))
             .into_line()
     }
 }
@@ -244,6 +271,13 @@ fn gain(to: &mut Written, GainExpressions { mu, slope, lag, .. }: &GainExpressio
 fn fixed_dofs(to: &mut Written, FixedDofs { name, fixed }: &FixedDofs) {
     to.text(name);
     to.list(fixed, |to, &dof| to.count(dof));
+}
+
+fn of_term(to: &mut Written, SparseTerm { name, family, matrices }: &SparseTerm) {
+    to.text(name);
+    to.text(family);
+    let SparseSecondOrder { m, c, k, states: _ } = matrices;
+    [m, c, k].into_iter().for_each(|matrix| sparse_matrix(to, matrix));
 }
 
 fn sparse_matrix(to: &mut Written, matrix: &CscMatrix<f64>) {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use brakes::case::{CaseError, CaseFile};
 
+use crate::prepare::PreparedArgs;
 use crate::terminal::note;
 
 /// Commit that the program is built from, where git was there to tell.
@@ -20,6 +21,9 @@ pub struct CaseArgs {
     /// Set a parameter (mu=0.3: the constant) or a field (study.samples=500) as if the file said so; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+    /// Where its reduced brake is
+    #[command(flatten)]
+    pub prepared: PreparedArgs,
 }
 
 impl CaseArgs {

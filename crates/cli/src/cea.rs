@@ -78,7 +78,7 @@ impl CeaArgs {
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
-        let text = self.analysis(&sized::brake(case, Purpose::Analysis, self.memory.into())?)?;
+        let text = self.analysis(&sized::brake(case, Purpose::Analysis, self.memory.into(), &self.case.prepared)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 

@@ -83,7 +83,7 @@ impl CycleArgs {
             return Err(error.into());
         }
         let purpose = self.over.as_ref().map_or(Purpose::Analysis, |over| Purpose::Sweep(std::slice::from_ref(over)));
-        let brake = sized::brake(case, purpose, self.memory.into())?;
+        let brake = sized::brake(case, purpose, self.memory.into(), &self.case.prepared)?;
         let text = self.motion(&brake)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }

@@ -65,7 +65,7 @@ impl MergeArgs {
             from: 0,
             machine: self.machine,
         };
-        let brake = sized::brake(case, Purpose::Study, self.machine)?;
+        let brake = sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?;
         run.study(&brake, run.half_width, Some((&self.parts, self.mixed)), &Bars, out)
     }
 }

@@ -7,8 +7,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
-    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, NewArgs, RareArgs, RunArgs,
-    ScreenArgs, SweepArgs, finish, refuse,
+    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, NewArgs, PrepareArgs,
+    RareArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse,
 };
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
@@ -31,6 +31,7 @@ enum Command {
     New(NewArgs),
     Run(RunArgs),
     Merge(MergeArgs),
+    Prepare(PrepareArgs),
     Cea(CeaArgs),
     Check(CheckArgs),
     Eig(EigArgs),
@@ -68,6 +69,7 @@ pub fn program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::New(args) => args.run(&mut out),
         Command::Run(args) => args.run(&mut out),
         Command::Merge(args) => args.run(&mut out),
+        Command::Prepare(args) => args.run(&mut out),
         Command::Cea(args) => args.run(&mut out),
         Command::Check(args) => args.run(&mut out),
         Command::Eig(args) => args.run(&mut out),

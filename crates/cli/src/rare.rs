@@ -134,7 +134,7 @@ impl RareArgs {
     /// The likeliest squealing brake as a case; `None` where no squeal was found, and where inputs have no field of a case of their own.
     fn likeliest(&self, found: &Rare) -> Result<Option<String>, Error> {
         // A brake of a user's own type has no case file.
-        let DrawnSceneArgs { case: CaseArgs { case: path, set }, scene, range, .. } = &self.drawn;
+        let DrawnSceneArgs { case: CaseArgs { case: path, set, .. }, scene, range, .. } = &self.drawn;
         let Some(point) = found.design_points.first().filter(|_| path.is_file()) else { return Ok(None) };
         let names = found.inputs.iter().map(|input| input.name.clone());
         let values: Vec<(String, f64)> = names.zip(point.squealing.iter().copied()).collect();

@@ -85,9 +85,10 @@ impl RunArgs {
         let half_width = self.half_width.or(case.header().half_width);
         if self.shard.is_some() {
             // A part has no report: what draws of the full model say belongs to the whole.
-            return self.part(&sized::brake(case, Purpose::Study, self.machine)?, out);
+            return self.part(&sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?, out);
         }
-        let found = self.run_brake(&sized::brake(case, Purpose::Study, self.machine)?, half_width, out);
+        let found =
+            self.run_brake(&sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?, half_width, out);
         if matches!(found, Ok(()) | Err(Error::MostFailed { .. } | Error::NotTheWholeBrake { .. })) {
             let all = begin.elapsed().as_secs_f64();
             writeln!(out, "{all:.2} s in all, with preparation and report").map_err(Error::StandardOutput)?;

@@ -75,7 +75,7 @@ impl DrawnSceneArgs {
         let mut case = self.case.read()?;
         override_run(case.header_mut(), samples, self.seed, self.machine.threads)?;
         let case = self.scene.only(case, ChosenSpeed::Range(self.range.clone()))?;
-        sized::brake(case, purpose, self.machine)
+        sized::brake(case, purpose, self.machine, &self.case.prepared)
     }
 }
 

@@ -86,7 +86,7 @@ impl ScreenArgs {
         let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
         self.options(&case.constraint_sets(), case.header().units)?;
-        let text = self.screen(&sized::brake(case, Purpose::Screen, self.machine)?)?;
+        let text = self.screen(&sized::brake(case, Purpose::Screen, self.machine, &self.case.prepared)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 

@@ -1,12 +1,13 @@
 //! Brakes of cases whose studies fit into memory; what takes long or much is announced, what takes more than there is refused.
 
 use brakes::case::CaseFile;
-use brakes::{AnyBrake, Purpose};
+use brakes::{AnyBrake, Prepared, Purpose};
 use output::{bytes_in_words, in_words};
 use squeal::study::{Cost, UncertainBrake as _};
 use squeal::workers;
 
 use super::options::MachineArgs;
+use super::prepare::{PreparedArgs, in_words as where_prepared};
 use crate::Error;
 use crate::bar::Bar;
 use crate::terminal::note;
@@ -14,20 +15,35 @@ use crate::terminal::note;
 /// Time of preparation, s, above which it is announced; chosen.
 const ANNOUNCED: f64 = 5.0;
 
-/// The brake of a case, made for a purpose on some worker threads. Its size is counted before anything of it is made, and again after.
+/// The brake of a case, made for a purpose on some worker threads of pieces that are where the command looks for them, which it says.
 pub(super) fn brake(
     case: CaseFile,
     purpose: Purpose<'_>,
+    machine: MachineArgs,
+    args: &PreparedArgs,
+) -> Result<AnyBrake, Error> {
+    let prepared = args.open(&case)?;
+    let brake = of_pieces(case, purpose, machine, &prepared)?;
+    where_prepared(&prepared, args).iter().for_each(|line| note(line));
+    Ok(brake)
+}
+
+/// The brake of a case, of pieces that are read where they are kept. Its size is counted before anything of it is made, and again after.
+pub(super) fn of_pieces(
+    case: CaseFile,
+    purpose: Purpose<'_>,
     MachineArgs { memory, threads }: MachineArgs,
+    prepared: &Prepared,
 ) -> Result<AnyBrake, Error> {
     if let Some(cost) = brakes::cost_of_making(&case) {
         cost.check(&case.header().source(), memory.budget())?;
-        if cost.seconds > ANNOUNCED && matches!(case, CaseFile::FiniteElements(_)) {
+        let is_begun = if let CaseFile::FiniteElements(case) = &case { prepared.is_begun(case)? } else { true };
+        if cost.seconds > ANNOUNCED && !is_begun {
             let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
             note(&format!("bases for {} degrees of freedom: roughly {time} of processor time, {memory}", cost.order));
         }
     }
-    let brake = workers(threads)?.install(|| brakes::make(case, purpose, &Bar::of("reductions")))?;
+    let brake = workers(threads)?.install(|| brakes::make_prepared(case, purpose, prepared, &Bar::of("reductions")))?;
     if brake.mode_source().is_none() {
         let cost = Cost::of(brake.plan());
         cost.check(&brake.plan().source(), memory.budget())?;

@@ -68,7 +68,7 @@ impl SweepArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.machine.threads)?;
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
-        let brake = sized::brake(case, Purpose::Sweep(&self.over), self.machine)?;
+        let brake = sized::brake(case, Purpose::Sweep(&self.over), self.machine, &self.case.prepared)?;
         let text = self.sweep(&brake)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }

@@ -147,7 +147,7 @@ fn on_a_belt(laws: &'static [usize]) -> impl CaseBrake<Sample = Vec<f64>> {
 #[test]
 fn a_brake_of_ones_own_goes_through_every_command() {
     let dir = tempfile::tempdir().unwrap();
-    let case = CaseArgs { case: "a beam".into(), set: Vec::new() };
+    let case = CaseArgs { case: "a beam".into(), ..CaseArgs::default() };
     let machine = MachineArgs::default();
     let memory = machine.memory;
     let folder = |name: &str| Some(dir.path().join(name));

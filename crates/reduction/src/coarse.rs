@@ -56,26 +56,33 @@ pub enum Doubt {
     Merged,
 }
 
-/// A coarse basis within that of a reduced brake.
+/// A coarse basis within that of a reduced brake, with the brake on it.
 #[derive(Debug, Clone)]
 pub(super) struct Coarse {
-    /// W, k x w, orthonormal.
-    basis: DMatrix<f64>,
-    /// The brake on it.
+    own: CoarseBasis,
     system: AffineSystem,
-    states: Option<States>,
-    /// The largest distance, relative to |lambda|, and the largest residual at the points that it was made of.
-    error: f64,
-    residual: f64,
+}
+
+/// A coarse basis within that of a reduced brake, as it can be kept: [`Reduced::on_coarse`] makes the rest of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoarseBasis {
+    /// W, k x w, orthonormal.
+    pub basis: DMatrix<f64>,
+    /// Directions of internal states; `None` where there are none, or they spare nothing.
+    pub states: Option<CoarseStates>,
+    /// The largest distance of a mode, relative to |lambda|, at the points that it was made of.
+    pub error: f64,
+    /// The largest residual there.
+    pub residual: f64,
 }
 
 /// Directions in which the internal states of modes lie.
-#[derive(Debug, Clone)]
-struct States {
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoarseStates {
     /// Channels that have one, in order.
-    channels: Vec<usize>,
+    pub channels: Vec<usize>,
     /// Z, orthonormal, a row for each of these.
-    directions: DMatrix<f64>,
+    pub directions: DMatrix<f64>,
 }
 
 /// Shapes of modes at a point.
@@ -101,7 +108,7 @@ impl Coarse {
             };
             sides.into_iter().flat_map(of).collect()
         };
-        let states = States::new(points, &(0..points.len()).map(of_point).collect::<Vec<_>>())?;
+        let states = CoarseStates::new(points, &(0..points.len()).map(of_point).collect::<Vec<_>>())?;
         let shapes: Vec<_> = right.iter().chain(&left).flatten().collect();
         if shapes.is_empty() {
             return Ok(None);
@@ -110,8 +117,8 @@ impl Coarse {
         let empty = DMatrix::zeros(columns.nrows(), 0);
         let found = directions(&empty, columns, ROUNDING)?;
         let on = |basis: DMatrix<f64>| -> Result<Self, ReductionError> {
-            let system = reduced.system().projected(&basis)?;
-            Ok(Self { basis, system, states: states.clone(), error: f64::INFINITY, residual: f64::INFINITY })
+            let states = states.clone();
+            Self::on(reduced, CoarseBasis { basis, states, error: f64::INFINITY, residual: f64::INFINITY })
         };
         let error = |basis: &DMatrix<f64>| {
             let measured = on(basis.clone()).and_then(|coarse| coarse.distance(reduced, points, &known));
@@ -122,11 +129,11 @@ impl Coarse {
             return Ok(None);
         }
         let mut coarse = on(fewest(&empty, &found, most, WANTED_ERROR, error))?;
-        coarse.error = coarse.distance(reduced, points, &known)?.max(LEAST_ERROR);
-        if coarse.error > WANTED_ERROR {
+        coarse.own.error = coarse.distance(reduced, points, &known)?.max(LEAST_ERROR);
+        if coarse.own.error > WANTED_ERROR {
             return Ok(None);
         }
-        coarse.residual = 0.0;
+        coarse.own.residual = 0.0;
         let modes = coarse.modes(reduced, &points.iter().collect::<Vec<_>>());
         for ((at, modes), system) in points.iter().zip(modes).zip(&systems) {
             let (lambdas, shapes) = modes?;
@@ -134,9 +141,15 @@ impl Coarse {
             if residuals.iter().any(|residual| residual.is_nan()) {
                 return Ok(None);
             }
-            coarse.residual = residuals.into_iter().fold(coarse.residual, f64::max);
+            coarse.own.residual = residuals.into_iter().fold(coarse.own.residual, f64::max);
         }
         Ok(Some(coarse))
+    }
+
+    /// A reduced brake on a coarse basis.
+    pub fn on(reduced: &Reduced, own: CoarseBasis) -> Result<Self, ReductionError> {
+        let system = reduced.system().projected(&own.basis)?;
+        Ok(Self { own, system })
     }
 
     /// Error, relative to |lambda|, that an eigenvalue on the coarse basis with a residual may have: it is quadratic in what is missing of both vectors.
@@ -145,13 +158,13 @@ impl Coarse {
         if residual.is_nan() {
             return f64::INFINITY;
         }
-        let error = MORE_DISTANCE * self.error * (residual / self.residual).max(1.0).powi(2);
+        let error = MORE_DISTANCE * self.own.error * (residual / self.own.residual).max(1.0).powi(2);
         error * (DETUNING / distance.max((DETUNING * error).sqrt())).max(1.0)
     }
 
-    /// W, k x w.
-    pub fn basis(&self) -> &DMatrix<f64> {
-        &self.basis
+    /// What can be kept of it.
+    pub fn own(&self) -> &CoarseBasis {
+        &self.own
     }
 
     /// The modes of the reduced brake that are wanted at some points, at which its systems are given: those whose eigenvalues, rad/s, known up to a
@@ -198,7 +211,7 @@ impl Coarse {
         let made = points.iter().map(|point| self.at(point)).collect::<Vec<_>>();
         let systems: Vec<SecondOrder> = made.iter().flatten().cloned().collect();
         let found = spectra(&systems);
-        let slack = MORE_DISTANCE * self.error;
+        let slack = MORE_DISTANCE * self.own.error;
         let near = |found: &Result<Spectrum, CeaError>| match found {
             Ok(found) => reduced.next_to_rectangle(found, slack),
             Err(_) => Vec::new(),
@@ -210,12 +223,12 @@ impl Coarse {
         let one = |made: Result<SecondOrder, ReductionError>| {
             made?;
             let (Some((spectrum, near)), Some(shapes)) = (found.next(), shapes.next()) else {
-                return Ok((Vec::new(), split::zeros(self.basis.nrows(), 0)));
+                return Ok((Vec::new(), split::zeros(self.own.basis.nrows(), 0)));
             };
             spectrum?;
-            let mut of_coarse = split::zeros(self.basis.ncols(), near.len());
+            let mut of_coarse = split::zeros(self.own.basis.ncols(), near.len());
             shapes?.iter().enumerate().for_each(|(at, shape)| split::set(&mut of_coarse, at, shape.iter().copied()));
-            Ok((near, dense::product(&self.basis, &of_coarse)))
+            Ok((near, dense::product(&self.own.basis, &of_coarse)))
         };
         made.into_iter().map(one).collect()
     }
@@ -247,7 +260,7 @@ impl Coarse {
     /// The coarse brake at a point, its internal states in their directions.
     pub fn at(&self, point: &OperatingPoint) -> Result<SecondOrder, ReductionError> {
         let mut system = self.system.assemble(point)?;
-        if let Some(states) = self.states.as_ref().filter(|states| states.channels == with_states(point)) {
+        if let Some(states) = self.own.states.as_ref().filter(|states| states.channels == with_states(point)) {
             system.internal = states.of(&system.internal);
         }
         Ok(system)
@@ -283,7 +296,7 @@ fn next_to(
     None
 }
 
-impl States {
+impl CoarseStates {
     /// The directions of some internal states at each of some points; `None` where no point has any, or they spare nothing.
     fn new(points: &[OperatingPoint], states: &[Shapes]) -> Result<Option<Self>, ReductionError> {
         let Some(channels) = points.iter().map(with_states).find(|channels| !channels.is_empty()) else {

@@ -46,7 +46,7 @@ mod within;
 
 pub use basis::Vectors;
 pub use build::{Reduction, Wanted};
-pub use coarse::Doubt;
+pub use coarse::{CoarseBasis, CoarseStates, Doubt};
 pub use compared::{Compared, compared};
 pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;

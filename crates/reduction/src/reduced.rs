@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::{Rectangle, SparseAffineSystem};
 
-use super::coarse::{Coarse, Doubt, Polished, spectra};
+use super::coarse::{Coarse, CoarseBasis, Doubt, Polished, spectra};
 use super::full::largest;
 use super::norms::NormsAt;
 use super::residual::{Combinations, Pairs, ResidualForm, Truncation, reduced_residual};
@@ -102,6 +102,21 @@ impl Reduced {
         Ok(self)
     }
 
+    /// The same reduction on a coarse basis that [`Reduced::with_coarse`] made of the same one before, or on none.
+    ///
+    /// # Errors
+    /// A basis of another system.
+    pub fn on_coarse(mut self, coarse: Option<CoarseBasis>) -> Result<Self, ReductionError> {
+        self.coarse = coarse.map(|coarse| Coarse::on(&self, coarse)).transpose()?;
+        Ok(self)
+    }
+
+    /// The coarse basis; `None` where modes are found from whole spectra.
+    #[must_use]
+    pub fn coarse_basis(&self) -> Option<&CoarseBasis> {
+        self.coarse.as_ref().map(Coarse::own)
+    }
+
     /// The same reduction, whose modes are found from whole spectra alone.
     #[must_use]
     pub fn without_coarse(mut self) -> Self {
@@ -112,7 +127,7 @@ impl Reduced {
     /// Columns of the coarse basis; `None` where modes are found from whole spectra.
     #[must_use]
     pub fn coarse_columns(&self) -> Option<usize> {
-        self.coarse.as_ref().map(|coarse| coarse.basis().ncols())
+        self.coarse_basis().map(|coarse| coarse.basis.ncols())
     }
 
     /// The brake at a point on the coarse basis, and the columns of that basis, k x w; `None` where there is none.
@@ -121,7 +136,7 @@ impl Reduced {
     /// A point of another system.
     pub fn coarse_at(&self, point: &OperatingPoint) -> Result<Option<(SecondOrder, &DMatrix<f64>)>, ReductionError> {
         let Some(coarse) = &self.coarse else { return Ok(None) };
-        Ok(Some((coarse.at(point)?, coarse.basis())))
+        Ok(Some((coarse.at(point)?, &coarse.own().basis)))
     }
 
     /// The reduced system: a brake like any other.

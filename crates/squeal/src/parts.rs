@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use montecarlo::{Checkpoint, MonteCarloError, part_of, tiled};
+pub use study::identity::rounding_class;
 use study::identity::{Identity, Written};
 use study::{Study, StudyTally, UncertainBrake};
 
@@ -28,17 +29,6 @@ pub struct Shard {
     pub of: u64,
     /// Global index of the first sample of all parts: those before it are elsewhere.
     pub from: u64,
-}
-
-/// Class of processors and libraries on which the results of a study are the same bytes.
-#[must_use]
-pub fn rounding_class() -> String {
-    #[cfg(target_arch = "x86_64")]
-    let products = if is_x86_feature_detected!("fma") { "AVX2 FMA" } else { "without FMA" };
-    #[cfg(not(target_arch = "x86_64"))]
-    let products = "baseline";
-    let library = if cfg!(target_env = "gnu") { "glibc" } else { "another C library" };
-    format!("{} {products}, {} {library}", std::env::consts::ARCH, std::env::consts::OS)
 }
 
 /// Digest of what all samples of a study share.

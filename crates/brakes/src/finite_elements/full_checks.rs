@@ -12,8 +12,10 @@ use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, 
 use super::reduce::{NEXT_TO_AXIS, Trained, modes_beside};
 use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
 use super::{Bases, FiniteElementBrake};
-use crate::Error;
+use crate::bits::{Bits as _, bits, put_list};
 use crate::case::FiniteElementCase;
+use crate::prepared::Pieces;
+use crate::{Error, Prepared, Purpose};
 
 /// The first stream from which draws are taken, far from those of samples and from those of training points: how many samples a study has
 /// changes nothing.
@@ -27,6 +29,8 @@ struct OneCheck {
     beyond: Option<f64>,
 }
 
+bits!(OneCheck { found, at, beyond });
+
 impl FiniteElementBrake {
     /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares draws with the whole one, chosen at random among all scenes. Where
     /// they do not agree, these draws are trained on too, some times at most. It follows from the case alone, whatever the number of samples is.
@@ -34,7 +38,15 @@ impl FiniteElementBrake {
     /// # Errors
     /// As [`FiniteElementBrake::new`].
     pub fn checked(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
-        let mut brake = Self::new(case, progress)?;
+        Self::prepared(case, Purpose::Study, &Prepared::default(), progress)
+    }
+
+    /// [`FiniteElementBrake::checked`], of pieces that are read where they are kept.
+    pub(super) fn checked_of(
+        (case, pieces): (FiniteElementCase, &Pieces<'_>),
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let mut brake = Self::with_points((case, pieces), Bases::OfEach, (&[], &[]), progress)?;
         let mut trained: Vec<Trained> = Vec::new();
         let count = brake.case.reduction.full_checks;
         for round in 0..=MOST_ROUNDS {
@@ -44,7 +56,11 @@ impl FiniteElementBrake {
             progress.begin(count, 0);
             let one = |at: u64| {
                 progress.go_on()?;
-                let found = full_check(&brake, FIRST_STREAM + at);
+                let inputs = |to: &mut Vec<u8>| {
+                    at.put(to);
+                    put_list(&trained, to);
+                };
+                let found = pieces.item("check", inputs, || full_check(&brake, FIRST_STREAM + at));
                 progress.advance(1);
                 found
             };
@@ -63,7 +79,8 @@ impl FiniteElementBrake {
             let open = all.into_iter().filter(is_open);
             trained.extend(open.filter_map(|one| one.at));
             let Self { case, full_checks, .. } = brake;
-            brake = Self { full_checks, ..Self::with_points(case, Bases::OfEach, &[], &trained, progress)? };
+            let trained_on = Self::with_points((case, pieces), Bases::OfEach, (&[], &trained), progress)?;
+            brake = Self { full_checks, ..trained_on };
         }
         Ok(brake)
     }

@@ -36,7 +36,8 @@ use self::reduce::Trained;
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::case::{CaseError, Draws, FiniteElementCase, Law, Parameter};
-use crate::{CaseBrake, Error};
+use crate::prepared::Pieces;
+use crate::{CaseBrake, Error, Prepared, Purpose};
 
 /// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two distances, each the largest that was measured,
 /// relative: of eigenvalues on the basis of a part from those on the basis of its set, and of these from those of the whole brake. Chosen;
@@ -113,6 +114,28 @@ impl FiniteElementBrake {
         Self::on(case, Bases::OfEach, progress)
     }
 
+    /// Reduces the brake for a purpose, of pieces that are read where they are kept.
+    ///
+    /// # Errors
+    /// As [`FiniteElementBrake::new`] and [`FiniteElementBrake::for_sweep`]; a file of another prepared brake.
+    pub fn prepared(
+        case: FiniteElementCase,
+        purpose: Purpose<'_>,
+        prepared: &Prepared,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let pieces = prepared.of(&case)?;
+        match purpose {
+            Purpose::Study => Self::checked_of((case, &pieces), progress),
+            Purpose::Analysis => Self::with_points((case, &pieces), Bases::OfEach, (&[], &[]), progress),
+            Purpose::Screen => Self::with_points((case, &pieces), Bases::OfEachSet, (&[], &[]), progress),
+            Purpose::Sweep(over) => {
+                let swept = swept::points(&case, over)?;
+                Self::with_points((case, &pieces), Bases::OfEach, (&swept, &[]), progress)
+            }
+        }
+    }
+
     /// Finds the modes of samples by whole spectra alone, without coarse modes.
     pub fn use_spectra_alone(&mut self) {
         for part in &mut self.parts {
@@ -133,8 +156,7 @@ impl FiniteElementBrake {
     /// # Errors
     /// As [`FiniteElementBrake::new`]; a parameter or a range that the scene does not have, or for which it has no operating point.
     pub fn for_sweep(case: FiniteElementCase, over: &[Over], progress: &dyn Progress) -> Result<Self, Error> {
-        let swept = swept::points(&case, over)?;
-        Self::with_points(case, Bases::OfEach, &swept, &[], progress)
+        Self::prepared(case, Purpose::Sweep(over), &Prepared::default(), progress)
     }
 
     /// Reduces the brake and lays out its scenes. Only with [`Bases::OfEachSet`] are there [`Modifiable::places`].
@@ -142,20 +164,21 @@ impl FiniteElementBrake {
     /// # Errors
     /// As [`FiniteElementBrake::new`].
     pub fn on(case: FiniteElementCase, bases: Bases, progress: &dyn Progress) -> Result<Self, Error> {
-        Self::with_points(case, bases, &[], &[], progress)
+        let nowhere = Prepared::default();
+        let pieces = nowhere.of(&case)?;
+        Self::with_points((case, &pieces), bases, (&[], &[]), progress)
     }
 
-    /// Reduces the brake; `swept` are points of the first configuration at which the modes shall be held in the place of draws, `trained` further
-    /// points.
+    /// Reduces the brake; the points are `swept` ones, at which the modes of the first configuration shall be held in the place of draws, and further ones that
+    /// are `trained` on.
     fn with_points(
-        case: FiniteElementCase,
+        (case, pieces): (FiniteElementCase, &Pieces<'_>),
         bases: Bases,
-        swept: &[OperatingPoint],
-        trained: &[Trained],
+        points: (&[OperatingPoint], &[Trained]),
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let reduce::AllBases { sets, parts, of_origins, of_configurations } =
-            reduce::all_bases(&case, bases, (swept, trained), progress).map_err(named_band(&case))?;
+            reduce::all_bases((&case, pieces), bases, points, progress).map_err(named_band(&case))?;
         let part = |at: usize| &parts[at].reduced;
         let of_origins_parts: Vec<_> = of_origins.iter().map(|&at| part(at)).collect();
         let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();

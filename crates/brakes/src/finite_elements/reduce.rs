@@ -10,7 +10,8 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
 use reduction::{
-    Combinations, Compared, Options, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast, within,
+    CoarseBasis, Combinations, Compared, Options, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast,
+    within,
 };
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
@@ -19,7 +20,9 @@ use super::points::{all_patches, naming_point, of_brake};
 use super::set_basis::{self, HeldOut, SetBasis};
 use super::training::{AT_BORDER, Closed, arrangements, rectangle, training};
 use crate::Error;
+use crate::bits::{Bits as _, bits, put_list};
 use crate::case::FiniteElementCase;
+use crate::prepared::Pieces;
 
 /// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
 const BEYOND: f64 = 1.5;
@@ -130,10 +133,21 @@ pub(super) struct Trained {
     pub at: OperatingPoint,
 }
 
+bits!(Trained { set, closed, at });
+
+/// What is kept of a part: [`Part`] follows from it and its set.
+struct PartPiece {
+    within: Within,
+    coarse: Option<CoarseBasis>,
+    first: Vec<Complex<f64>>,
+}
+
+bits!(PartPiece { within, coarse, first });
+
 /// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept`, where there are some,
 /// those of all at their further points `trained`.
 pub(super) fn all_bases(
-    case: &FiniteElementCase,
+    (case, pieces): (&FiniteElementCase, &Pieces<'_>),
     bases: Bases,
     (swept, trained): (&[OperatingPoint], &[Trained]),
     progress: &dyn Progress,
@@ -162,13 +176,29 @@ pub(super) fn all_bases(
             }
         }
     }
+    // What the basis of a set depends on beside the case.
+    let inputs = |set: usize| {
+        let of_set: Vec<Trained> = trained.iter().filter(|point| point.set == set).cloned().collect();
+        (case.constraints[set].fixed.clone(), (swept.to_vec(), of_set)).bytes()
+    };
     progress.begin((case.constraints.len() * set_basis::SOLUTIONS + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for (at, set) in case.constraints.iter().enumerate() {
         progress.go_on()?;
         let own: Vec<OperatingPoint> =
             trained.iter().filter(|point| point.set == at).map(|point| point.at.clone()).collect();
-        sets.push(reduced_set(case, &set.fixed, (swept, &own), progress)?);
+        let mut is_kept = true;
+        let basis = |system: &SparseAffineSystem| {
+            let make = || {
+                is_kept = false;
+                set_basis::basis(case, system, (swept, &own), progress)
+            };
+            pieces.item("set", |to| to.extend(inputs(at)), make)
+        };
+        sets.push(reduced_set(case, &set.fixed, basis)?);
+        if is_kept {
+            progress.advance(set_basis::SOLUTIONS as u64);
+        }
     }
     let first = of_configurations[0];
     let part = |(at, asked): (usize, &Asked)| {
@@ -176,19 +206,38 @@ pub(super) fn all_bases(
         let swept = if at == first { swept } else { &[] };
         let is_own = |point: &&Trained| point.set == asked.set && asked.arrangements.contains(&point.closed);
         let own: Vec<OperatingPoint> = trained.iter().filter(is_own).map(|point| point.at.clone()).collect();
-        let found = part(case, &sets[asked.set], asked, (swept, &own));
+        let all = |to: &mut Vec<u8>| {
+            to.extend(inputs(asked.set));
+            put_list(&asked.arrangements, to);
+            (at == first).put(to);
+        };
+        let set = &sets[asked.set];
+        let piece = pieces.item("part", all, || part_piece(case, set, asked, (swept, &own)))?;
+        let found = part(case, set, asked, piece);
         progress.advance(1);
         found
     };
     let parts = asked.par_iter().enumerate().map(part).collect::<Result<Vec<_>, Error>>()?;
-    let whole = |(set, &origin): (&ReducedSet, &usize)| modes_at_medians(case, set, &asked[origin], &parts[origin]);
+    let whole = |(set, &origin): (&ReducedSet, &usize)| {
+        let (asked, first) = (&asked[origin], &parts[origin].first);
+        let inputs = |to: &mut Vec<u8>| {
+            case.constraints[asked.set].fixed.put(to);
+            asked.arrangements[0].put(to);
+            first.put(to);
+        };
+        pieces.item("whole", inputs, || modes_at_medians(case, set, &asked.arrangements[0], first))
+    };
     let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
     for (at, ((set, whole), &origin)) in sets.iter_mut().zip(whole).zip(&of_origins).enumerate() {
         set.compared = compared(&whole, parts[origin].first.clone());
         set.modes = whole;
         let of_set = &of_configurations[at * arrangements.len()..];
         let part = |closed: &Closed| arrangements.iter().position(|own| own == closed).map(|own| &parts[of_set[own]]);
-        (set.held_out, set.held_out_residual) = held_out(case, &set.drawn, part)?;
+        let all = |to: &mut Vec<u8>| {
+            to.extend(inputs(at));
+            (bases == Bases::OfEachSet).put(to);
+        };
+        (set.held_out, set.held_out_residual) = pieces.item("held out", all, || held_out(case, &set.drawn, part))?;
     }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })
@@ -260,12 +309,11 @@ fn modes_in(
 fn reduced_set(
     case: &FiniteElementCase,
     fixed: &[usize],
-    points: (&[OperatingPoint], &[OperatingPoint]),
-    progress: &dyn Progress,
+    basis: impl FnOnce(&SparseAffineSystem) -> Result<SetBasis, Error>,
 ) -> Result<ReducedSet, Error> {
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?;
-    let SetBasis { basis, leading, held_out: drawn } = set_basis::basis(case, &system, points, progress)?;
+    let SetBasis { basis, leading, held_out: drawn } = basis(&system)?;
     let reduced = system.project(&basis)?;
     let combinations = Combinations::new(&system, &basis);
     let compared = compared(&[], Vec::new());
@@ -289,12 +337,11 @@ fn reduced_set(
 fn modes_at_medians(
     case: &FiniteElementCase,
     set: &ReducedSet,
-    asked: &Asked,
-    part: &Part,
+    closed: &[usize],
+    reduced: &[Complex<f64>],
 ) -> Result<Vec<Complex<f64>>, Error> {
-    let first = &asked.arrangements[0];
-    let at = of_brake(case, first, &naming_point(case, first)?);
-    whole_modes(case, &set.system.assemble(&at)?, &part.first)
+    let at = of_brake(case, closed, &naming_point(case, closed)?);
+    whole_modes(case, &set.system.assemble(&at)?, reduced)
 }
 
 /// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
@@ -326,13 +373,20 @@ fn held_out<'a>(
     Ok((largest, residual))
 }
 
-/// A part on the fewest directions that hold it.
-fn part(
+/// A part, from what is kept of it.
+fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, piece: PartPiece) -> Result<Part, Error> {
+    let PartPiece { within, coarse, first } = piece;
+    let reduced = set.reduced_within(&within.basis, case)?.on_coarse(coarse)?;
+    Ok(Part { set: asked.set, within, first, reduced, routes: Mutex::default() })
+}
+
+/// What is kept of a part: the fewest directions that hold it, coarse ones among them.
+fn part_piece(
     case: &FiniteElementCase,
     set: &ReducedSet,
     asked: &Asked,
     (swept, trained): (&[OperatingPoint], &[OperatingPoint]),
-) -> Result<Part, Error> {
+) -> Result<PartPiece, Error> {
     let first = &asked.arrangements[0];
     let at_median = of_brake(case, first, &naming_point(case, first)?);
     let mut training = training(case, &asked.arrangements, case.reduction.training as u64, swept)?;
@@ -345,8 +399,8 @@ fn part(
     let step = others.len().div_ceil(COARSE_POINTS.saturating_sub(known.len()).max(1)).max(1);
     known.extend(others.iter().step_by(step).cloned());
     let reduced = set.reduced_within(&within.basis, case)?.with_coarse(&known)?;
-    let first = reduced.modes(&at_median)?.lambdas;
-    Ok(Part { set: asked.set, within, first, reduced, routes: Mutex::default() })
+    let (first, coarse) = (reduced.modes(&at_median)?.lambdas, reduced.coarse_basis().cloned());
+    Ok(PartPiece { within, coarse, first })
 }
 
 impl ReducedSet {

@@ -12,6 +12,7 @@ use sparse::SparseAffineSystem;
 use super::points::{all_patches, naming_point, of_brake};
 use super::training::{Drawn, draws, rectangle};
 use crate::Error;
+use crate::bits::bits;
 use crate::case::FiniteElementCase;
 
 /// Error, relative to |lambda|, that modes of a draw may have on a basis that was made without it; chosen: a hundred times that is what is
@@ -50,6 +51,10 @@ pub(super) struct HeldOut {
     /// The modes of the whole brake there, rad/s.
     pub modes: Vec<Complex<f64>>,
 }
+
+bits!(SetBasis { basis, leading, held_out });
+bits!(HeldOut { drawn, modes });
+bits!(Drawn { closed, at });
 
 /// The basis of a brake on the rows that a set of constraints leaves free, of modes at the medians, at points that were `trained` on and at draws. Points that a
 /// sweep goes through take the place of draws. Each complete solution is an advance of the progress.

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use contact::{Balance, Condensed, ContactError, Row, Stiffness, Uniqueness};
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
+use study::identity::Written;
 
 use crate::Expression;
 
@@ -77,6 +78,34 @@ impl ContactBalance {
     /// Stiffness of a point at the medians over that which its channel reads, without the case's stiffness factor.
     pub fn at_medians(&self, point: usize) -> f64 {
         self.at_medians[point]
+    }
+
+    /// Writes what an equilibrium is solved from, beside loads and their factors.
+    pub(crate) fn identify(&self, to: &mut Written) {
+        let Self {
+            gaps,
+            slips,
+            areas,
+            springs,
+            law,
+            stiff,
+            at_medians,
+            loads: _,
+            factors: _,
+            structures: _,
+            states: _,
+        } = self;
+        for row in gaps.iter().chain(slips) {
+            to.list(row, |to, &(dof, value)| {
+                to.count(dof);
+                to.number(value);
+            });
+        }
+        for numbers in [areas, springs, at_medians] {
+            to.list(numbers, |to, &number| to.number(number));
+        }
+        to.list(stiff, |to, &term| to.count(term));
+        to.text(&format!("{law:?}"));
     }
 
     /// Number of contact points.

@@ -148,3 +148,55 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
         assert!(found.contains(expected) && !found.contains('\n'), "{changed}: {found}");
     }
 }
+
+/// What changes the reduced brake has another identity, and what cannot change it has the same: samples, accuracy, what was measured, comments.
+#[test]
+fn all_that_bases_depend_on_is_in_the_identity_of_what_is_prepared() {
+    let own = parse(text()).unwrap();
+    let of = |from: &str, to: &str| {
+        let text = text();
+        assert!(text.contains(from), "{from}");
+        parse(text.replacen(from, to, 1)).unwrap_or_else(|error| panic!("{to}: {error}"))
+    };
+    for (from, to) in [
+        ("samples = 100", "samples = 7"),
+        ("[brake]", "[accuracy]\nhalf_width = 0.01\n\n[brake]"),
+        ("[brake]", "[measured]\nfrequencies = [2000.0]\ntolerance = 9.0\n\n[brake]"),
+        ("# m between the two nodes", "# metres between both nodes"),
+    ] {
+        let case = of(from, to);
+        assert_eq!(case.prepared_identity(), own.prepared_identity(), "{to}");
+        assert_eq!(case.brake_identity(), own.brake_identity(), "{to}");
+    }
+    for (from, to, is_same_brake) in [
+        ("seed = 1", "seed = 2", true),
+        ("\"velocity-dependent\", ", "", true),
+        ("in_contact = [9, 8]", "in_contact = [9]", true),
+        ("fixed = [\"BACKENDS.z\"]", "fixed = [\"BACKENDS.x\"]", true),
+        ("from = 0.1 ", "from = 0.2 ", true),
+        ("[brake]", "[squeal]\ngrowth_above = 10.0\n\n[brake]", true),
+        ("load = 468.0", "load = 469.0", true),
+        ("load = 468.0", "lateral = \"none\"\nload = 468.0", false),
+        ("load = 468.0", "draws = \"each\"\nload = 468.0", true),
+        ("stiffness = 4.05e8", "stiffness = 4.06e8", false),
+        ("rayleigh = { mass = 100.0", "rayleigh = { mass = 101.0", false),
+        ("stiffness = [1.08e8", "stiffness = [1.09e8", false),
+        ("axis = [0.0, 0.0, 1.0]", "axis = [0.0, 0.0, -1.0]", false),
+        ("mean = 0.50", "mean = 0.51", false),
+        (
+            "sigma0 = { distribution = \"log-normal\", median = 1e5",
+            "sigma0 = { distribution = \"log-normal\", median = 2e5",
+            false,
+        ),
+        ("[500.0, 8000.0]", "[500.0, 7000.0]", false),
+        ("[-500.0, 3000.0]", "[-400.0, 3000.0]", false),
+        ("residual = 1e-8", "residual = 1e-7", false),
+        ("residual = 1e-8", "residual = 1e-8\ntraining = 9", false),
+        ("full_checks = 100", "full_checks = 99", false),
+        ("name = \"Disc and pad\"", "name = \"Another\"", false),
+    ] {
+        let case = of(from, to);
+        assert_ne!(case.prepared_identity(), own.prepared_identity(), "{to}");
+        assert_eq!(case.brake_identity() == own.brake_identity(), is_same_brake, "{to}");
+    }
+}

@@ -68,7 +68,7 @@ impl CheckArgs {
         }
         let model = if let CaseFile::FiniteElements(case) = &case { Some(self.model(case)?) } else { None };
         out.write_all(model.unwrap_or_default().as_bytes()).map_err(Error::StandardOutput)?;
-        let text = self.check(&sized::brake(case, Purpose::Analysis, self.memory.into())?)?;
+        let text = self.check(&sized::brake(case, Purpose::Analysis, self.memory.into(), &self.case.prepared)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::common::{hoffmann, squeal};
+use super::prepared;
 use super::rare::RARE;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
@@ -19,6 +20,7 @@ fn folder(command: &str) -> tempfile::TempDir {
         "new" => ["inp", "mas.gz", "sti.gz", "dof.gz"].iter().for_each(|end| {
             copy(&root.join(format!("cases/disc-pad/disc-pad.{end}")), &format!("model.{end}"));
         }),
+        "prepare" => drop(prepared::case(dir.path())),
         "rare" => std::fs::write(dir.path().join("brake.toml"), RARE).unwrap(),
         _ => {
             copy(&hoffmann(), "brake.toml");

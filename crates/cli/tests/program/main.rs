@@ -19,6 +19,7 @@ mod measured;
 mod memory;
 mod names;
 mod predicted;
+mod prepared;
 mod rare;
 mod rectangle;
 mod report_page;

@@ -59,6 +59,17 @@ impl Identity {
     }
 }
 
+/// Class of processors and libraries on which the results of a study are the same bytes.
+#[must_use]
+pub fn rounding_class() -> String {
+    #[cfg(target_arch = "x86_64")]
+    let products = if is_x86_feature_detected!("fma") { "AVX2 FMA" } else { "without FMA" };
+    #[cfg(not(target_arch = "x86_64"))]
+    let products = "baseline";
+    let library = if cfg!(target_env = "gnu") { "glibc" } else { "another C library" };
+    format!("{} {products}, {} {library}", std::env::consts::ARCH, std::env::consts::OS)
+}
+
 /// A name in quotes, in one line.
 fn quoted(name: &str) -> String {
     let escaped = name.chars().flat_map(|c| match c {

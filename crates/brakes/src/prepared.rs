@@ -1,0 +1,309 @@
+//! Prepared brakes: pieces of a reduction, each made once and kept under the digest of all that it depends on.
+//!
+//! A piece is asked for by name ([`Pieces::item`]). Its key is the SHA-256 of the version of the format, the program with its commit, how the processor rounds,
+//! the [identity](case::FiniteElementCase::prepared_identity) of the case and the further inputs of the piece. So no piece is ever out of date: what
+//! depends on something else has another key, and is made. It is looked for in a file that `squeal prepare` wrote, then in a folder, and kept there as soon as it is
+//! made, so that a preparation that was killed goes on where it stopped.
+//!
+//! ```text
+//! .squeal/<brake>/brake.txt        program, rounding, case
+//! .squeal/<brake>/<key>.piece      one piece, sealed by length and checksum
+//! ```
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use case::FiniteElementCase;
+use montecarlo::{Damage, Sealed};
+use sha2::{Digest, Sha256};
+use study::identity::{difference, rounding_class};
+
+use crate::Error;
+use crate::bits::Bits;
+
+/// A file of pieces, and one piece in a folder. The version changes when what a piece holds or means does.
+const FILE: Sealed = Sealed { kind: "squeal-prepared", version: 1 };
+const PIECE: Sealed = Sealed { kind: "squeal-piece", version: FILE.version };
+/// Brakes whose pieces a folder keeps, those that were used last; chosen: each takes some ten megabytes.
+const MOST_BRAKES: usize = 16;
+/// File in the folder of a brake that says what it is; writing it anew says that the folder is used.
+const OF_BRAKE: &str = "brake.txt";
+
+/// SHA-256 of all that something depends on.
+type Key = [u8; 32];
+
+/// Where pieces of prepared brakes are looked for and kept; nowhere by default.
+#[derive(Debug, Default)]
+pub struct Prepared {
+    /// A file that was given. Nothing is added to it.
+    given: Option<Given>,
+    /// The folder that pieces are kept in.
+    folder: Option<PathBuf>,
+    /// All pieces that were asked for, where a file of them is to be written.
+    collected: Option<Mutex<Given>>,
+    counts: Mutex<PreparedCounts>,
+}
+
+/// A file of pieces.
+#[derive(Debug, Default)]
+struct Given {
+    path: PathBuf,
+    /// The program and the rounding that the pieces were made by.
+    made: String,
+    /// Identity of the brake, whichever scenes of it are chosen.
+    brake: String,
+    pieces: BTreeMap<Vec<u8>, Vec<u8>>,
+}
+
+/// Counts of the pieces that were asked for.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct PreparedCounts {
+    /// Pieces that were read from a file.
+    pub from_file: usize,
+    /// Pieces that were read from a folder.
+    pub from_folder: usize,
+    /// Pieces that were made.
+    pub made: usize,
+    /// Pieces among them that a folder held damaged.
+    pub damaged: usize,
+    /// Why a piece could not be kept, the first time.
+    pub not_kept: Option<String>,
+}
+
+impl Prepared {
+    /// Pieces of a file that `squeal prepare` wrote, which is read whole.
+    ///
+    /// # Errors
+    /// A file that cannot be read, that is damaged or none of these.
+    pub fn from_file(mut self, path: &Path) -> Result<Self, Error> {
+        let bytes = fs::read(path).map_err(|source| Error::PreparedRead { path: path.to_owned(), source })?;
+        let damaged = |source| Error::PreparedDamage { path: path.to_owned(), source };
+        let ((made, brake), pieces) =
+            Bits::whole(FILE.open(&bytes).map_err(damaged)?).ok_or_else(|| damaged(Damage::Header))?;
+        self.given = Some(Given { path: path.to_owned(), made, brake, pieces });
+        Ok(self)
+    }
+
+    /// Also pieces that a folder keeps, and those that are made from now on into it.
+    #[must_use]
+    pub fn in_folder(self, folder: PathBuf) -> Self {
+        Self { folder: Some(folder), ..self }
+    }
+
+    /// Also all pieces that are asked for together, for [`Prepared::write`].
+    #[must_use]
+    pub fn collecting(self) -> Self {
+        Self { collected: Some(Mutex::default()), ..self }
+    }
+
+    /// The folder that pieces are kept in.
+    #[must_use]
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// True if there may be pieces of a case: a file was given, or its brake has a folder.
+    ///
+    /// # Errors
+    /// A file that was given and that is of another brake, another program or another rounding.
+    pub fn is_begun(&self, case: &FiniteElementCase) -> Result<bool, Error> {
+        let pieces = self.of(case)?;
+        Ok(self.given.is_some() || pieces.folder.is_some_and(|folder| folder.is_dir()))
+    }
+
+    /// The pieces that were asked for so far.
+    #[must_use]
+    pub fn counts(&self) -> PreparedCounts {
+        locked(&self.counts).clone()
+    }
+
+    /// Writes what was collected into one file, under a temporary name first. Returns the number of its bytes.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, path: &Path) -> Result<usize, Error> {
+        let mut body = Vec::new();
+        if let Some(collected) = &self.collected {
+            let Given { made, brake, pieces, .. } = &*locked(collected);
+            [made, brake].into_iter().for_each(|text| text.put(&mut body));
+            pieces.put(&mut body);
+        }
+        let bytes = [FILE.header(&body).into_bytes(), body].concat();
+        output::write(path, &bytes).map_err(|source| Error::PreparedWrite(Box::new(source)))?;
+        Ok(bytes.len())
+    }
+
+    /// The pieces of a case.
+    ///
+    /// # Errors
+    /// A file that was given and that is of another brake, another program or another rounding.
+    pub(crate) fn of(&self, case: &FiniteElementCase) -> Result<Pieces<'_>, Error> {
+        if self.given.is_none() && self.folder.is_none() && self.collected.is_none() {
+            return Ok(Pieces { all: self, key: None, folder: None, about: String::new() });
+        }
+        let made = made_by(case);
+        if let Some(Given { path, made: found, brake, .. }) = &self.given {
+            let wanted = case.brake_identity();
+            if *found != made {
+                return Err(Error::PreparedElsewhere { path: path.clone(), found: found.clone(), expected: made });
+            }
+            if *brake != wanted {
+                return Err(Error::PreparedOther { path: path.clone(), found: difference(brake, &wanted) });
+            }
+        }
+        if let Some(collected) = &self.collected {
+            let mut collected = locked(collected);
+            (collected.made, collected.brake) = (made.clone(), case.brake_identity());
+        }
+        let about = format!("{made}\n{}\n", case.prepared_identity());
+        let key = digest(format!("{}\n{about}", FILE.version).as_bytes());
+        // Of programs with one commit a folder keeps each for itself: they may be builds of what was not committed.
+        let of_build = digest(format!("{}{}", hexadecimal(&key), this_build()).as_bytes());
+        let folder = self.folder.as_ref().map(|folder| folder.join(&hexadecimal(&of_build)[..16]));
+        if let Some(folder) = folder.as_ref().filter(|folder| folder.is_dir()) {
+            // A folder that cannot be written is still one to read from.
+            let _ = fs::write(folder.join(OF_BRAKE), &about);
+        }
+        Ok(Pieces { all: self, key: Some(key), folder, about })
+    }
+}
+
+/// Pieces of one case.
+#[derive(Debug)]
+pub(crate) struct Pieces<'a> {
+    all: &'a Prepared,
+    /// Digest of what all of them depend on; `None` where nothing is kept.
+    key: Option<Key>,
+    /// The folder of the brake.
+    folder: Option<PathBuf>,
+    /// The text of [`OF_BRAKE`].
+    about: String,
+}
+
+impl Pieces<'_> {
+    /// A piece: read where it is kept, else made and kept. `inputs` writes what it depends on beside the case.
+    ///
+    /// # Errors
+    /// Those of its making.
+    pub fn item<T: Bits>(
+        &self,
+        name: &str,
+        inputs: impl FnOnce(&mut Vec<u8>),
+        make: impl FnOnce() -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let Some(of_case) = self.key else { return make() };
+        let mut all = of_case.to_vec();
+        name.to_owned().put(&mut all);
+        inputs(&mut all);
+        let key = digest(&all);
+        if let Some((bytes, found)) = self.known(&key) {
+            self.collect(&key, bytes);
+            return Ok(found);
+        }
+        let made = make()?;
+        let bytes = made.bytes();
+        let kept = self.keep(&key, &bytes);
+        let mut counts = locked(&self.all.counts);
+        counts.made += 1;
+        if let Err(source) = kept {
+            counts.not_kept.get_or_insert_with(|| source.to_string());
+        }
+        drop(counts);
+        self.collect(&key, bytes);
+        Ok(made)
+    }
+
+    /// A piece that is kept, with its bytes.
+    fn known<T: Bits>(&self, key: &Key) -> Option<(Vec<u8>, T)> {
+        let given = self.all.given.as_ref().and_then(|given| given.pieces.get(&key[..]));
+        if let Some((bytes, found)) = given.and_then(|bytes| Some((bytes.clone(), T::whole(bytes)?))) {
+            locked(&self.all.counts).from_file += 1;
+            return Some((bytes, found));
+        }
+        // A piece that cannot be read is made, whatever the reason.
+        let sealed = fs::read(self.path(key)?).ok()?;
+        let body = PIECE.open(&sealed).ok().and_then(|body| body.strip_prefix(&key[..]));
+        let found = body.and_then(|body| Some((body.to_vec(), T::whole(body)?)));
+        let mut counts = locked(&self.all.counts);
+        *if found.is_some() { &mut counts.from_folder } else { &mut counts.damaged } += 1;
+        found
+    }
+
+    /// Puts a piece into the folder, unless it could not be written before: a disk that is full is asked once.
+    fn keep(&self, key: &Key, bytes: &[u8]) -> io::Result<()> {
+        let Some((folder, path)) = self.folder.as_ref().zip(self.path(key)) else { return Ok(()) };
+        if locked(&self.all.counts).not_kept.is_some() {
+            return Ok(());
+        }
+        if !folder.is_dir() {
+            self.make_folder(folder)?;
+        }
+        let body = [key, bytes].concat();
+        // Several processes may make the same piece at once.
+        let partial = path.with_extension(format!("{}.partial", std::process::id()));
+        let written = fs::write(&partial, [PIECE.header(&body).as_bytes(), &body].concat());
+        let moved = written.and_then(|()| fs::rename(&partial, &path));
+        moved.inspect_err(|_| drop(fs::remove_file(&partial)))
+    }
+
+    /// Makes the folder of the brake, in one that git does not see, and removes those of brakes that were not used for longest.
+    fn make_folder(&self, folder: &Path) -> io::Result<()> {
+        fs::create_dir_all(folder)?;
+        fs::write(folder.join(OF_BRAKE), &self.about)?;
+        let Some(all) = folder.parent() else { return Ok(()) };
+        fs::write(all.join(".gitignore"), "*\n")?;
+        let mut brakes: Vec<(SystemTime, PathBuf)> = Vec::new();
+        for entry in fs::read_dir(all)? {
+            let path = entry?.path();
+            // What has no such file is none of ours.
+            if let Ok(used) = fs::metadata(path.join(OF_BRAKE)).and_then(|file| file.modified()) {
+                brakes.push((used, path));
+            }
+        }
+        brakes.sort();
+        let oldest = brakes.iter().take(brakes.len().saturating_sub(MOST_BRAKES));
+        // One that another process removes, or uses, is left to it.
+        oldest.for_each(|(_, path)| drop(fs::remove_dir_all(path)));
+        Ok(())
+    }
+
+    fn path(&self, key: &Key) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(format!("{}.piece", &hexadecimal(key)[..32])))
+    }
+
+    fn collect(&self, key: &Key, bytes: Vec<u8>) {
+        if let Some(collected) = &self.all.collected {
+            locked(collected).pieces.insert(key.to_vec(), bytes);
+        }
+    }
+}
+
+/// What another thread left in a lock before it panicked is right all the same.
+fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn digest(bytes: &[u8]) -> Key {
+    Sha256::digest(bytes).into()
+}
+
+fn hexadecimal(key: &Key) -> String {
+    key.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The program and the rounding, by which numbers are the same to the last bit.
+fn made_by(case: &FiniteElementCase) -> String {
+    let commit = case.header.commit.map_or_else(String::new, |commit| format!(" ({commit})"));
+    format!("{}{commit} on {}", env!("CARGO_PKG_VERSION"), rounding_class())
+}
+
+/// Size and time of the file of this program; empty where the system does not tell.
+fn this_build() -> String {
+    let file = std::env::current_exe().and_then(fs::metadata);
+    let time = |file: &fs::Metadata| file.modified().ok()?.duration_since(UNIX_EPOCH).ok();
+    file.map_or_else(|_| String::new(), |file| format!("{} {:?}", file.len(), time(&file)))
+}
