@@ -39,6 +39,8 @@ const LOWER: f64 = 0.6;
 pub struct Within {
     /// W, k x m, orthonormal: columns of the smaller basis in terms of the larger one.
     pub basis: DMatrix<f64>,
+    /// The points at which all modes of the larger system were found, as corrections did not end there.
+    pub solved: Vec<OperatingPoint>,
     /// Modes that a smaller basis did not have, however often others were corrected, or that the first columns of the larger one did not have either.
     pub missed: Vec<Complex<f64>>,
     /// The largest estimated error of an eigenvalue in the rectangle, relative to its size; 1 where one is missing.
@@ -104,7 +106,9 @@ pub fn within(
             }
         }
         if is_reached || is_last {
-            return Ok(Within { basis: small.into_basis(), missed, distance, is_reached });
+            let solved = search.points.iter().zip(&corrections).filter(|(_, times)| **times > MOST_CORRECTIONS);
+            let solved = solved.map(|(at, _)| at.clone()).collect();
+            return Ok(Within { basis: small.into_basis(), solved, missed, distance, is_reached });
         }
         round += 1;
     }

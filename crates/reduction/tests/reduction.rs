@@ -380,7 +380,7 @@ fn a_poor_start_hides_no_mode_from_a_smaller_basis() {
         let of = (&basis, &reduced, &combinations);
         let small = Reduced::within(of, &found.basis, RECTANGLE, &Options::default()).unwrap();
         let has_all = |at| small.modes_by_spectrum(at).unwrap().lambdas.len() == truth(&reduced, at).len();
-        println!("{leading} of {}: {:?}", basis.ncols(), (found.is_reached, found.missed.len()));
+        println!("{leading} of {}: {:?}", basis.ncols(), (found.is_reached, found.solved.len(), found.missed.len()));
         assert!(!found.is_reached || points.iter().all(has_all), "{leading}");
         reached += usize::from(found.is_reached);
     }
