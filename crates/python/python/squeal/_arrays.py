@@ -98,7 +98,7 @@ def whole(argument: str, given: Any, symmetry: Symmetry) -> Any:
         symmetry = symmetry.get(argument)
     if symmetry is not None and not isinstance(symmetry, str):
         raise refused("symmetry", repr(symmetry), "whole, upper, lower or triangle, or a dict from M, C, K to these")
-    matrix = given if is_sparse(given) else real(argument, given)
+    matrix = given.tocsc() if is_sparse(given) else real(argument, given)
     listed = matrix if matrix.ndim == 2 else (matrix != 0).any(axis=tuple(range(matrix.ndim - 2)))
     if not _squeal.is_triangle(argument, columns(argument, listed), symmetry):
         return matrix
