@@ -75,7 +75,7 @@ pub struct Sweep {
 /// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped, or diverges, ends.
 ///
 /// # Errors
-/// A parameter or range that the scene does not have, a value that the brake refuses, and those of [`root_locus`].
+/// A parameter or range that the scene does not have, a value that the brake refuses, and those of `tracking::root_locus`.
 pub fn sweep<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
