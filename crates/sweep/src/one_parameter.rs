@@ -36,7 +36,7 @@ pub struct Sweep {
     pub parameter: SweptParameter,
     /// Instability threshold of a mode, which onsets cross.
     pub threshold: Threshold,
-    /// Branches, as [`RootLocus`] has them.
+    /// Branches, as `tracking::RootLocus` has them.
     pub branches: Vec<NamedBranch>,
     /// Steps in which branches end and others begin.
     pub ambiguities: Vec<Ambiguity>,
