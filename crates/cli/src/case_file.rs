@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use brakes::case::{CaseError, CaseFile};
 
-use crate::prepare::PreparedArgs;
+use crate::prepared::PreparedArgs;
 use crate::terminal::note;
 
 /// Commit that the program is built from, where git was there to tell.

@@ -7,7 +7,7 @@ use squeal::study::{Cost, UncertainBrake as _};
 use squeal::workers;
 
 use super::options::MachineArgs;
-use super::prepare::{PreparedArgs, in_words as where_prepared};
+use super::prepared::{PreparedArgs, in_words as where_prepared};
 use crate::Error;
 use crate::bar::Bar;
 use crate::terminal::note;
