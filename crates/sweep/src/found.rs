@@ -1,11 +1,11 @@
 //! Results of a sweep, for people and for machines.
 
 use cea::{Threshold, frequency_hz};
-use num_complex::Complex;
 use output::{Table, significant};
 use serde_json::{Value, json};
 
 use super::found_openings::{change_table, lines_text, opening_table, opening_text};
+use super::words::{count, hertz};
 use super::{
     BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Marginal, StabilityMap, Sweep, SweepOnset,
     SweptParameter,
@@ -18,11 +18,6 @@ pub enum Found {
     Branches(Box<Sweep>),
     /// Stability map over two parameters.
     Map(Box<StabilityMap>),
-}
-
-/// The frequency of an eigenvalue, Hz.
-pub(super) fn hertz(omega: f64) -> f64 {
-    frequency_hz(Complex::new(0.0, omega))
 }
 
 /// Words for what a mode does at an onset.
@@ -230,11 +225,6 @@ fn map_tables(map: &StabilityMap) -> Vec<Table> {
     let mut tables = vec![boundary, Table::new("regions", ["unstable", "share", x, y], regions)];
     tables.extend(map.lines.as_ref().map(|lines| change_table([x, y], lines)));
     tables
-}
-
-/// Words for a number of things.
-pub(super) fn count(number: usize, one: &str, more: &str) -> String {
-    if number == 1 { format!("1 {one}") } else { format!("{number} {more}") }
 }
 
 /// Largest distance of the onsets of the full model from those of its reduction; `None` where the brake is not reduced, or has none.

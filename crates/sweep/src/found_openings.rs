@@ -2,7 +2,7 @@
 
 use output::Table;
 
-use super::found::{count, hertz};
+use super::words::{count, hertz};
 use super::{Jump, LineChange, MapLines, Opening, StabilityMap, Sweep, SweptParameter};
 
 /// The openings, with the largest jump of a branch at each.

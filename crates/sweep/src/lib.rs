@@ -35,6 +35,8 @@ mod part_sweep;
 mod pieces;
 mod regions;
 mod remembered;
+mod results;
+mod words;
 
 pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
 pub use change::ChangeOf;
@@ -47,11 +49,12 @@ pub use found::{Found, event, not_looked_for};
 pub use line_map::{LineChange, MapLines};
 pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
-pub use one_parameter::{NamedBranch, Sweep, sweep};
+pub use one_parameter::sweep;
 pub use onset::SweepOnset;
 pub use opening::{Jump, Opening};
 pub use parameter::{Over, SweptParameter, swept};
 pub use regions::{CELLS, Region, Run};
+pub use results::{NamedBranch, Sweep};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

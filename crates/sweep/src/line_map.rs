@@ -12,13 +12,13 @@ use study::UncertainBrake;
 
 use super::change::{Along, ChangeOf};
 use super::family::{Evaluations, Family, Part};
-use super::openings::{OpeningAt, openings};
+use super::openings::openings;
+use super::part_sweep::steps_of_piece;
 use super::regions::{CELLS, Run};
 use crate::Error;
 
-/// Number of equal steps of a line without openings at which unstable modes are counted, and least number of a piece; chosen.
+/// Number of equal steps of a line without openings at which unstable modes are counted; chosen.
 const STEPS: usize = 64;
-const FEWEST_OF_PIECE: usize = 2;
 /// Number of lines each way on whose crossings contact points are asked for their state; chosen.
 const ASKED: usize = 17;
 
@@ -167,15 +167,14 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, along: usize, fixed: f64) -> R
     };
     let closed = |place: f64| family.closed_points(&values(place));
     let opened = openings(&closed, &|place| values(place)[along], [0.0, 1.0])?;
-    let ends = |opening: &OpeningAt| opening.between;
-    let begins = std::iter::once(0.0).chain(opened.iter().map(|opening| ends(opening)[1]));
-    let pieces = begins.zip(opened.iter().map(|opening| ends(opening)[0]).chain([1.0]));
+    let begins = std::iter::once(0.0).chain(opened.iter().map(|opening| opening.between[1]));
+    let pieces = begins.zip(opened.iter().map(|opening| opening.between[0]).chain([1.0]));
     let mut line = OnLine { start: 0, changes: Vec::new(), openings: opened.len(), unresolved: 0, spectra: 0 };
     let mut count: Option<i64> = None;
     for (from, to) in pieces.filter(|(from, to)| to > from) {
         let place = |at: f64| if at == 1.0 { to } else { from + at * (to - from) };
         let system = |at: f64| part.system(&on(along, place(at), fixed));
-        let steps = ((STEPS as f64 * (to - from)).ceil() as usize).max(FEWEST_OF_PIECE);
+        let steps = steps_of_piece(STEPS, to - from);
         let found = Along::new(&system, &family.solver, part.threshold()).changes(steps)?;
         let here = part.counted(&found.start).iter().sum::<usize>() as i64;
         match count {

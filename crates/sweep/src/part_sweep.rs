@@ -10,9 +10,9 @@ use super::coalescence::{Candidate, Coalescence, FARTHEST, add, candidates, sett
 use super::divergence::DIVERGENCE;
 use super::family::{DIFFERENCE, Evaluations, Line, MakeSystem, Part, SHORTEST_LOCUS_STEP};
 use super::names::{Names, carry, in_words, names_at};
-use super::one_parameter::{NamedBranch, Sweep};
 use super::onset::{SweepOnset, WholeOnset, error_of_reduced};
 use super::parameter::SweptParameter;
+use super::results::{NamedBranch, Sweep};
 use crate::Error;
 
 /// Largest distance of two branch points that are one, found twice: of the parameter as a fraction of the range, of omega as a fraction of
@@ -67,8 +67,8 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     let system = |at: f64| part.system(&[at]);
     let along = Along::new(&system, &part.family.solver, threshold);
     let steps = steps(part)?;
-    let counted = if share < 1.0 { ((steps as f64 * share).ceil() as usize).max(FEWEST_OF_PIECE) } else { steps };
-    let Changes { found: changes, unresolved, marginal, start, spectra } = along.changes(counted)?;
+    let Changes { found: changes, unresolved, marginal, start, spectra } =
+        along.changes(steps_of_piece(steps, share))?;
     let first = (FIRST_STEPS as f64 * share).ceil() as usize;
     let locus = part.studied(root_locus_in_steps(&mut branches, [0.0, 1.0], first, SHORTEST_LOCUS_STEP)?);
     let places = places(&locus);
@@ -182,6 +182,11 @@ fn steps<B: UncertainBrake>(part: &Part<'_, B>) -> Result<usize, Error> {
     let system = part.system(&[0.0])?;
     let eigenvalues = 2 * system.order() + system.states();
     Ok(STEPS.iter().find(|(most, _)| eigenvalues <= *most).map_or(FEWEST_STEPS, |(_, steps)| *steps))
+}
+
+/// Number of equal steps at which unstable modes are counted on a piece that is a share of a range with so many.
+pub(super) fn steps_of_piece(steps: usize, share: f64) -> usize {
+    ((steps as f64 * share).ceil() as usize).max(FEWEST_OF_PIECE)
 }
 
 /// Candidates for the mode of a change. Where a mode becomes real, or real eigenvalues a mode: those of all branches that end, or begin, in

@@ -13,10 +13,10 @@ use super::change::Along;
 use super::family::{DIFFERENCE, Family, Line, Part, SHORTEST_STEP};
 use super::joint::{Edge, Joint, Links};
 use super::names::{Names, names_at};
-use super::one_parameter::Sweep;
 use super::openings::{OpeningAt, TOGETHER};
 use super::parameter::SweptParameter;
 use super::part_sweep::{Entry, PartSweep, of_part};
+use super::results::Sweep;
 use crate::Error;
 
 /// Piece of the range, or of the way from there to the medians.
@@ -112,9 +112,9 @@ impl<B: UncertainBrake> Pieces<'_, B> {
         let (mut found, mut all): (Vec<OnPiece>, Vec<Links>) = Default::default();
         for at in first + 1..self.pieces.len() {
             let before = found.last().unwrap_or(middle);
-            let links = self.links(at - 1, [&before.edges[1], &self.edge(at, 0.0)?])?;
-            let count = self.edge(at, 0.0)?.lambdas.len();
-            let mut names = vec![Names::new(); count];
+            let edge = self.edge(at, 0.0)?;
+            let links = self.links(at - 1, [&before.edges[1], &edge])?;
+            let mut names = vec![Names::new(); edge.lambdas.len()];
             for (own, to) in before.names[1].iter().zip(&links) {
                 to.iter().for_each(|&to| names[to].extend(own));
             }
@@ -225,19 +225,21 @@ impl<B: UncertainBrake> Pieces<'_, B> {
             let [first_edge, last_edge] = &found[at].edges;
             let mut continued = vec![None; first_edge.lambdas.len()];
             let mut across = None;
-            if let Some((last, alive)) = &before {
+            // Between two pieces in the range there is an opening.
+            if let Some((last, alive)) = &before
+                && let Some(opened) = self.pieces[*last].opening.map(|at| &openings[at])
+            {
                 let joint = Joint {
                     parts: [&self.parts[*last], &self.parts[at]],
                     edges: [&found[*last].edges[1], first_edge],
                     names: &found[*last].names[1],
                     links: &links[*last],
                 };
-                let (opening, doubt) =
-                    joint.crossed(&openings[self.pieces[*last].opening.unwrap_or(0)], &points, &mut total)?;
+                let (opening, doubt) = joint.crossed(opened, &points, &mut total)?;
                 for (index, to) in joint.continuous() {
                     continued[to] = alive[index];
                 }
-                across = Some((opening, doubt, alive.clone()));
+                across = Some((opened, opening, doubt, alive.clone()));
                 (sweep.unstable_at_start, sweep.diverging_at_start) = (0, 0);
             }
             // The branches of the piece among all.
@@ -263,15 +265,14 @@ impl<B: UncertainBrake> Pieces<'_, B> {
                     ..ambiguity
                 });
             }
-            if let Some((mut opening, [from, to], alive)) = across {
+            if let Some((opened, mut opening, [from, to], alive)) = across {
                 let of = |indices: &[usize], places: &[Option<usize>]| -> Vec<usize> {
                     indices.iter().filter_map(|&index| places[index]).collect()
                 };
                 let (ended, begun) = (of(&from, &alive), of(&to, &at_start));
                 opening.unresolved = [ended.len(), begun.len()];
                 if !(ended.is_empty() && begun.is_empty()) {
-                    let place = |place: f64| parameter.at(place);
-                    let [from, to] = openings[self.pieces[at - 1].opening.unwrap_or(0)].between.map(place);
+                    let [from, to] = opened.between.map(|place| parameter.at(place));
                     total.ambiguities.push(Ambiguity { from, to, before: ended, after: begun });
                 }
                 total.openings.push(opening);
