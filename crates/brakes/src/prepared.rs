@@ -20,6 +20,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use case::FiniteElementCase;
 use montecarlo::{Damage, Sealed};
 use sha2::{Digest, Sha256};
+use study::hexadecimal;
 use study::identity::{difference, rounding_class};
 
 use crate::Error;
@@ -188,7 +189,7 @@ impl Pieces<'_> {
     /// A piece: read where it is kept, else made and kept. `inputs` writes what it depends on beside the case.
     ///
     /// # Errors
-    /// Those of its making.
+    /// Errors of its making.
     pub fn item<T: Bits>(
         &self,
         name: &str,
@@ -282,17 +283,13 @@ impl Pieces<'_> {
     }
 }
 
-/// What another thread left in a lock before it panicked is right all the same.
+/// The value behind a lock: what another thread left there before it panicked is right all the same.
 fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn digest(bytes: &[u8]) -> Key {
     Sha256::digest(bytes).into()
-}
-
-fn hexadecimal(key: &Key) -> String {
-    key.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The program and the rounding, by which numbers are the same to the last bit.

@@ -47,6 +47,12 @@ impl Symmetry {
     /// Names of the four, each with its value.
     pub const NAMES: [(&'static str, Self); 4] =
         [("whole", Self::Whole), ("upper", Self::Upper), ("lower", Self::Lower), ("triangle", Self::Triangle)];
+
+    /// The symmetry of a name; `None` of another word.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMES.into_iter().find(|(own, _)| *own == name).map(|(_, symmetry)| symmetry)
+    }
 }
 
 impl fmt::Display for Symmetry {

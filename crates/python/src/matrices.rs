@@ -38,10 +38,10 @@ pub(crate) fn sparse(
     made.ok_or_else(|| errors::argument(py, name, "a sparse matrix whose indices do not fit", "indices within it"))
 }
 
-/// How a matrix is stored, in a word.
+/// Storage of a matrix, from its word.
 fn symmetry_of(py: Python<'_>, text: &str) -> PyResult<Symmetry> {
-    let known = Symmetry::NAMES.into_iter().find(|(name, _)| *name == text).map(|(_, said)| said);
-    known.ok_or_else(|| errors::argument(py, "symmetry", &format!("{text:?}"), "whole, upper, lower or triangle"))
+    Symmetry::named(text)
+        .ok_or_else(|| errors::argument(py, "symmetry", &format!("{text:?}"), "whole, upper, lower or triangle"))
 }
 
 /// Whether a matrix is a triangle of a symmetric one, as is said of it; one of which it is not said and cannot be seen is refused.

@@ -56,7 +56,7 @@ pub use drawn_inputs::{DrawnInputs, Input, SingleParameter};
 pub use erased::{AnySample, Erased};
 pub use error::Error;
 pub use evaluate::{Outcome, Study, StudyOptions, UnstableMode};
-pub use fingerprint::fingerprint;
+pub use fingerprint::{fingerprint, hexadecimal};
 pub use full_checks::{DivergenceCounts, FullChecks, wider};
 pub use independent::{Drawn, IndependentBrake};
 pub use kept_samples::{KeptMode, KeptSample, KeptSamples};

@@ -16,8 +16,7 @@ pub struct SaidSymmetry {
 /// # Errors
 /// A text that is refused, with what is allowed.
 pub(super) fn parse(text: &str) -> Result<SaidSymmetry, String> {
-    let symmetry =
-        |text: &str| Symmetry::NAMES.into_iter().find(|(name, _)| *name == text.trim()).map(|(_, said)| said);
+    let symmetry = |text: &str| Symmetry::named(text.trim());
     let kind = |text: &str| {
         [Kind::Mass, Kind::Damping, Kind::Stiffness].into_iter().find(|kind| kind.to_string() == text.trim())
     };

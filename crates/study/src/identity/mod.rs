@@ -15,6 +15,8 @@ pub use of_study::{channel, naming, of_study};
 use montecarlo::Distribution;
 use sha2::{Digest, Sha256};
 
+use crate::hexadecimal;
+
 /// Version of the line. It changes when a part is added or written in another way, so that older lines are refused by name.
 const VERSION: u32 = 2;
 /// Hexadecimal digits of a digest.
@@ -44,7 +46,7 @@ impl Identity {
     pub fn part(self, key: &str, write: impl FnOnce(&mut Written)) -> Self {
         let mut written = Written(Sha256::new());
         write(&mut written);
-        let digest: String = written.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let digest = hexadecimal(&written.0.finalize());
         Self { line: format!("{} {key}:{}", self.line, &digest[..DIGITS]) }
     }
 
