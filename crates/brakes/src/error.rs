@@ -54,7 +54,7 @@ pub enum Error {
     PreparedOther {
         /// The file.
         path: PathBuf,
-        /// What it holds, in words.
+        /// Contents of the file, in words.
         found: String,
     },
     /// A prepared brake that cannot be written.

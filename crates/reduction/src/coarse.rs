@@ -162,7 +162,7 @@ impl Coarse {
         error * (DETUNING / distance.max((DETUNING * error).sqrt())).max(1.0)
     }
 
-    /// What can be kept of it.
+    /// The basis, as it can be kept.
     pub fn own(&self) -> &CoarseBasis {
         &self.own
     }

@@ -135,7 +135,7 @@ pub(super) struct Trained {
 
 bits!(Trained { set, closed, at });
 
-/// What is kept of a part: [`Part`] follows from it and its set.
+/// Kept piece of a part: [`Part`] follows from it and its set.
 struct PartPiece {
     within: Within,
     coarse: Option<CoarseBasis>,
@@ -380,7 +380,7 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, piece: PartPi
     Ok(Part { set: asked.set, within, first, reduced, routes: Mutex::default() })
 }
 
-/// What is kept of a part: the fewest directions that hold it, coarse ones among them.
+/// The kept piece of a part: the fewest directions that hold it, coarse ones among them.
 fn part_piece(
     case: &FiniteElementCase,
     set: &ReducedSet,

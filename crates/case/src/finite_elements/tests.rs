@@ -149,7 +149,7 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
     }
 }
 
-/// What changes the reduced brake has another identity, and what cannot change it has the same: samples, accuracy, what was measured, comments.
+/// Identities of what is prepared differ where something changes the reduced brake, and are the same where nothing can: samples, accuracy, what was measured, comments.
 #[test]
 fn all_that_bases_depend_on_is_in_the_identity_of_what_is_prepared() {
     let own = parse(text()).unwrap();

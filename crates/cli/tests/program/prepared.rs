@@ -26,7 +26,7 @@ pub fn case(folder: &Path) -> PathBuf {
     path
 }
 
-/// What a command says, and its line on where its brake is from.
+/// The output of a command, and its line on where its brake is from.
 fn said(output: &Output) -> (String, String) {
     let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8(text.clone()).unwrap());
     assert!(output.status.success(), "{err}");
