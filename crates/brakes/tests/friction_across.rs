@@ -384,7 +384,7 @@ fn random_brakes_are_those_assembled_by_hand() {
     assert!(matrices > 100 && modes > 200 && growing > 20, "{matrices} {modes} {growing}");
 }
 
-/// BRAKES of these, 200 without it, with 12 samples of each scene: `cargo test -p brake-squeal --test friction_across -- --ignored --nocapture`.
+/// BRAKES of these, 200 without it, with 12 samples of each scene: `cargo test -p brake-squeal-brakes --test friction_across -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn many_random_brakes_are_those_assembled_by_hand() {

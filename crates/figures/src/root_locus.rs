@@ -52,6 +52,10 @@ pub enum LocusEvent {
     ToDivergence,
     /// Divergence becomes flutter.
     ToFlutter,
+    /// A growing mode enters the band that is studied.
+    EntersBand,
+    /// A growing mode leaves the band that is studied.
+    LeavesBand,
     /// Two modes coalesce, or nearly.
     Coalescence,
 }
@@ -198,6 +202,8 @@ impl LocusMark {
             LocusEvent::Stops => format!("{name} {stops}"),
             LocusEvent::ToDivergence => format!("mode {mode}: flutter becomes divergence, with growth {growth} 1/s,"),
             LocusEvent::ToFlutter => format!("mode {mode}: divergence becomes flutter, with growth {growth} 1/s,"),
+            LocusEvent::EntersBand => format!("{name} enters the band with growth {growth} 1/s"),
+            LocusEvent::LeavesBand => format!("{name} leaves the band with growth {growth} 1/s"),
             LocusEvent::Coalescence => format!("modes {mode} coalesce, or nearly, with growth {growth} 1/s"),
         };
         format!("{what} at {parameter} = {at}, {frequency} Hz")
@@ -212,6 +218,11 @@ fn symbol(canvas: &mut Canvas, (x, y): (f64, f64), event: LocusEvent) {
         LocusEvent::ToDivergence | LocusEvent::ToFlutter => {
             let diamond = vec![(x, y - 3.6), (x + 3.2, y), (x, y + 3.6), (x - 3.2, y)];
             canvas.polygon(diamond, Paint::fill(VERMILLION).outlined(Color::WHITE, 0.4));
+        }
+        LocusEvent::EntersBand | LocusEvent::LeavesBand => {
+            let color = if event == LocusEvent::EntersBand { VERMILLION } else { BLUE };
+            let square = vec![(x - 2.6, y - 2.6), (x + 2.6, y - 2.6), (x + 2.6, y + 2.6), (x - 2.6, y + 2.6)];
+            canvas.polygon(square, Paint::fill(color).outlined(Color::WHITE, 0.4));
         }
         LocusEvent::Coalescence => canvas.circle((x, y), 2.6, Paint::stroke(Color::BLACK, 0.9)),
     }
@@ -228,6 +239,14 @@ fn key(data: &RootLocusFigure) -> Vec<Entry> {
     ];
     if data.marks.iter().any(|mark| matches!(mark.event, LocusEvent::ToDivergence | LocusEvent::ToFlutter)) {
         entries.push(entry(LocusEvent::ToDivergence, "flutter becomes divergence, or divergence flutter"));
+    }
+    for (event, text) in [
+        (LocusEvent::EntersBand, "a growing mode enters the band"),
+        (LocusEvent::LeavesBand, "it leaves the band, still growing"),
+    ] {
+        if data.marks.iter().any(|mark| mark.event == event) {
+            entries.push(entry(event, text));
+        }
     }
     entries
 }
@@ -259,6 +278,8 @@ fn check(data: &RootLocusFigure) -> Result<Table, FigureError> {
             LocusEvent::Stops => "stops",
             LocusEvent::ToDivergence => "flutter-to-divergence",
             LocusEvent::ToFlutter => "divergence-to-flutter",
+            LocusEvent::EntersBand => "enters-band",
+            LocusEvent::LeavesBand => "leaves-band",
             LocusEvent::Coalescence => "coalescence",
         };
         row(kind, mode, at)?;

@@ -141,7 +141,7 @@ fn eigenvalues_keep_off_the_allowance_for_rounding_on_both_sides() {
     assert!(found.matrices > 10 && found.on_axis < 1e-12 && found.off_axis > 2e-8, "{found:?}");
 }
 
-/// `cargo test --release -p brake-squeal --test certificate allowance -- --ignored --nocapture`
+/// `cargo test --release -p brake-squeal-study --test certificate allowance -- --ignored --nocapture`
 #[test]
 #[ignore = "reference modes of 675 scenes"]
 fn eigenvalues_keep_off_the_allowance_for_rounding_in_the_papers_case() {
@@ -187,7 +187,7 @@ fn a_certified_sample_costs_nothing_and_an_open_one_of_like_contacts_no_spectrum
 }
 
 #[test]
-#[ignore = "some minutes: cargo test --release -p brake-squeal --test certificate -- --ignored --nocapture"]
+#[ignore = "some minutes: cargo test --release -p brake-squeal-study --test certificate -- --ignored --nocapture"]
 fn a_million_samples_of_the_papers_case() {
     let case = case("paper.toml", &[]);
     let names: Vec<String> = case.constraints.iter().map(|set| set.name.clone()).collect();

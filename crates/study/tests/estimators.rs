@@ -161,7 +161,7 @@ fn a_fine_grid_shows_no_onset_that_the_exact_integral_overlooks() {
     assert!(checked > 1_000 && missed == 0, "{missed} of {checked}");
 }
 
-/// `cargo test --release -p brake-squeal --test estimators fine_grid -- --ignored --nocapture`
+/// `cargo test --release -p brake-squeal-study --test estimators fine_grid -- --ignored --nocapture`
 #[test]
 #[ignore = "solves 270,000 systems"]
 fn a_fine_grid_shows_no_onset_in_any_scene_of_the_case() {
@@ -313,7 +313,7 @@ fn the_prediction_is_right_for_nearly_every_sample() {
 
 /// A scene of each law and speed range to 0.1 percentage points, against 200,000 plain samples.
 ///
-/// `cargo test --release -p brake-squeal --test estimators -- --ignored --nocapture`: some minutes.
+/// `cargo test --release -p brake-squeal-study --test estimators -- --ignored --nocapture`: some minutes.
 #[test]
 #[ignore = "solves 800,000 samples"]
 fn occurrences_to_a_tolerance_agree_with_many_plain_samples() {

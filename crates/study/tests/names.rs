@@ -117,7 +117,7 @@ fn a_mode_named_by_its_shape_has_the_name_that_following_it_gives() {
     assert!(found.named > 100 && found.contradicted == 0, "{found:?}");
 }
 
-/// `cargo test --release -p brake-squeal --test names -- --ignored --nocapture`
+/// `cargo test --release -p brake-squeal-study --test names -- --ignored --nocapture`
 #[test]
 #[ignore = "follows some ten thousand modes in 675 scenes"]
 fn names_of_the_whole_case_are_those_of_modes_that_are_followed() {

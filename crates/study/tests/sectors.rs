@@ -280,7 +280,7 @@ fn a_sector_without_friction_is_solved_once_for_a_block() {
 }
 
 #[test]
-#[ignore = "some minutes: cargo test --release -p brake-squeal --test sectors -- --ignored --nocapture"]
+#[ignore = "some minutes: cargo test --release -p brake-squeal-study --test sectors -- --ignored --nocapture"]
 fn thousands_of_samples_of_the_papers_case() {
     let count = compare(&case("paper.toml", &[]), 200);
     println!("{count:?}");

@@ -4,10 +4,20 @@ use cea::{CountedSpectrum, EigenSolver, Threshold, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
+use super::measure::Measure;
 use crate::Error;
 
 /// Function that makes the system at a place of a line, 0 to 1.
 pub(super) type SystemAtPlace<'a> = &'a (dyn Fn(f64) -> Result<SecondOrder, Error> + Sync);
+
+/// Frequencies of the modes that are studied, and of those that are followed as they may come in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Band {
+    /// Im lambda from and to, rad/s.
+    pub studied: [f64; 2],
+    /// Im lambda from and to, rad/s, around `studied`.
+    pub followed: [f64; 2],
+}
 
 /// A line through the parameters, from place 0 to 1.
 #[derive(Clone, Copy)]
@@ -15,6 +25,8 @@ pub(super) struct Along<'a> {
     pub system: SystemAtPlace<'a>,
     pub solver: &'a dyn EigenSolver,
     pub threshold: Threshold,
+    /// Frequencies of the modes that are studied; `None` where all are.
+    pub band: Option<Band>,
     /// Largest |lambda| of a rigid motion, rad/s.
     pub rigid: f64,
 }
@@ -29,6 +41,15 @@ pub enum ChangeOf {
     Divergence,
     /// A growing pair becomes two real eigenvalues, or these a pair.
     Exchange,
+    /// A growing mode enters the band that is studied, or leaves it, by its frequency.
+    Band,
+}
+
+impl ChangeOf {
+    /// True if the mode oscillates at the change.
+    pub(super) fn oscillates(self) -> bool {
+        matches!(self, Self::Flutter | Self::Band)
+    }
 }
 
 /// A change of the number of unstable modes.
@@ -57,8 +78,47 @@ pub(super) struct Place {
 }
 
 impl<'a> Along<'a> {
-    pub fn new(system: SystemAtPlace<'a>, solver: &'a dyn EigenSolver, threshold: Threshold) -> Self {
-        Self { system, solver, threshold, rigid: 0.0 }
+    pub fn new(
+        system: SystemAtPlace<'a>,
+        solver: &'a dyn EigenSolver,
+        threshold: Threshold,
+        band: Option<Band>,
+    ) -> Self {
+        Self { system, solver, threshold, band, rigid: 0.0 }
+    }
+
+    /// True if a mode with this eigenvalue, rad/s, is studied.
+    pub fn is_studied(&self, lambda: Complex<f64>) -> bool {
+        self.band.is_none_or(|Band { studied: [from, to], .. }| (from..=to).contains(&lambda.im))
+    }
+
+    /// The distance of a growing mode from the end of the band that is nearest to its frequency; `None` without a band.
+    pub fn nearest_end(&self, lambda: Complex<f64>) -> Option<Measure> {
+        self.band.map(|Band { studied: [from, to], .. }| match (lambda.im - from).abs() < (lambda.im - to).abs() {
+            true => Measure::Above(from),
+            false => Measure::Below(to),
+        })
+    }
+
+    /// The function of an oscillating mode that is zero at a change, with the eigenvalue there; `None` where it does not oscillate.
+    pub fn crossed(&self, &Change { of, lambda, .. }: &Change) -> Option<(Measure, Complex<f64>)> {
+        match of {
+            ChangeOf::Flutter => Some((Measure::Margin(self.threshold), self.threshold.at_margin(0.0, lambda.im))),
+            ChangeOf::Band => self.nearest_end(lambda).map(|end| (end, lambda)),
+            ChangeOf::Divergence | ChangeOf::Exchange => None,
+        }
+    }
+
+    /// Differences between the second place and the first: in the number of modes that flutter and are studied, of modes that flutter beside the
+    /// band, and of real eigenvalues that diverge.
+    pub fn difference(&self, [a, b]: [&Place; 2]) -> [i64; 3] {
+        let counts = |place: &Place| {
+            let CountedSpectrum { flutter, divergence, .. } = &place.counted;
+            let studied = flutter.iter().filter(|lambda| self.is_studied(**lambda)).count();
+            [studied, flutter.len() - studied, divergence.len()].map(|count| count as i64)
+        };
+        let (before, beyond) = (counts(a), counts(b));
+        [0, 1, 2].map(|of| beyond[of] - before[of])
     }
 
     /// The eigenvalues at a place, counted.

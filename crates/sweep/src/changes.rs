@@ -8,12 +8,13 @@
 //!
 //! Eigenvalues on the axis count as neither ([`CountedSpectrum`]), so that nothing starts or stops where all is undamped.
 
-use cea::{CountedSpectrum, Threshold};
+use cea::CountedSpectrum;
 use num_complex::Complex;
 use rayon::prelude::*;
 
-use super::change::{Along, Change, ChangeOf, Place};
+use super::change::{Along, Band, Change, ChangeOf, Place};
 use super::crossing::crossing;
+use super::measure::Measure;
 use super::parameter::SweptParameter;
 use crate::Error;
 
@@ -57,6 +58,44 @@ impl Marginal {
     }
 }
 
+/// A range in which modes grow next to the band that is studied, where they do not count.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct GrowingBeside {
+    /// First place at which a mode grew there.
+    pub from: f64,
+    /// Last place at which a mode grew there.
+    pub to: f64,
+    /// Largest number of modes at one place.
+    pub modes: usize,
+    /// Least and largest frequency of the modes, Im lambda, rad/s.
+    pub omega: [f64; 2],
+}
+
+impl GrowingBeside {
+    /// The range, given in fractions of the range of a parameter, in values of the parameter.
+    pub(super) fn in_values(self, parameter: &SweptParameter) -> Self {
+        Self { from: parameter.at(self.from), to: parameter.at(self.to), ..self }
+    }
+
+    /// What grows at a place, Im lambda from `from` to `to`, rad/s; `None` where nothing does.
+    fn at(place: &Place, [from, to]: [f64; 2]) -> Option<Self> {
+        let there = || place.counted.flutter.iter().map(|lambda| lambda.im).filter(|omega| (from..to).contains(omega));
+        let omega = [there().fold(f64::INFINITY, f64::min), there().fold(0.0, f64::max)];
+        let modes = there().count();
+        (modes > 0).then_some(Self { from: place.at, to: place.at, modes, omega })
+    }
+
+    /// Both ranges, and what is between.
+    pub(super) fn with(self, other: Self) -> Self {
+        Self {
+            from: self.from.min(other.from),
+            to: self.to.max(other.to),
+            modes: self.modes.max(other.modes),
+            omega: [self.omega[0].min(other.omega[0]), self.omega[1].max(other.omega[1])],
+        }
+    }
+}
+
 /// Changes on a line.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
@@ -65,8 +104,10 @@ pub(super) struct Changes {
     /// Steps in which an eigenvalue comes so near the threshold that it is not known whether it crosses, or whose side has no bound.
     pub unresolved: Vec<(f64, f64)>,
     pub marginal: Vec<Marginal>,
-    /// Eigenvalues at place 0.
-    pub start: CountedSpectrum,
+    /// What grows below the band, and above it, as far as modes are followed.
+    pub beside: [Option<GrowingBeside>; 2],
+    /// Eigenvalues at place 0, and at place 1.
+    pub ends: [CountedSpectrum; 2],
     /// Number of spectra solved.
     pub spectra: u64,
 }
@@ -97,8 +138,14 @@ impl Along<'_> {
         changes.found.sort_by(|a, b| a.at.total_cmp(&b.at));
         undo(&mut changes.found);
         changes.enter_ranges(&places);
-        if let Some(first) = places.into_iter().next() {
-            changes.start = first.counted;
+        if let Some(Band { studied: [from, to], followed: [lowest, highest] }) = self.band {
+            let grown = |there: [f64; 2]| {
+                places.iter().filter_map(|place| GrowingBeside::at(place, there)).reduce(GrowingBeside::with)
+            };
+            changes.beside = [[lowest, from], [to.next_up(), highest]].map(grown);
+        }
+        if let (Some(last), Some(first)) = (places.pop(), places.into_iter().next()) {
+            changes.ends = [first.counted, last.counted];
         }
         Ok(changes)
     }
@@ -121,7 +168,7 @@ impl Along<'_> {
         loop {
             let mut middles: Vec<f64> = Vec::new();
             for three in places.windows(3) {
-                if three.iter().all(|place| place.is_settled) || !dips(&self.threshold, three) {
+                if three.iter().all(|place| place.is_settled) || !self.dips(three) {
                     continue;
                 }
                 let [a, _, c] = [&three[0], &three[1], &three[2]].map(|place| place.at);
@@ -132,7 +179,7 @@ impl Along<'_> {
                 middles.extend(three.windows(2).map(|step| 0.5 * (step[0].at + step[1].at)));
             }
             for step in places.windows(2) {
-                if step.iter().all(|place| place.is_settled) || !swaps([&step[0], &step[1]]) {
+                if step.iter().all(|place| place.is_settled) || !self.swaps([&step[0], &step[1]]) {
                     continue;
                 }
                 let [a, b] = [step[0].at, step[1].at];
@@ -157,15 +204,17 @@ impl Along<'_> {
 
     /// Enters the changes between two places.
     fn resolve(&self, [a, b]: [&Place; 2], depth: usize, changes: &mut Changes) -> Result<(), Error> {
-        let [flutter, divergence] = difference([a, b]);
+        let [flutter, beside, divergence] = self.difference([a, b]);
+        // What changes beside the band alone counts nowhere.
         if (flutter, divergence) == (0, 0) {
             return Ok(());
         }
-        let one = match (flutter, divergence) {
-            (1 | -1, 0) => Some((ChangeOf::Flutter, flutter > 0)),
-            (0, 1 | -1) => Some((ChangeOf::Divergence, divergence > 0)),
-            (-1, 2) => Some((ChangeOf::Exchange, true)),
-            (1, -2) => Some((ChangeOf::Exchange, false)),
+        let one = match (flutter, beside, divergence) {
+            (1 | -1, 0, 0) => Some((ChangeOf::Flutter, flutter > 0)),
+            (1, -1, 0) | (-1, 1, 0) => Some((ChangeOf::Band, flutter > 0)),
+            (0, _, 1 | -1) => Some((ChangeOf::Divergence, divergence > 0)),
+            (-1, 0, 2) => Some((ChangeOf::Exchange, true)),
+            (1, 0, -2) => Some((ChangeOf::Exchange, false)),
             _ => None,
         };
         if let Some((of, starts)) = one.filter(|_| depth.is_multiple_of(HALVINGS_BETWEEN)) {
@@ -178,7 +227,7 @@ impl Along<'_> {
         }
         let middle = 0.5 * (a.at + b.at);
         if b.at - a.at <= SHORTEST || middle <= a.at || middle >= b.at {
-            let found = at_one_place([a, b], &self.threshold);
+            let found = self.at_one_place([a, b]);
             for change in found {
                 let error = change.error.max(self.hidden(&change)?);
                 changes.found.push(Change { error, ..change });
@@ -190,40 +239,84 @@ impl Along<'_> {
         self.resolve([a, &between], depth + 1, changes)?;
         self.resolve([&between, b], depth + 1, changes)
     }
-}
 
-/// Differences between the second place and the first: in the number of modes that flutter, and of real eigenvalues that diverge.
-fn difference([a, b]: [&Place; 2]) -> [i64; 2] {
-    let counts = |place: &Place| [place.counted.flutter.len() as i64, place.counted.divergence.len() as i64];
-    let ([f, d], [g, e]) = (counts(a), counts(b));
-    [g - f, e - d]
-}
+    /// Changes at one place: several that no step parts.
+    fn at_one_place(&self, [a, b]: [&Place; 2]) -> Vec<Change> {
+        let [mut flutter, mut beside, mut divergence] = self.difference([a, b]);
+        let (at, error) = (0.5 * (a.at + b.at), (b.at - a.at).max(LEAST_ERROR));
+        let mut found = Vec::new();
+        let more = |starts: bool| if starts { &b.counted } else { &a.counted };
+        let mut add = |of: ChangeOf, starts: bool, lambda: Complex<f64>| {
+            found.push(Change { at, error, lambda, of, starts, is_double: of == ChangeOf::Exchange });
+        };
+        while flutter * divergence < 0 && divergence.abs() >= 2 {
+            let starts = divergence > 0;
+            // The pair that has the least frequency is the one that became real.
+            let lambda = more(!starts).flutter.first().map_or(0.0, |lambda| lambda.re);
+            add(ChangeOf::Exchange, starts, Complex::from(lambda));
+            (flutter, divergence) = (flutter + divergence.signum(), divergence - 2 * divergence.signum());
+        }
+        let growing = &more(flutter > 0).flutter;
+        let nearest_by = |value: &dyn Fn(Complex<f64>) -> f64| {
+            let mut all: Vec<_> = growing.iter().copied().filter(|l| self.is_studied(*l)).collect();
+            all.sort_by(|a, b| value(*a).total_cmp(&value(*b)));
+            all
+        };
+        let to_end = |lambda| self.nearest_end(lambda).map_or(f64::INFINITY, |end| end.value(lambda));
+        let mut at_end = nearest_by(&to_end).into_iter();
+        while flutter * beside < 0 {
+            let Some(lambda) = at_end.next() else { break };
+            add(ChangeOf::Band, flutter > 0, lambda);
+            (flutter, beside) = (flutter - flutter.signum(), beside - beside.signum());
+        }
+        let nearest = nearest_by(&|lambda| self.threshold.margin(lambda));
+        for lambda in nearest.into_iter().take(flutter.unsigned_abs() as usize) {
+            add(ChangeOf::Flutter, flutter > 0, Complex::new(0.0, lambda.im));
+        }
+        for _ in 0..divergence.unsigned_abs() {
+            add(ChangeOf::Divergence, divergence > 0, Complex::default());
+        }
+        found
+    }
 
-/// Changes at one place: several that no step parts.
-fn at_one_place([a, b]: [&Place; 2], threshold: &Threshold) -> Vec<Change> {
-    let [mut flutter, mut divergence] = difference([a, b]);
-    let (at, error) = (0.5 * (a.at + b.at), (b.at - a.at).max(LEAST_ERROR));
-    let mut found = Vec::new();
-    let more = |starts: bool| if starts { &b.counted } else { &a.counted };
-    let mut add = |of: ChangeOf, starts: bool, lambda: Complex<f64>| {
-        found.push(Change { at, error, lambda, of, starts, is_double: of == ChangeOf::Exchange });
-    };
-    while flutter * divergence < 0 && divergence.abs() >= 2 {
-        let starts = divergence > 0;
-        // The pair that has the least frequency is the one that became real.
-        let lambda = more(!starts).flutter.first().map_or(0.0, |lambda| lambda.re);
-        add(ChangeOf::Exchange, starts, Complex::from(lambda));
-        (flutter, divergence) = (flutter + divergence.signum(), divergence - 2 * divergence.signum());
+    /// True if a mode that is studied has the least distance from the threshold, or a growing one that from an end of the band, at the middle one of
+    /// three places, and may cross there and come back.
+    fn dips(&self, places: &[Place]) -> bool {
+        let [left, here, right] = [&places[0], &places[1], &places[2]].map(Place::sides);
+        let at = [places[0].at, places[1].at, places[2].at];
+        here.into_iter().any(|(lambda, side)| {
+            let (Some((before, from)), Some((after, to))) = (nearest(&left, lambda), nearest(&right, lambda)) else {
+                return false;
+            };
+            let three = [before, lambda, after];
+            let margin = |lambda: Complex<f64>| self.threshold.margin(lambda).abs();
+            let stays = side.is_some() && from == side && to == side;
+            let to_threshold = || three.into_iter().any(|l| self.is_studied(l)) && dips_to_zero(at, three.map(margin));
+            // Of a real eigenvalue the frequency is none.
+            let grows = side == Some(true) && three.into_iter().all(|lambda| lambda.im > 0.0);
+            let to_end = |end: Measure| {
+                let distances = three.map(|lambda| end.value(lambda));
+                let is_one_side = distances.into_iter().all(|distance| (distance > 0.0) == (distances[0] > 0.0));
+                is_one_side && dips_to_zero(at, distances.map(f64::abs))
+            };
+            stays && (to_threshold() || grows && self.nearest_end(lambda).is_some_and(to_end))
+        })
     }
-    let mut nearest = more(flutter > 0).flutter.clone();
-    nearest.sort_by(|a, b| threshold.margin(*a).total_cmp(&threshold.margin(*b)));
-    for lambda in nearest.into_iter().take(flutter.unsigned_abs() as usize) {
-        add(ChangeOf::Flutter, flutter > 0, Complex::new(0.0, lambda.im));
+
+    /// True if one mode that is studied seems to become stable and another one unstable between two places that count alike.
+    fn swaps(&self, [a, b]: [&Place; 2]) -> bool {
+        let [flutter, _, divergence] = self.difference([a, b]);
+        if (flutter, divergence) != (0, 0) {
+            return false;
+        }
+        let [here, there] = [a.sides(), b.sides()];
+        here.iter().any(|&(lambda, side)| {
+            let Some((next, to)) = nearest(&there, lambda) else { return false };
+            let is_other = side.is_some() && to.is_some() && side != to;
+            let is_studied = self.is_studied(lambda) || self.is_studied(next);
+            is_other && is_studied && nearest(&here, next).is_some_and(|(back, _)| back == lambda)
+        })
     }
-    for _ in 0..divergence.unsigned_abs() {
-        add(ChangeOf::Divergence, divergence > 0, Complex::default());
-    }
-    found
 }
 
 /// Takes out changes that the next one undoes at the same place: rounding next to a single one, or a mode that touches the threshold.
@@ -275,33 +368,6 @@ impl Changes {
 fn nearest(list: &[(Complex<f64>, Option<bool>)], to: Complex<f64>) -> Option<(Complex<f64>, Option<bool>)> {
     let distance = |other: &(Complex<f64>, Option<bool>)| (other.0 - to).norm_sqr();
     list.iter().copied().min_by(|x, y| distance(x).total_cmp(&distance(y)))
-}
-
-/// True if an eigenvalue has the least distance from the threshold at the middle one of three places, and may cross it and come back
-/// next to there.
-fn dips(threshold: &Threshold, places: &[Place]) -> bool {
-    let [left, here, right] = [&places[0], &places[1], &places[2]].map(Place::sides);
-    let at = [places[0].at, places[1].at, places[2].at];
-    here.into_iter().any(|(lambda, side)| {
-        let (Some((before, from)), Some((after, to))) = (nearest(&left, lambda), nearest(&right, lambda)) else {
-            return false;
-        };
-        let distance = |lambda: Complex<f64>| threshold.margin(lambda).abs();
-        side.is_some() && from == side && to == side && dips_to_zero(at, [before, lambda, after].map(distance))
-    })
-}
-
-/// True if one mode seems to become stable and another one unstable between two places that count alike.
-fn swaps([a, b]: [&Place; 2]) -> bool {
-    if difference([a, b]) != [0, 0] {
-        return false;
-    }
-    let [here, there] = [a.sides(), b.sides()];
-    here.iter().any(|&(lambda, side)| {
-        let Some((next, to)) = nearest(&there, lambda) else { return false };
-        let is_other = side.is_some() && to.is_some() && side != to;
-        is_other && nearest(&here, next).is_some_and(|(back, _)| back == lambda)
-    })
 }
 
 /// True if a positive function, at three places, has its least value at the middle one and by a parabola comes near zero.

@@ -3,6 +3,7 @@
 //! | of | the function |
 //! | --- | --- |
 //! | flutter of a damped mode | the margin of its eigenvalue beyond the threshold |
+//! | a growing mode at an end of the band | the distance of its frequency from there |
 //! | flutter of two modes that meet on the axis | the squared half distance of both, as below |
 //! | divergence | det K, by its sign alone |
 //! | flutter that becomes divergence | the squared half distance of the two eigenvalues, which is real: below zero of a pair, above of two real ones |
@@ -17,6 +18,7 @@ use num_complex::Complex;
 use super::change::{Along, Change, ChangeOf, Place};
 use super::divergence::{BESIDE, sign_change};
 use super::family::DIFFERENCE;
+use super::measure::Measure;
 use crate::Error;
 
 /// Most values of a function; chosen: bisection alone takes about 50.
@@ -69,7 +71,8 @@ pub(super) fn crossing(
         }
         ChangeOf::Flutter => {
             let margin = |lambda: &Complex<f64>| along.threshold.margin(*lambda);
-            let Some(&growing) = more.counted.flutter.iter().min_by(|x, y| margin(x).total_cmp(&margin(y))) else {
+            let studied = more.counted.flutter.iter().filter(|lambda| along.is_studied(**lambda));
+            let Some(&growing) = studied.min_by(|x, y| margin(x).total_cmp(&margin(y))) else {
                 return Ok((None, 0));
             };
             let distance = |lambda: &&Complex<f64>| (**lambda - growing).norm();
@@ -81,7 +84,10 @@ pub(super) fn crossing(
                 (damped, _) => damped.is_some(),
             };
             let simple = match damped.filter(|_| is_damped) {
-                Some(damped) => search.simple(if starts { [damped, growing] } else { [growing, damped] })?,
+                Some(damped) => {
+                    let ends = if starts { [damped, growing] } else { [growing, damped] };
+                    search.simple(Measure::Margin(along.threshold), ends)?
+                }
                 None => None,
             };
             let mut all: Vec<Complex<f64>> = fewer.counted.marginal.clone();
@@ -95,13 +101,35 @@ pub(super) fn crossing(
                 (simple, _) => simple,
             }
         }
+        ChangeOf::Band => {
+            // Which of several growing modes is at the end: that which moves least.
+            let is_studied = |lambda: &&Complex<f64>| along.is_studied(**lambda);
+            let beside = fewer.counted.flutter.iter().filter(|lambda| !is_studied(lambda));
+            let pairs = beside.flat_map(|&beside| {
+                more.counted.flutter.iter().filter(is_studied).map(move |&inside| [beside, inside])
+            });
+            let moved = |[beside, inside]: &[Complex<f64>; 2]| (beside - inside).norm();
+            match pairs.min_by(|x, y| moved(x).total_cmp(&moved(y))) {
+                Some([beside, inside]) => match along.nearest_end(beside) {
+                    Some(end) => search.simple(end, if starts { [beside, inside] } else { [inside, beside] })?,
+                    None => None,
+                },
+                None => None,
+            }
+        }
     };
     let change = found.map(|zero| {
         let Zero { at, error, lambda, is_double } = zero;
         Change { at, error, lambda, of, starts, is_double }
     });
     let is_inside = |change: &Change| (a.at - BESIDE..=b.at + BESIDE).contains(&change.at);
-    Ok((change.filter(is_inside), search.spectra))
+    // A mode that starts to grow beside the band counts from its end on, and one that enters it counts where it grows.
+    let counts = |change: &Change| match change.of {
+        ChangeOf::Flutter => along.is_studied(change.lambda),
+        ChangeOf::Band => along.threshold.margin(change.lambda) > 0.0,
+        ChangeOf::Divergence | ChangeOf::Exchange => true,
+    };
+    Ok((change.filter(is_inside).filter(counts), search.spectra))
 }
 
 /// Pair of eigenvalues by their mean and their squared half distance, which are smooth where they meet.
@@ -161,11 +189,10 @@ impl Search<'_> {
         }))
     }
 
-    /// The zero of the margin of one eigenvalue, which is known at both ends.
-    fn simple(&mut self, ends: [Complex<f64>; 2]) -> Result<Option<Zero>, Error> {
-        let (threshold, mut work) = (self.along.threshold, Workspace::default());
-        let margins = ends.map(|lambda| threshold.margin(lambda));
-        let mut bracket = Bracket::new(self.ends(), margins);
+    /// The zero of a function of one eigenvalue, which is known at both ends.
+    fn simple(&mut self, measure: Measure, ends: [Complex<f64>; 2]) -> Result<Option<Zero>, Error> {
+        let mut work = Workspace::default();
+        let mut bracket = Bracket::new(self.ends(), ends.map(|lambda| measure.value(lambda)));
         let bracket_length = bracket.length();
         let mut known = ends;
         for _ in 0..MOST_VALUES {
@@ -178,22 +205,22 @@ impl Search<'_> {
             let Some(nearest) = nearest else { return Ok(None) };
             let Ok(triple) = Eigentriple::new(&system, nearest, &mut work) else { return Ok(None) };
             let (lambda, bound) = (triple.refined(&system), triple.rounding());
-            let margin = threshold.margin(lambda);
-            if !(margin.is_finite() && bound.is_finite()) {
+            let value = measure.value(lambda);
+            if !(value.is_finite() && bound.is_finite()) {
                 return Ok(None);
             }
             let [below, above] = [(at - DIFFERENCE).max(0.0), (at + DIFFERENCE).min(1.0)];
-            let is_at_end = margin.abs() <= bound || bracket.is_shortest();
+            let is_at_end = value.abs() <= bound || bracket.is_shortest();
             if is_at_end {
                 let [q, r] = [below, above].map(|at| (self.along.system)(at));
                 let change = r?.dynamic_stiffness(lambda) - q?.dynamic_stiffness(lambda);
-                let slope = threshold.margin_rate(lambda, triple.rate_over(&change, above - below));
-                let (step, error) = (-margin / slope, bound / slope.abs());
+                let slope = measure.rate(lambda, triple.rate_over(&change, above - below));
+                let (step, error) = (-value / slope, bound / slope.abs());
                 let stands = step.abs() <= 2.0 * error + 4.0 * f64::EPSILON && (slope > 0.0) == self.starts;
                 let zero = Zero { at: at + step, error: error + step.abs(), lambda, is_double: false };
                 return Ok((stands && error < bracket_length + 1e-6).then_some(zero));
             }
-            known[bracket.enter(at, margin)] = lambda;
+            known[bracket.enter(at, value)] = lambda;
         }
         Ok(None)
     }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use study::{ModeSource, Parametrised, Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
 use tracking::{Ambiguity, KeptSpectra, RootLocus, SystemAt, SystemChange};
 
-use super::change::{Change, ChangeOf};
+use super::change::{Band, Change};
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
 
@@ -244,6 +244,12 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         self.family.study.plan().threshold
     }
 
+    /// Frequencies of the modes that are studied, and of those that are followed; `None` where all are.
+    pub fn band(&self) -> Option<Band> {
+        let plan = self.family.study.plan();
+        Some(Band { studied: plan.band?, followed: plan.followed_band()? })
+    }
+
     /// True if modes of this frequency, rad/s, are studied.
     pub fn is_studied(&self, omega: f64) -> bool {
         self.family.study.plan().is_studied(Complex::new(0.0, omega))
@@ -256,10 +262,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
 
     /// True if a change is of something that is studied.
     pub fn counts(&self, change: &Change) -> bool {
-        match change.of {
-            ChangeOf::Flutter => self.is_studied(change.lambda.im),
-            ChangeOf::Divergence | ChangeOf::Exchange => self.counts_divergence(),
-        }
+        change.of.oscillates() || self.counts_divergence()
     }
 
     /// Numbers of the unstable modes of a spectrum that are studied: pairs that flutter, and real eigenvalues that diverge.
@@ -306,8 +309,8 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
             Ok(SystemAt { system: at(t)?, change: Arc::new(change) })
         });
         let spectra = KeptSpectra::new(make, &self.family.solver).with_overdamping();
-        match self.family.study.plan().followed_band() {
-            Some(band) => spectra.in_band(band),
+        match self.band() {
+            Some(band) => spectra.in_band(band.followed),
             None => spectra,
         }
     }

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::found_openings::{change_table, lines_text, opening_table, opening_text};
 use super::words::{count, hertz};
 use super::{
-    BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Marginal, StabilityMap, Sweep, SweepOnset,
-    SweptParameter,
+    BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, GrowingBeside, Marginal, Miscount, StabilityMap,
+    Sweep, SweepOnset, SweptParameter,
 };
 
 /// A sweep over one parameter or two.
@@ -36,6 +36,8 @@ impl SweepOnset {
         match (self.of, self.starts) {
             (ChangeOf::Exchange, true) => "flutter-to-divergence",
             (ChangeOf::Exchange, false) => "divergence-to-flutter",
+            (ChangeOf::Band, true) => "enters-band",
+            (ChangeOf::Band, false) => "leaves-band",
             (_, true) => "starts",
             (_, false) => "stops",
         }
@@ -46,6 +48,10 @@ impl SweepOnset {
         match (self.of, self.starts, threshold.is_axis()) {
             (ChangeOf::Exchange, true, _) => "flutter becomes divergence",
             (ChangeOf::Exchange, false, _) => "divergence becomes flutter",
+            (ChangeOf::Band, true, true) => "enters the band, growing",
+            (ChangeOf::Band, false, true) => "leaves the band, still growing",
+            (ChangeOf::Band, true, false) => "enters the band, unstable",
+            (ChangeOf::Band, false, false) => "leaves the band, still unstable",
             (ChangeOf::Divergence, true, true) => "starts to diverge",
             (ChangeOf::Divergence, false, true) => "stops diverging",
             _ => event(self.starts, threshold),
@@ -110,7 +116,10 @@ impl Found {
                 "parameter": sweep.parameter,
                 "unstable_at_start": sweep.unstable_at_start,
                 "diverging_at_start": sweep.diverging_at_start,
+                "unstable_at_end": sweep.unstable_at_end,
+                "miscounts": sweep.miscounts,
                 "divergence_looked_for": sweep.counts_divergence,
+                "growing_beside": sweep.growing_beside,
                 "marginal": sweep.marginal,
                 "steps_counted": sweep.steps,
                 "onsets": sweep.onsets,
@@ -244,6 +253,7 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!(", of which {diverging}: real eigenvalues above {above}");
     }
     text += "\n";
+    text += &in_doubt(sweep);
     text += not_looked_for(sweep.counts_divergence);
     for Marginal { from, to, modes } in &sweep.marginal {
         let (modes, on) =
@@ -259,7 +269,7 @@ fn branch_text(sweep: &Sweep) -> String {
         let (hz, does) = (output::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
         let whose = if onset.is_reduced { ", of the REDUCED brake: that of the whole one was not found" } else { "" };
         let jumps = onset.jump.map_or(String::new(), |[before, beyond]| {
-            format!(", by a jump of the growth from {before:.4} to {beyond:.4} 1/s at an opening")
+            format!(", by a jump at an opening, growth from {before:.4} to {beyond:.4} 1/s")
         });
         let SweepOnset { at, error, mode, unstable, .. } = onset;
         text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{jumps}{whose}\n");
@@ -299,6 +309,36 @@ fn branch_text(sweep: &Sweep) -> String {
         count(spectra as usize, "spectrum", "spectra"),
         count(eigenvectors as usize, "vector", "vectors"),
     )
+}
+
+/// Words for what a sweep does not count, or counts wrong.
+fn in_doubt(sweep: &Sweep) -> String {
+    sweep.doubts().into_iter().map(|doubt| doubt + "\n").collect()
+}
+
+impl Sweep {
+    /// Sentences on what the onsets leave out: where spectra contradict them, and modes that grow next to the band that is studied.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let name = &self.parameter.name;
+        let miscount = |&Miscount { at, by_spectrum, by_onsets }: &Miscount| {
+            let modes = count(by_spectrum, "unstable mode", "unstable modes");
+            format!(
+                "WARNING: at {name} = {at} the spectrum has {modes}, where the onsets up to there say {by_onsets}: some change is not listed, or none is there"
+            )
+        };
+        let beside = |&GrowingBeside { from, to, modes, omega }: &GrowingBeside| {
+            let (modes, grow) = (count(modes, "mode", "modes"), if modes == 1 { "grows" } else { "grow" });
+            let [least, largest] = omega.map(|omega| output::hertz(hertz(omega)));
+            format!(
+                "{modes} {grow} NEXT to the band, where they do not count: {least} to {largest} Hz, at {name} = {} to {}",
+                significant(from, 4),
+                significant(to, 4)
+            )
+        };
+        let beside = self.growing_beside.iter().flatten().map(beside);
+        self.miscounts.iter().map(miscount).chain(beside).collect()
+    }
 }
 
 /// Words that stand first where divergence was not looked for.

@@ -3,7 +3,7 @@
 use output::Table;
 
 use super::words::{count, hertz};
-use super::{Jump, LineChange, MapLines, Opening, StabilityMap, Sweep, SweptParameter};
+use super::{ChangeOf, Jump, LineChange, MapLines, Opening, StabilityMap, Sweep, SweptParameter};
 
 /// The openings, with the largest jump of a branch at each.
 pub(super) fn opening_table(sweep: &Sweep) -> Table {
@@ -87,7 +87,12 @@ pub(super) fn change_table([x, y]: [&str; 2], lines: &MapLines) -> Table {
     let change = |change: &LineChange| {
         let numbers =
             [change.at[0], change.at[1], change.by as f64, hertz(change.omega)].map(|number| number.to_string());
-        numbers.into_iter().chain([if change.at_opening { "opening" } else { "onset" }.into()]).collect()
+        let at = match change.of {
+            None => "opening",
+            Some(ChangeOf::Band) => "end-of-band",
+            Some(_) => "onset",
+        };
+        numbers.into_iter().chain([at.into()]).collect()
     };
     let header = [x, y, "unstable_modes", "frequency_hz", "at"];
     Table::new("changes", header, lines.changes.iter().map(change))
@@ -98,11 +103,25 @@ pub(super) fn lines_text(map: &StabilityMap) -> String {
     let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
     let Some(MapLines { along, lines, openings, changes }) = &map.lines else { return String::new() };
     let (name, across) = if *along == 0 { (x, y) } else { (y, x) };
-    let jumps = changes.iter().filter(|change| change.at_opening).count();
-    format!(
-        "contact points open or close at {openings} places of {lines} lines along {name}; of {} of the number of unstable modes on them {jumps} are \
-             jumps there\nso the boundary is not followed: along {name} it is exact on each line, over {across} it is within 1/{} of the range\n\n",
-        count(changes.len(), "change", "changes"),
+    let jumps = changes.iter().filter(|change| change.of.is_none()).count();
+    let at_ends = changes.iter().filter(|change| change.of == Some(ChangeOf::Band)).count();
+    let changed = count(changes.len(), "change", "changes");
+    let mut text = format!("{changed} of the number of unstable modes on {lines} lines along {name}\n");
+    if *openings > 0 {
+        text += &format!(
+            "contact points open or close at {openings} places of them; {jumps} of the changes are jumps there\n"
+        );
+    }
+    if at_ends > 0 {
+        let modes = if at_ends == 1 {
+            "a growing mode enters the band or leaves it"
+        } else {
+            "growing modes enter the band or leave it"
+        };
+        text += &format!("at {at_ends} of the changes {modes}\n");
+    }
+    text + &format!(
+        "so the boundary is not followed: along {name} it is exact on each line, over {across} it is within 1/{} of the range\n\n",
         2 * (lines - 1),
     )
 }

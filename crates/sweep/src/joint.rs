@@ -89,14 +89,15 @@ impl<B: UncertainBrake> Joint<'_, B> {
             if studied(&link) && !smooth.contains(&link) {
                 jumps.push(Jump { mode: mode.clone(), omega: [from.im, to.im], growth: [from.re, to.re] });
             }
-            let [was, is] = [grows(0, from), grows(1, to)];
-            if was != is && is_studied(from) && is_studied(to) {
+            let grown = [grows(0, from), grows(1, to)];
+            let [was, is] = [grown[0] && is_studied(from), grown[1] && is_studied(to)];
+            if was != is {
                 let whole = [(0, [1.0], from), (1, [0.0], to)].map(|(end, at, near)| {
                     match self.parts[end].whole_eigenvalue(&at, near) {
                         Err(Error::Study(study::Error::WholeEigenvalue(_) | study::Error::Cea(_))) => Ok(Some(false)),
                         found => found.map(|found| {
-                            let margin = |lambda| part.threshold().margin(lambda) > 0.0;
-                            found.map(|found| margin(found.lambda) == if end == 0 { was } else { is })
+                            let counts = |lambda| part.threshold().margin(lambda) > 0.0 && is_studied(lambda);
+                            found.map(|found| counts(found.lambda) == if end == 0 { was } else { is })
                         }),
                     }
                 });
@@ -109,7 +110,7 @@ impl<B: UncertainBrake> Joint<'_, B> {
                     omega: from.im,
                     growth: from.re,
                     starts: is,
-                    of: ChangeOf::Flutter,
+                    of: if grown == [true; 2] { ChangeOf::Band } else { ChangeOf::Flutter },
                     mode,
                     unstable: 0,
                     moved: None,

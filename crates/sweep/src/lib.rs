@@ -23,6 +23,7 @@ mod found_openings;
 mod joint;
 mod line_map;
 mod map;
+mod measure;
 mod modes;
 mod names;
 mod one_parameter;
@@ -40,7 +41,7 @@ mod words;
 
 pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
 pub use change::ChangeOf;
-pub use changes::Marginal;
+pub use changes::{GrowingBeside, Marginal};
 pub use coalescence::Coalescence;
 pub use divergence::{DIVERGENCE, EXCHANGE, named};
 pub use error::Error;
@@ -54,7 +55,7 @@ pub use onset::SweepOnset;
 pub use opening::{Jump, Opening};
 pub use parameter::{Over, SweptParameter, swept};
 pub use regions::{CELLS, Region, Run};
-pub use results::{NamedBranch, Sweep};
+pub use results::{Miscount, NamedBranch, Sweep};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

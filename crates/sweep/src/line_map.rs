@@ -1,7 +1,7 @@
-//! The stability map of a brake whose contact points open and close within its ranges.
+//! The stability map of a brake whose contact points open and close within its ranges, or of which growing modes enter the band or leave it there.
 //!
 //! Eigenvalues jump where a point with a spring of constant stiffness opens, and a boundary then runs along the opening for a while: it is no
-//! curve on which one mode is at the threshold. So it is not followed. On equal lines across the ranges changes of the number of unstable modes
+//! curve on which one mode is at the threshold; nor is it one where a growing mode enters the band that is studied. So it is not followed. On equal lines across the ranges changes of the number of unstable modes
 //! are found piece by piece between the openings of the line, to full accuracy, and those at openings by counting on both sides; between two lines
 //! the nearer one is taken. Lines run along the parameter over which more points open.
 
@@ -31,8 +31,8 @@ pub struct LineChange {
     pub by: i64,
     /// Frequency Im lambda of the mode, rad/s; 0 of divergence, and at an opening.
     pub omega: f64,
-    /// True where eigenvalues jump over the threshold, as contact points open or close.
-    pub at_opening: bool,
+    /// Kind of the change; `None` where eigenvalues jump over the threshold, as contact points open or close.
+    pub of: Option<ChangeOf>,
 }
 
 /// Lines of a map with openings.
@@ -52,8 +52,8 @@ pub struct MapLines {
 struct OnLine {
     /// Number of unstable modes at its beginning.
     start: i64,
-    /// Place of each change with the change, ascending, the frequency, and whether it is at an opening.
-    changes: Vec<(f64, i64, f64, bool)>,
+    /// Place of each change with the change, ascending, the frequency, and its kind, which one at an opening does not have.
+    changes: Vec<(f64, i64, f64, Option<ChangeOf>)>,
     openings: usize,
     unresolved: usize,
     spectra: u64,
@@ -123,10 +123,10 @@ pub(super) fn lines<B: UncertainBrake>(
         lines.openings += line.openings;
         unresolved += line.unresolved;
         evaluations.spectra += line.spectra;
-        lines.changes.extend(line.changes.iter().map(|&(place, by, omega, at_opening)| {
+        lines.changes.extend(line.changes.iter().map(|&(place, by, omega, of)| {
             let parts = on(along, place, fixed(at));
             let at = [0, 1].map(|axis| part.family.parameters[axis].at(parts[axis]));
-            LineChange { at, by, omega, at_opening }
+            LineChange { at, by, omega, of }
         }));
     }
     let unstable = |x: f64, y: f64| {
@@ -175,16 +175,16 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, along: usize, fixed: f64) -> R
         let place = |at: f64| if at == 1.0 { to } else { from + at * (to - from) };
         let system = |at: f64| part.system(&on(along, place(at), fixed));
         let steps = steps_of_piece(STEPS, to - from);
-        let found = Along::new(&system, &family.solver, part.threshold()).changes(steps)?;
-        let here = part.counted(&found.start).iter().sum::<usize>() as i64;
+        let found = Along::new(&system, &family.solver, part.threshold(), part.band()).changes(steps)?;
+        let here = part.counted(&found.ends[0]).iter().sum::<usize>() as i64;
         match count {
             None => line.start = here,
-            Some(before) if before != here => line.changes.push((from, here - before, 0.0, true)),
+            Some(before) if before != here => line.changes.push((from, here - before, 0.0, None)),
             Some(_) => {}
         }
         let inside = found.found.iter().filter(|change| part.counts(change)).map(|change| {
-            let omega = if change.of == ChangeOf::Flutter { change.lambda.im } else { 0.0 };
-            (place(change.at.clamp(0.0, 1.0)), if change.starts { 1 } else { -1 }, omega, false)
+            let omega = if change.of.oscillates() { change.lambda.im } else { 0.0 };
+            (place(change.at.clamp(0.0, 1.0)), if change.starts { 1 } else { -1 }, omega, Some(change.of))
         });
         let first = line.changes.len();
         line.changes.extend(inside);

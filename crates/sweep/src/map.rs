@@ -39,7 +39,8 @@ pub struct StabilityMap {
     pub grid: usize,
     /// Number of steps on lines of the grid in which a mode comes so near the threshold that it is not known whether it crosses.
     pub unresolved: usize,
-    /// Lines on which the map rests where contact points open and close in it, so that no boundary is followed; `None` else.
+    /// Lines on which the map rests where contact points open and close in it, or growing modes enter the band or leave it, so that no boundary is
+    /// followed; `None` else.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lines: Option<MapLines>,
     /// Divergence was looked for; of a reduced brake it is not.
@@ -94,29 +95,40 @@ pub fn stability_map<B: UncertainBrake>(
     progress: &dyn Progress,
 ) -> Result<StabilityMap, Error> {
     let family = Family::new(study, scene, over, solver, progress)?;
-    let along = opens_along(&family)?;
+    let mut along = opens_along(&family)?;
     // Contact points that open keep no symmetry.
-    let parts = if along.is_some() { vec![family.whole()] } else { family.parts()? };
+    let mut parts = if along.is_some() { vec![family.whole()] } else { family.parts()? };
     let at = || format!("sweep over {} and {}", over[0], over[1]);
     let middle = parts.iter().map(|part| part.system(&[0.5, 0.5])).collect::<Result<Vec<_>, Error>>()?;
     let is_small = middle.iter().all(|system| 2 * system.order() + system.states() <= SMALL);
     let mut evaluations = Evaluations::default();
     let mut contradicted: Option<(Region, usize)> = None;
     for grid in GRIDS.into_iter().take(if is_small { GRIDS.len() } else { 2 }) {
-        let mut map = match along {
-            Some(along) => {
-                progress.begin((2 * grid + 1) as u64, 0);
-                let found = lines(&parts[0], along, 2 * grid + 1, progress);
-                progress.end();
-                by_lines(&family, found.map_err(|source| source.in_sweep(at))?, grid)
-            }
+        let followed = match along {
+            Some(_) => None,
             None => {
                 // A step for each line of the grid, and one for following the curves.
                 progress.begin((parts.len() * (2 * (grid + 1) + 1)) as u64, 0);
                 let of_part = |part: &Part<'_, B>| of_part(part, grid, progress);
                 let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
                 progress.end();
-                drawn(&family, found.map_err(|source| source.in_sweep(at))?, grid)
+                Some(found.map_err(|source| source.in_sweep(at))?)
+            }
+        };
+        let mut map = match followed {
+            Some(found) if !found.iter().any(|part| part.meets_band) => drawn(&family, found, grid),
+            followed => {
+                // Where it runs along an end of the band the boundary is no curve of one mode at the threshold: lines serve from here on.
+                for part in followed.into_iter().flatten() {
+                    evaluations += part.evaluations;
+                }
+                if along.is_none() {
+                    (along, parts) = (Some(0), vec![family.whole()]);
+                }
+                progress.begin((2 * grid + 1) as u64, 0);
+                let found = lines(&parts[0], along.unwrap_or(0), 2 * grid + 1, progress);
+                progress.end();
+                by_lines(&family, found.map_err(|source| source.in_sweep(at))?, grid)
             }
         };
         let mut checks = map.regions.clone();

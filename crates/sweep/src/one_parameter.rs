@@ -11,7 +11,7 @@ use super::parameter::Over;
 use super::part_sweep::{Entry, of_part};
 use super::pieces::piecewise;
 use super::remembered::Remembered;
-use super::results::Sweep;
+use super::results::{Miscount, Sweep};
 use crate::Error;
 
 /// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped, or diverges, ends.
@@ -61,10 +61,13 @@ pub fn sweep<B: UncertainBrake>(
     sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
     sweep.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
     sweep.marginal.sort_by(|a, b| a.from.total_cmp(&b.from));
+    sweep.compare(sweep.parameter.to, sweep.unstable_at_end);
     let mut unstable = sweep.unstable_at_start as i64;
     for onset in &mut sweep.onsets {
-        unstable += if onset.starts { 1 } else { -1 };
-        onset.unstable = unstable.max(0) as usize;
+        let here = |miscount: &&Miscount| miscount.at <= onset.at;
+        let missed = sweep.miscounts.iter().filter(here).map(|it| it.by_spectrum as i64 - it.by_onsets).sum::<i64>();
+        unstable += onset.by();
+        onset.unstable = (unstable + missed).max(0) as usize;
     }
     sweep.fine_grid = ((1.0 / sweep.shortest_step).ceil() as u64 + 1) * parts as u64;
     Ok(sweep)

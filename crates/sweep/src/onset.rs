@@ -1,18 +1,20 @@
 //! Onsets: places where a mode begins or ceases to grow.
 
+use num_complex::Complex;
 use serde::Serialize;
 use study::UncertainBrake;
 use tracking::{Branches, Onset};
 
 use super::change::ChangeOf;
 use super::family::Part;
+use super::measure::Measure;
 use crate::Error;
 
 /// Largest number of corrections of an onset of a reduced brake; chosen: each wins as many digits as the reduced brake has.
 const MOST_CORRECTIONS: usize = 8;
 
-/// A change of the number of unstable modes: a mode that crosses the axis, a real eigenvalue that crosses zero (divergence), or a growing
-/// pair that becomes two real eigenvalues, or these a pair.
+/// A change of the number of unstable modes: a mode that crosses the axis, a real eigenvalue that crosses zero (divergence), a growing
+/// pair that becomes two real eigenvalues, or these a pair, or a growing mode that enters the band that is studied, or leaves it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepOnset {
     /// Value of the parameter.
@@ -21,7 +23,7 @@ pub struct SweepOnset {
     pub error: f64,
     /// Frequency Im lambda, rad/s; 0 of divergence, and where a growing pair becomes real.
     pub omega: f64,
-    /// Growth rate Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
+    /// Growth rate Re lambda, 1/s: that of the threshold, but where a growing pair becomes real or a growing mode enters or leaves the band.
     pub growth: f64,
     /// Start of an unstable mode: if true one more mode is unstable where the parameter is larger, if false one less; of a pair that
     /// becomes two real eigenvalues one more.
@@ -43,6 +45,14 @@ pub struct SweepOnset {
     pub jump: Option<[f64; 2]>,
 }
 
+impl SweepOnset {
+    /// Difference of the number of unstable modes beyond the onset from that before it.
+    #[must_use]
+    pub fn by(&self) -> i64 {
+        if self.starts { 1 } else { -1 }
+    }
+}
+
 /// Onset of the full model, of which a brake is a reduction.
 pub(super) enum WholeOnset {
     /// The brake is not reduced.
@@ -54,18 +64,17 @@ pub(super) enum WholeOnset {
 }
 
 impl WholeOnset {
-    /// The onset of the full model next to one of the reduced brake, in fractions of the range, by secants that begin with the slope that
-    /// the branches of the reduced brake have there.
+    /// The onset of the full model next to one of the reduced brake, in fractions of the range, by secants of the function that
+    /// is zero there, `measure`, which begin with the slope that the branches of the reduced brake have; `there` is the eigenvalue of the reduced one.
     ///
     /// # Errors
     /// Those of the brake, but for eigenvalues of the full model that are not found.
     pub fn near<B: UncertainBrake>(
         part: &Part<'_, B>,
         onset: &Onset,
+        (measure, there): (Measure, Complex<f64>),
         reduced: &mut impl Branches<Error = Error>,
     ) -> Result<Self, Error> {
-        let threshold = part.threshold();
-        let there = threshold.at_margin(0.0, onset.omega);
         let whole = |at: f64, near| match part.whole_eigenvalue(&[at], near) {
             Err(Error::Study(study::Error::WholeEigenvalue(_) | study::Error::Cea(_))) => Ok(None),
             found => found.map(Some),
@@ -73,9 +82,9 @@ impl WholeOnset {
         let Some(first) = whole(onset.at, there)? else { return Ok(Self::NotFound) };
         let Some(mut found) = first else { return Ok(Self::NotReduced) };
         let rate = reduced.refined(onset.at, there)?.rate;
-        let (mut at, mut slope) = (onset.at, threshold.margin_rate(found.lambda, rate));
+        let (mut at, mut slope) = (onset.at, measure.rate(found.lambda, rate));
         for solved in 1..=MOST_CORRECTIONS {
-            let (step, error) = (-threshold.margin(found.lambda) / slope, found.bound / slope.abs());
+            let (step, error) = (-measure.value(found.lambda) / slope, found.bound / slope.abs());
             if step.abs() <= error.max(2.0 * f64::EPSILON * at.abs()) {
                 let onset = Onset { at, error: error + step.abs(), omega: found.lambda.im, ..*onset };
                 return Ok(Self::Found(onset, solved as u64));
@@ -85,10 +94,10 @@ impl WholeOnset {
                 break;
             }
             let Some(next) = whole(at + step, found.lambda + rate * step)?.flatten() else { break };
-            let growth = threshold.margin(next.lambda) - threshold.margin(found.lambda);
+            let change = measure.value(next.lambda) - measure.value(found.lambda);
             // Of a mode that runs along the axis the slope of the whole brake may be another one.
-            if growth.abs() > 2.0 * next.bound {
-                slope = growth / step;
+            if change.abs() > 2.0 * next.bound {
+                slope = change / step;
             }
             (at, found) = (at + step, next);
         }
@@ -96,16 +105,17 @@ impl WholeOnset {
     }
 }
 
-/// Assumed error of an onset of a reduced brake, in fractions of the range: that of the eigenvalue, by the speed at which it crosses.
+/// Assumed error of an onset of a reduced brake, in fractions of the range: that of the eigenvalue, by the speed at which it crosses, in the function that
+/// is zero there; `there` is the eigenvalue.
 ///
 /// # Errors
 /// Those of the branches.
 pub(super) fn error_of_reduced<B: UncertainBrake>(
     part: &Part<'_, B>,
     onset: &Onset,
+    (measure, there): (Measure, Complex<f64>),
     reduced: &mut impl Branches<Error = Error>,
 ) -> Result<f64, Error> {
-    let there = part.threshold().at_margin(0.0, onset.omega);
-    let rate = part.threshold().margin_rate(there, reduced.refined(onset.at, there)?.rate);
+    let rate = measure.rate(there, reduced.refined(onset.at, there)?.rate);
     Ok(onset.error + part.relative_error() * there.norm() / rate.abs())
 }

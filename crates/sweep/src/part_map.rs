@@ -54,6 +54,8 @@ pub(super) struct PartMap {
     /// Number of unstable modes at the lower left corner, and the onsets on the left edge.
     pub on_left: (i64, Vec<(f64, i64)>),
     pub unresolved: usize,
+    /// A growing mode enters the band that is studied, or leaves it, on a line: no curves were followed.
+    pub meets_band: bool,
     pub from_whole: Option<f64>,
     pub evaluations: Evaluations,
 }
@@ -84,10 +86,11 @@ pub(super) fn of_part<B: UncertainBrake>(
             let changes = met.iter().map(|met| (met.at, if met.starts { 1 } else { -1 }));
             map.on_left = (unstable_at_start as i64, changes.collect());
         }
+        map.meets_band |= met.iter().any(|met| met.of == ChangeOf::Band);
         real_parts.extend(met.iter().map(|met| met.lambda.re));
         starts.extend(met.iter().map(|met| KnownPoint {
             at: line.place(met.at),
-            omega: if met.of == ChangeOf::Flutter { met.lambda.im } else { 0.0 },
+            omega: if met.of.oscillates() { met.lambda.im } else { 0.0 },
             of: match (met.of, met.is_double) {
                 (ChangeOf::Divergence, _) => PointOf::Divergence,
                 (_, true) => PointOf::Double,
@@ -95,6 +98,9 @@ pub(super) fn of_part<B: UncertainBrake>(
             },
             error: met.error,
         }));
+    }
+    if map.meets_band {
+        return Ok(map);
     }
     let mut tracer = Tracer { part, continued: 0 };
     let mut open: Vec<bool> = vec![true; starts.len()];
@@ -140,8 +146,8 @@ pub(super) fn of_part<B: UncertainBrake>(
 /// The onsets on a line of the grid, in fractions of the range.
 fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLine, Error> {
     let system = |along: f64| part.system(line.place(along).as_slice());
-    let along = Along::new(&system, &part.family.solver, part.threshold());
-    let Changes { found, unresolved, start, spectra, .. } = along.changes(STEPS)?;
+    let along = Along::new(&system, &part.family.solver, part.threshold(), part.band());
+    let Changes { found, unresolved, ends: [start, _], spectra, .. } = along.changes(STEPS)?;
     Ok(OnLine {
         line,
         met: found.into_iter().filter(|change| part.counts(change)).collect(),

@@ -65,9 +65,9 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     };
     let mut branches = part.along(Line { start: vec![0.0], direction: vec![1.0], bounds, difference: DIFFERENCE });
     let system = |at: f64| part.system(&[at]);
-    let along = Along::new(&system, &part.family.solver, threshold);
+    let along = Along::new(&system, &part.family.solver, threshold, part.band());
     let steps = steps(part)?;
-    let Changes { found: changes, unresolved, marginal, start, spectra } =
+    let Changes { found: changes, unresolved, marginal, beside, ends, spectra } =
         along.changes(steps_of_piece(steps, share))?;
     let first = (FIRST_STEPS as f64 * share).ceil() as usize;
     let locus = part.studied(root_locus_in_steps(&mut branches, [0.0, 1.0], first, SHORTEST_LOCUS_STEP)?);
@@ -87,11 +87,12 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     let mut found = Vec::new();
     for change in changes.into_iter().filter(|change| part.counts(change)) {
         let Change { at, error, lambda, of, starts, .. } = change;
-        let omega = if of == ChangeOf::Flutter { lambda.im } else { 0.0 };
+        let omega = if of.oscillates() { lambda.im } else { 0.0 };
         let reduced = Onset { at, error, omega, destabilises: starts };
-        let whole = match of {
-            ChangeOf::Flutter => WholeOnset::near(part, &reduced, &mut branches)?,
-            ChangeOf::Divergence | ChangeOf::Exchange => WholeOnset::NotReduced,
+        let crossed = along.crossed(&change);
+        let whole = match crossed {
+            Some(crossed) => WholeOnset::near(part, &reduced, crossed, &mut branches)?,
+            None => WholeOnset::NotReduced,
         };
         let (onset, moved, is_reduced) = match whole {
             WholeOnset::NotReduced => (reduced, None, false),
@@ -100,13 +101,18 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
                 (onset, Some(parameter.at(onset.at) - parameter.at(reduced.at)), false)
             }
             WholeOnset::NotFound => {
-                let error = error_of_reduced(part, &reduced, &mut branches)?;
+                let error = match crossed {
+                    Some(crossed) => error_of_reduced(part, &reduced, crossed, &mut branches)?,
+                    None => error,
+                };
                 (Onset { error, ..reduced }, None, true)
             }
         };
         let mode = match of {
             ChangeOf::Divergence => DIVERGENCE.to_owned(),
-            ChangeOf::Flutter | ChangeOf::Exchange => in_words(&names_of_change(&locus, &names, &change)),
+            ChangeOf::Flutter | ChangeOf::Band | ChangeOf::Exchange => {
+                in_words(&names_of_change(&locus, &names, &change))
+            }
         };
         found.push(SweepOnset {
             at: parameter.at(onset.at),
@@ -124,7 +130,7 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     }
     evaluations += Evaluations::of(branches.counters());
     evaluations.spectra += spectra;
-    let [flutter, diverging_at_start] = part.counted(&start);
+    let [[flutter, diverging_at_start], at_end] = ends.map(|end| part.counted(&end));
     let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
     let in_values = |ambiguity: Ambiguity| Ambiguity {
         from: parameter.at(ambiguity.from),
@@ -139,6 +145,8 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
         coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
         unstable_at_start: flutter + diverging_at_start,
         diverging_at_start,
+        unstable_at_end: at_end.into_iter().sum(),
+        growing_beside: beside.map(|range| range.map(|range| range.in_values(parameter))),
         counts_divergence: part.counts_divergence(),
         marginal: marginal.into_iter().map(|range| range.in_values(parameter)).collect(),
         steps,

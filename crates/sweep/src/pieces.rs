@@ -143,7 +143,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
     fn edge(&self, at: usize, end: f64) -> Result<Edge, Error> {
         let part = &self.parts[at];
         let system = |at: f64| part.system(&[at]);
-        let place = Along::new(&system, &part.family.solver, part.threshold()).place(end)?;
+        let place = Along::new(&system, &part.family.solver, part.threshold(), part.band()).place(end)?;
         let lambdas = self.spectra(at).lambdas(end)?.to_vec();
         Ok(Edge { system: system(end)?, lambdas, place })
     }
@@ -239,6 +239,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
                 for (index, to) in joint.continuous() {
                     continued[to] = alive[index];
                 }
+                total.compare(opening.at, sweep.unstable_at_start);
                 across = Some((opened, opening, doubt, alive.clone()));
                 (sweep.unstable_at_start, sweep.diverging_at_start) = (0, 0);
             }
@@ -279,6 +280,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
             }
             sweep.shortest_step *= self.parts[at].family.share;
             steps = steps.min(sweep.steps);
+            total.unstable_at_end = 0;
             total = total.joined(sweep);
             let mut alive = vec![None; last_edge.lambdas.len()];
             for (place, branch) in total.branches.iter().enumerate() {

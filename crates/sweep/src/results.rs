@@ -4,7 +4,7 @@ use cea::Threshold;
 use num_complex::Complex;
 use tracking::{Ambiguity, BranchPoint};
 
-use super::changes::Marginal;
+use super::changes::{GrowingBeside, Marginal};
 use super::coalescence::Coalescence;
 use super::family::Evaluations;
 use super::names::{Names, in_words};
@@ -19,6 +19,17 @@ pub struct NamedBranch {
     pub mode: String,
     /// Values of the parameter, ascending, each with the eigenvalue there and its derivative.
     pub points: Vec<(f64, BranchPoint)>,
+}
+
+/// A place where spectra count other unstable modes than the onsets up to there: a change before it is not among them, or one too many is.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Miscount {
+    /// Value of the parameter.
+    pub at: f64,
+    /// Number of unstable modes by the spectrum.
+    pub by_spectrum: usize,
+    /// Number of unstable modes by the onsets.
+    pub by_onsets: i64,
 }
 
 /// Results of a sweep over one parameter.
@@ -42,6 +53,13 @@ pub struct Sweep {
     pub unstable_at_start: usize,
     /// Number of real eigenvalues that diverge at the lower end, among the unstable modes.
     pub diverging_at_start: usize,
+    /// Number of unstable modes at the upper end, by its spectrum.
+    pub unstable_at_end: usize,
+    /// Places where spectra count other unstable modes than the onsets up to there.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub miscounts: Vec<Miscount>,
+    /// Modes that grow below the band that is studied, and above it, where they do not count; nothing of a brake all of whose modes are studied.
+    pub growing_beside: [Option<GrowingBeside>; 2],
     /// Divergence was looked for; of a reduced brake it is not.
     pub counts_divergence: bool,
     /// Openings, ascending: places at which contact points open or close, between which branches are smooth.
@@ -65,6 +83,16 @@ pub struct Sweep {
 }
 
 impl Sweep {
+    /// Enters a miscount where a spectrum counts other unstable modes at a place than the onsets found so far, but for miscounts before.
+    pub(super) fn compare(&mut self, at: f64, by_spectrum: usize) {
+        let known: i64 = self.miscounts.iter().map(|miscount| miscount.by_spectrum as i64 - miscount.by_onsets).sum();
+        let changes: i64 = self.onsets.iter().map(SweepOnset::by).sum();
+        let by_onsets = self.unstable_at_start as i64 + changes + known;
+        if by_onsets != by_spectrum as i64 {
+            self.miscounts.push(Miscount { at, by_spectrum, by_onsets });
+        }
+    }
+
     pub(super) fn empty(parameter: SweptParameter, threshold: Threshold) -> Self {
         Self {
             threshold,
@@ -77,6 +105,9 @@ impl Sweep {
             coalescences: Vec::new(),
             unstable_at_start: 0,
             diverging_at_start: 0,
+            unstable_at_end: 0,
+            miscounts: Vec::new(),
+            growing_beside: [None; 2],
             counts_divergence: true,
             openings: Vec::new(),
             opening_steps: None,
@@ -102,6 +133,12 @@ impl Sweep {
         self.coalescences.extend(other.coalescences);
         self.unstable_at_start += other.unstable_at_start;
         self.diverging_at_start += other.diverging_at_start;
+        self.unstable_at_end += other.unstable_at_end;
+        self.miscounts.extend(other.miscounts);
+        let both = |end: usize| {
+            [self.growing_beside[end], other.growing_beside[end]].into_iter().flatten().reduce(GrowingBeside::with)
+        };
+        self.growing_beside = [0, 1].map(both);
         self.counts_divergence &= other.counts_divergence;
         self.marginal.extend(other.marginal);
         self.steps = self.steps.min(other.steps);

@@ -36,6 +36,7 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
         1 => sentences.push("One of them diverges: a real eigenvalue is above the threshold.".into()),
         number => sentences.push(format!("{number} of them diverge: real eigenvalues above the threshold.")),
     }
+    sentences.extend(sweep.doubts().iter().map(|doubt| capitalised(doubt) + "."));
     let marginal = |range: &Marginal| {
         let (modes, from, to) = (range.modes, short(range.from), short(range.to));
         let modes = if modes == 1 { "One mode is".to_owned() } else { format!("{modes} modes are") };
@@ -56,6 +57,14 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
     for &mode in modes.iter().take(MOST_MODES) {
         let own: Vec<&SweepOnset> = onsets.iter().copied().filter(|onset| onset.mode == mode).collect();
         sentences.push(format!("{} is unstable {}.", in_words(mode, &own), ranges(name, &own)));
+    }
+    for onset in onsets.iter().filter(|onset| onset.of == ChangeOf::Band).take(MOST_MODES) {
+        let does = onset.event(&sweep.threshold);
+        sentences.push(format!(
+            "At {name} = {} mode {} {does}; beside the band it does not count.",
+            short(onset.at),
+            onset.mode
+        ));
     }
     if modes.len() > MOST_MODES {
         sentences.push(format!(
@@ -130,8 +139,8 @@ fn of_map(map: &StabilityMap) -> Vec<String> {
     if let Some(lines) = &map.lines {
         let [name, across] = [lines.along, 1 - lines.along].map(|axis| &map.parameters[axis].name);
         sentences.push(format!(
-            "Contact points open and close in the ranges, so that the boundary jumps: it is exact along {name} on {} lines (changes.csv), and over {across} \
-             within 1/{} of the range.",
+            "{}, so that the boundary is not followed: it is exact along {name} on {} lines (changes.csv), and over {across} within 1/{} of the range.",
+            if lines.openings > 0 { "Contact points open and close in the ranges" } else { "Growing modes enter the band or leave it" },
             lines.lines,
             2 * (lines.lines - 1)
         ));

@@ -32,6 +32,8 @@ fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
         event: match (onset.of, onset.starts) {
             (ChangeOf::Exchange, true) => LocusEvent::ToDivergence,
             (ChangeOf::Exchange, false) => LocusEvent::ToFlutter,
+            (ChangeOf::Band, true) => LocusEvent::EntersBand,
+            (ChangeOf::Band, false) => LocusEvent::LeavesBand,
             (_, true) => LocusEvent::Starts,
             (_, false) => LocusEvent::Stops,
         },

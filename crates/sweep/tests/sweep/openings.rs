@@ -243,7 +243,7 @@ fn maps_with_openings_count_as_spectra_do() {
         assert_eq!((lines.along, lines.openings), (usize::from(swapped), 4 * lines.lines));
         // The flutter that the opening at 0.31 ends.
         let at_first = |change: &&sweep::LineChange| (change.at[usize::from(swapped)] - 0.31).abs() < 1e-13;
-        assert!(lines.changes.iter().filter(at_first).all(|change| change.at_opening && change.by == -1));
+        assert!(lines.changes.iter().filter(at_first).all(|change| change.of.is_none() && change.by == -1));
         assert!(lines.changes.iter().any(|change| at_first(&change)));
         let scene = &chain.plan().scenes[0];
         let (mut wrong, mut count) = (0, 0);
