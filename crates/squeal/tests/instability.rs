@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
 use squeal::estimators::scene_occurrences_beside;
 use squeal::results::{ArrangementOccurrence, Results};
-use squeal::study::{ModeLabel, Outcome, Plan, Scene, SceneTally, Study, StudyTally, UncertainBrake};
+use squeal::study::{ModeLabel, Outcome, Plan, Scene, SceneTally, Study, StudyTally, ThirdOctave, UncertainBrake};
 
 /// `Q_0 + p Q_1` with p uniform between two numbers.
 struct Family {
@@ -237,6 +237,26 @@ fn undamped_flutter_begins_where_two_modes_meet() {
     assert_eq!((any.proportion.hits(), tally.undecided), (expected, 0), "{text}");
     // Both modes of each draw below.
     assert_eq!(tally.marginal, 2 * (2_000 - expected));
+}
+
+/// Two modes of one third octave, each unstable in other draws than the other: most draws squeal there, though no mode is unstable in most of them.
+#[test]
+fn a_third_octave_is_that_of_all_its_modes_together() {
+    let none = DMatrix::zeros(2, 2);
+    let k = DMatrix::from_diagonal(&nalgebra::dvector![1e6, 1.02e6]);
+    let constant = SecondOrder::new(DMatrix::identity(2, 2), dmatrix![-0.45, 0.0; 0.0, 0.55], k).unwrap();
+    let linear = SecondOrder::new(none.clone(), dmatrix![1.0, 0.0; 0.0, -1.0], none).unwrap();
+    let brake = Family::new(constant, linear, [0.0, 1.0], 1_000, 3);
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let results = Results::sampled(&study).unwrap();
+    let drawn: Vec<f64> = (0..1_000).map(|i| brake.draw(&mut stream(3, i)).unwrap()).collect();
+    let hits = drawn.iter().filter(|p| **p < 0.45 || **p > 0.55).count() as u64;
+    let panel = &results.panels()[0];
+    let octave = ThirdOctave::of_omega(1e3);
+    assert_eq!(results.third_octave_occurrence(panel, octave)[0].proportion.hits(), hits);
+    assert!(results.occurrences(panel).values().all(|of| of[0].proportion.hits() < 500));
+    let answer = format!("{:?}", results.answer().unwrap());
+    assert!(answer.contains("\"red\"") && !answer.contains("\"amber\""), "{answer}");
 }
 
 /// A mass that is pushed, of which an evaluation fails where anything grows: work is asked of a degree of freedom that is not there.

@@ -41,7 +41,7 @@ impl BandNames<'_> {
         let (real, studied): (Vec<BandMode>, Vec<BandMode>) = studied.partition(|mode| real_count(mode.lambda) > 0);
         let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
         let undecided_real = real.iter().filter(is_open).count() as u32;
-        let undecided = studied.iter().filter(is_open).count() as u32 + undecided_real;
+        let undecided = studied.iter().filter(is_open).map(|mode| mode.lambda.im).collect();
         let divergent = real.iter().filter(|mode| margin(mode) > mode.bound).map(|mode| mode.lambda.re).collect();
         let unstable: Vec<usize> = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
         let mode = |&at: &usize| Mode::weighted(mass, studied[at].lambda, studied[at].shape.clone());

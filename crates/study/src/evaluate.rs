@@ -33,6 +33,8 @@ pub struct Outcome {
     pub divergence: f64,
     /// Number of eigenvalues whose verdict the error bound leaves open, conjugate pairs once.
     pub undecided: u32,
+    /// Im lambda of the undecided eigenvalues that oscillate, rad/s.
+    pub undecided_omegas: Vec<f64>,
     /// Number of the undecided eigenvalues that are real: they may be divergence.
     pub undecided_real: u32,
     /// Number of eigenvalues on the imaginary axis to within rounding of the matrices, conjugate pairs once: they neither grow

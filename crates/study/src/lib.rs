@@ -43,6 +43,7 @@ mod set_links;
 mod sliding_contacts;
 mod strength;
 mod tally;
+mod third_octave;
 mod units;
 
 pub use brake::UncertainBrake;
@@ -80,6 +81,7 @@ pub use sliding_contacts::SlidingContacts;
 pub use strength::Strength;
 pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally, TwiceNamedTally};
+pub use third_octave::{InThirdOctave, ThirdOctave};
 pub use units::Units;
 
 /// The README's example, compiled and run as a doctest.

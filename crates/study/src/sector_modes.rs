@@ -20,9 +20,9 @@ pub(super) struct SectorModes {
     pub unstable: Vec<UnstableSectorMode>,
     /// Real eigenvalues that surely are beyond the threshold, 1/s, whether of the structure or of an internal state.
     pub divergent: Vec<f64>,
-    /// Number of eigenvalues whose verdict the error bound leaves open.
-    pub undecided: u32,
-    /// Number of the undecided eigenvalues that are real.
+    /// Im lambda of the oscillating eigenvalues whose verdict the error bound leaves open, rad/s.
+    pub undecided: Vec<f64>,
+    /// Number of real eigenvalues whose verdict is open too.
     pub undecided_real: u32,
     /// Number of eigenvalues on the axis to within rounding of the matrices.
     pub marginal: u32,
@@ -190,7 +190,7 @@ struct ModesWithVerdicts {
     unstable: Vec<usize>,
     /// Divergent eigenvalues and counts as in [`SectorModes`].
     divergent: Vec<f64>,
-    undecided: u32,
+    undecided: Vec<f64>,
     undecided_real: u32,
     marginal: u32,
 }
@@ -201,14 +201,20 @@ impl ModesWithVerdicts {
         let unstable = (0..modes.len()).filter(|&index| is_unstable(modes[index])).collect();
         let modes = Modes { oscillatory: modes.clone(), real: Vec::new(), internal: Vec::new() };
         // All modes oscillate: none diverges.
-        Self { modes, unstable, divergent: Vec::new(), undecided: 0, undecided_real: 0, marginal: 0 }
+        Self { modes, unstable, divergent: Vec::new(), undecided: Vec::new(), undecided_real: 0, marginal: 0 }
     }
 
     fn new(system: &SecondOrder, spectrum: &Spectrum, plan: &Plan, work: &mut Workspace) -> Result<Self, CeaError> {
         check_range(system, spectrum)?;
         let modes = Modes::classify(system, spectrum, work)?;
-        let mut judged =
-            Self { modes, unstable: Vec::new(), divergent: Vec::new(), undecided: 0, undecided_real: 0, marginal: 0 };
+        let mut judged = Self {
+            modes,
+            unstable: Vec::new(),
+            divergent: Vec::new(),
+            undecided: Vec::new(),
+            undecided_real: 0,
+            marginal: 0,
+        };
         let oscillatory = &judged.modes.oscillatory;
         let studied: Vec<usize> = (0..oscillatory.len()).filter(|&index| plan.is_studied(oscillatory[index])).collect();
         // What does not oscillate grows as well: the structure's real eigenvalues, and states that friction has made grow.
@@ -225,10 +231,8 @@ impl ModesWithVerdicts {
                 (Verdict::Unstable, Some(&index)) => judged.unstable.push(index),
                 (Verdict::Unstable, None) => judged.divergent.push(lambda.re),
                 (Verdict::Marginal { .. }, _) => judged.marginal += 1,
-                (Verdict::Undecided { .. }, mode) => {
-                    judged.undecided += 1;
-                    judged.undecided_real += u32::from(mode.is_none());
-                }
+                (Verdict::Undecided { .. }, Some(_)) => judged.undecided.push(lambda.im),
+                (Verdict::Undecided { .. }, None) => judged.undecided_real += 1,
                 (Verdict::Stable, _) => {}
             }
         }

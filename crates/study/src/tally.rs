@@ -1,6 +1,6 @@
 //! Counts of the samples of a study, whose size does not depend on the number of samples; and the samples, where they are asked for.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use montecarlo::{
@@ -10,6 +10,7 @@ use montecarlo::{
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
+use super::third_octave::{InThirdOctave, ThirdOctave};
 use super::{KeptSamples, ModeLabel, Outcome, Plan, Strength, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
@@ -73,6 +74,8 @@ pub struct SceneTally {
     pub residuals_above: u64,
     /// Largest relative residual of an unstable mode in the full model.
     pub largest_residual: f64,
+    /// Samples in which any mode of a third octave is unstable, or may be.
+    pub third_octaves: BTreeMap<ThirdOctave, InThirdOctave>,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another, or has
     /// no name and may be any.
     pub tracked: LabelTally<ModeLabel>,
@@ -157,6 +160,7 @@ impl SceneTally {
         self.diverging += u64::from(outcome.divergent > 0);
         self.perhaps_diverging += u64::from(outcome.divergent == 0 && outcome.undecided_real > 0);
         self.undecided += u64::from(outcome.undecided);
+        self.record_third_octaves(outcome);
         self.marginal += u64::from(outcome.marginal);
         for mode in &outcome.unstable {
             if let Some(residual) = mode.residual {
@@ -178,7 +182,32 @@ impl SceneTally {
         self.tracked.record(&candidate_names(&outcome.unstable));
     }
 
+    /// Enters the third octaves in which a mode is unstable, or may be.
+    fn record_third_octaves(&mut self, outcome: &Outcome) {
+        let of = |omegas: &mut dyn Iterator<Item = f64>| -> BTreeSet<ThirdOctave> {
+            omegas.filter(|omega| *omega > 0.0).map(ThirdOctave::of_omega).collect()
+        };
+        let unstable = of(&mut outcome.unstable.iter().map(|mode| mode.lambda.im));
+        let perhaps = of(&mut outcome.undecided_omegas.iter().copied());
+        for &octave in &unstable {
+            self.third_octaves.entry(octave).or_default().unstable += 1;
+        }
+        for &octave in perhaps.difference(&unstable) {
+            self.third_octaves.entry(octave).or_default().perhaps += 1;
+        }
+    }
+
+    /// Samples in which any mode of a third octave is unstable, those with open verdicts there as ambiguous.
+    pub fn in_third_octave(&self, octave: ThirdOctave) -> Proportion {
+        let InThirdOctave { unstable, perhaps } = self.third_octaves.get(&octave).copied().unwrap_or_default();
+        Proportion::of_counts(unstable, perhaps, self.solved)
+    }
+
     fn merge(&mut self, later: Self) {
+        for (octave, InThirdOctave { unstable, perhaps }) in later.third_octaves {
+            let own = self.third_octaves.entry(octave).or_default();
+            (own.unstable, own.perhaps) = (own.unstable + unstable, own.perhaps + perhaps);
+        }
         self.solved += later.solved;
         self.certified += later.certified;
         self.any_unstable += later.any_unstable;

@@ -10,7 +10,7 @@ use super::study_results::{ArrangementOccurrence, Estimate};
 use crate::Error;
 
 /// Fraction of the samples above which a mode that is unstable in more is called likely; chosen.
-const LIKELY: f64 = 0.5;
+pub(super) const LIKELY: f64 = 0.5;
 
 /// The occurrences of a mode over all panels of a set of constraints.
 pub struct ModeRange<'a> {
@@ -30,11 +30,6 @@ impl ModeRange<'_> {
     /// True if the mode surely is likely in every panel.
     pub fn is_likely_everywhere(&self) -> bool {
         self.least.0.lower > LIKELY
-    }
-
-    /// True if the mode surely is likely in an arrangement.
-    pub fn is_likely_in_an_arrangement(&self) -> bool {
-        self.greatest_limits[0] > LIKELY
     }
 
     /// Number of samples in which the mode is unstable, in words.
@@ -237,7 +232,7 @@ pub fn warnings(results: &Results) -> Vec<String> {
                 Some(reason) => format!("{reason}, so that nothing is known of its errors"),
             };
             found.push(format!(
-                "{undecided} verdicts are UNDECIDED, because {reason}, and count as stable; in {samples} evaluations nothing surely is \
+                "{undecided} verdicts are UNDECIDED, because {reason}, and count as stable; of {samples} evaluations they leave open whether anything is \
                  unstable"
             ));
         }

@@ -10,7 +10,8 @@ use super::{Estimate, Results, UnstableHertz};
 
 /// Rule of the comparison, for whoever reads one.
 pub(super) const RULE: &str = "A measured frequency is hit where the occurrence of a mode within its tolerance surely is above the \
-     share in some arrangement; open where it may be, as with few samples; missed where none is. A mode lies where the median of its frequency \
+     share in some arrangement; open where it may be, as with few samples, or where modes some of whose draws reach the tolerance may be above the share \
+     together, as where one squeal has other names from draw to draw; missed else. A mode lies where the median of its frequency \
      does, over the draws in which it is unstable; the median is known to 1 in 2048, and within the tolerance where it may be. Modes that are unstable in some draw, and may be in more than the share of them, next to no \
      measured frequency, stand below as not measured.";
 
@@ -84,7 +85,10 @@ impl<'a> Beside<'a> {
             let near = || modes.iter().filter(|mode| is_near(frequency, mode));
             let found = if near().any(|mode| mode.occurrence.lower > measured.share) {
                 Found::Hit
-            } else if near().any(|mode| mode.occurrence.upper > measured.share) {
+            } else if near().any(|mode| mode.occurrence.upper > measured.share)
+                || modes.iter().filter(|mode| reaches(frequency, mode)).map(|mode| mode.occurrence.upper).sum::<f64>()
+                    > measured.share
+            {
                 Found::Open
             } else if is_outside(frequency) {
                 Found::NotStudied
@@ -119,6 +123,12 @@ impl<'a> Beside<'a> {
 /// True if a mode may be within the tolerance of a measured frequency: its own is known to an error.
 fn is_near(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
     (mode.hz.median - frequency.hz).abs() <= frequency.tolerance_hz + mode.hz.error
+}
+
+/// True if a mode may be within the tolerance of a measured frequency in some of the draws in which it is unstable.
+fn reaches(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
+    let [from, to] = [-1.0, 1.0].map(|side| frequency.hz + side * (frequency.tolerance_hz + mode.hz.error));
+    mode.is_ever_unstable && mode.hz.range.is_none_or(|range| range.lower <= to && range.upper >= from)
 }
 
 impl Results {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use montecarlo::{BoundedMean, Bounds, Confidence, LabelTally, Proportion, Summary, quantile};
 use study::{
     Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally,
-    UncertainBrake, origin_of_set,
+    ThirdOctave, UncertainBrake, origin_of_set,
 };
 
 use crate::Error;
@@ -220,6 +220,11 @@ impl Results {
     /// Occurrence of any instability in a panel, a mode with a name or without or divergence, one entry per arrangement.
     pub fn any_occurrence(&self, panel: &Panel) -> Vec<ArrangementOccurrence> {
         self.by_arrangement(panel, |scene| self.summary.tally.scenes[scene].any())
+    }
+
+    /// Occurrence of any unstable mode of a third octave in a panel, with a name or without, one entry per arrangement.
+    pub fn third_octave_occurrence(&self, panel: &Panel, octave: ThirdOctave) -> Vec<ArrangementOccurrence> {
+        self.by_arrangement(panel, |scene| self.summary.tally.scenes[scene].in_third_octave(octave))
     }
 
     /// A proportion of the samples solved in each scene of a panel as one of all samples: one that failed may be anything.

@@ -49,7 +49,14 @@ impl Results {
             }
             let line = |what: String, of: &[ArrangementOccurrence]| -> Result<String, Error> {
                 let Estimate { value, lower, upper } = self.median(of)?;
-                Ok(format!("  {what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4})\n"))
+                let open =
+                    of.iter().map(|of| of.proportion.ambiguous() - of.failed.min(of.proportion.ambiguous())).max();
+                let open = match open.unwrap_or(0) {
+                    0 => String::new(),
+                    1 => "; in one more it is open".to_owned(),
+                    count => format!("; in {count} more it is open"),
+                };
+                Ok(format!("  {what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4}){open}\n"))
             };
             // What no single mode says: instability without a mode's name, or under a name that is open.
             let is_open = |of: &ArrangementOccurrence| of.proportion.ambiguous() > of.failed;

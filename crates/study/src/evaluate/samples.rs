@@ -174,7 +174,8 @@ impl<B: UncertainBrake> Study<'_, B> {
                 outcome.divergence = outcome.divergence.max(growth);
                 outcome.growth = outcome.growth.max(growth);
             }
-            outcome.undecided += of_sector.undecided;
+            outcome.undecided += of_sector.undecided.len() as u32 + of_sector.undecided_real;
+            outcome.undecided_omegas.extend(&of_sector.undecided);
             outcome.undecided_real += of_sector.undecided_real;
             outcome.marginal += of_sector.marginal;
         }
