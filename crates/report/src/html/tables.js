@@ -41,7 +41,9 @@ const nextDirection = head => {
   return direction === 'ascending' ? 1 : -1;
 };
 const sortButton = (head, text, sort) => {
-  const button = make('button', { type: 'button' }, text);
+  // Names of columns may break at their underscores.
+  const parts = text.split(/(?<=_)/).flatMap((part, place) => (place === 0 ? [part] : [make('wbr'), part]));
+  const button = make('button', { type: 'button' }, ...parts);
   button.addEventListener('click', () => sort(nextDirection(head)));
   head.replaceChildren(button);
 };
