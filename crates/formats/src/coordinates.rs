@@ -28,6 +28,7 @@ pub(crate) fn parse(
     let mut order = 0;
     // Rows with negative numbers are internal nodes of Abaqus: then numbers are names, and which there are must be known.
     let mut numbers = BTreeSet::new();
+    let (mut first, mut count) = (None, 0_usize);
     while let Some(line) = lines.next_but("%")? {
         let mut fields = line.split([' ', '\t', ',']).filter(|field| !field.is_empty());
         let (Some(row), Some(column), Some(field), None) = (fields.next(), fields.next(), fields.next(), fields.next())
@@ -49,9 +50,25 @@ pub(crate) fn parse(
                 numbers.insert(number);
             }
         }
+        if first.is_none() {
+            first = Some((row, column, field.to_owned()));
+        }
+        count += 1;
         builder.push(code(row), code(column), fortran(field)?)?;
     }
     lines.check_end()?;
+    if let Some((row, column, value)) = first
+        && row == column
+        && row == order
+        && count > 1
+        && value.parse() == Ok(count - 1)
+    {
+        let allowed = format!(
+            "an entry, and this is the size of a matrix with the number of lines that follow: a file of Matrix Market that has lost its line \
+             \"%%MatrixMarket matrix coordinate real general\" (an entry of that value may be written as {value}.0)"
+        );
+        return Err(Problem::field("the first line", format!("{row} {column} {value}"), allowed));
+    }
     let order = order as usize;
     if let Some(labels) = labels.as_ref().filter(|labels| labels.len() != order) {
         // CalculiX lists every diagonal entry, zeros too, so that the last row is always there.

@@ -144,6 +144,22 @@ fn the_size_of_lists_is_that_of_the_largest() {
     assert_eq!((fixed.rows(), stiffness.rows()), (2, 3));
 }
 
+/// A file of Matrix Market that lost its first line, of every size: its line of sizes is no entry.
+#[test]
+fn a_line_of_sizes_is_no_entry() {
+    for order in 2..12 {
+        let entries: Vec<String> = (1..=order).map(|i| format!("{i} {i} {i}.5\n")).collect();
+        let headless = format!("{order} {order} {order}\n{}", entries.concat());
+        let message = read_bytes(headless.as_bytes(), None, Options::default()).unwrap_err().to_string();
+        assert!(message.contains("the first line") && message.contains("MatrixMarket"), "{message}");
+        // With a decimal point it is an entry, twice in the list here; so is one of another number.
+        for first in [format!("{order} {order} {order}.0\n"), format!("{order} {order} {}\n", order + 1)] {
+            let found = list(&(first + &entries.concat())).only().unwrap();
+            assert_eq!(found.rows(), order);
+        }
+    }
+}
+
 #[test]
 fn matrices_of_one_model_are_put_on_common_labels() {
     let stiffness = read(&fixture("calculix/tiny.sti")).unwrap().only().unwrap();
