@@ -113,14 +113,16 @@ pub(super) struct Changes {
 }
 
 impl Along<'_> {
-    /// The changes on the line, by spectra at `steps` equal steps and between.
+    /// The changes on the line, by spectra at `steps` equal steps, at some places `beside` these, and between.
     ///
     /// # Errors
     /// Those of the brake and of the solver.
-    pub fn changes(&self, steps: usize) -> Result<Changes, Error> {
+    pub fn changes(&self, steps: usize, beside: &[f64]) -> Result<Changes, Error> {
         let at = |step: usize| step as f64 / steps as f64;
-        let places = (0..=steps).into_par_iter().map(|step| self.place(at(step)));
-        let mut places = places.collect::<Result<Vec<_>, Error>>()?;
+        let mut all: Vec<f64> = (0..=steps).map(at).chain(beside.iter().copied()).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        let mut places = all.into_par_iter().map(|at| self.place(at)).collect::<Result<Vec<_>, Error>>()?;
         let fastest = places.iter().flat_map(Place::sides).map(|(lambda, _)| lambda.im).fold(0.0, f64::max);
         let along = Self { rigid: if self.threshold.is_axis() { RIGID * fastest } else { 0.0 }, ..*self };
         places.iter_mut().for_each(|place| place.put_rigid_motions_on_the_axis(along.rigid));

@@ -242,6 +242,8 @@ impl Search<'_> {
             let part = bracket.part(at);
             let guess = guess.0 * (1.0 - part) + guess.1 * part;
             let (_, mut eigenvalues, scale) = self.spectrum(at)?;
+            // The double zero of a rigid motion is there everywhere.
+            eigenvalues.retain(|lambda| lambda.norm() > self.along.rigid);
             let distance = |lambda: &Complex<f64>| (lambda - guess).norm();
             eigenvalues.sort_by(|x, y| distance(x).total_cmp(&distance(y)));
             let &[first, second, ..] = &eigenvalues[..] else { return Ok(None) };
@@ -257,7 +259,8 @@ impl Search<'_> {
                 // Of two that met at zero or on the real axis the mean is real but for rounding.
                 let is_real = pair.mean.im.abs() <= REAL * scale;
                 let lambda = if is_real { Complex::from(pair.mean.re) } else { pair.mean };
-                let stands = pair.square.re.abs() <= SMALL_SQUARE * scale * scale;
+                // Of two eigenvalues that are at right angles the real part is zero too.
+                let stands = pair.square.norm() <= SMALL_SQUARE * scale * scale;
                 return Ok(stands.then_some(Zero { at, error, lambda, is_double: true }));
             }
             known[bracket.enter(at, pair.square.re)] = pair;

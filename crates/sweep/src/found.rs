@@ -328,10 +328,11 @@ impl Sweep {
             )
         };
         let beside = |&GrowingBeside { from, to, modes, omega }: &GrowingBeside| {
-            let (modes, grow) = (count(modes, "mode", "modes"), if modes == 1 { "grows" } else { "grow" });
+            let (grow, they_do) = if modes == 1 { ("grows", "it does") } else { ("grow", "they do") };
+            let modes = count(modes, "mode", "modes");
             let [least, largest] = omega.map(|omega| output::hertz(hertz(omega)));
             format!(
-                "{modes} {grow} NEXT to the band, where they do not count: {least} to {largest} Hz, at {name} = {} to {}",
+                "{modes} {grow} NEXT to the band, where {they_do} not count: {least} to {largest} Hz, at {name} = {} to {}",
                 significant(from, 4),
                 significant(to, 4)
             )

@@ -175,7 +175,7 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, along: usize, fixed: f64) -> R
         let place = |at: f64| if at == 1.0 { to } else { from + at * (to - from) };
         let system = |at: f64| part.system(&on(along, place(at), fixed));
         let steps = steps_of_piece(STEPS, to - from);
-        let found = Along::new(&system, &family.solver, part.threshold(), part.band()).changes(steps)?;
+        let found = Along::new(&system, &family.solver, part.threshold(), part.band()).changes(steps, &[])?;
         let here = part.counted(&found.ends[0]).iter().sum::<usize>() as i64;
         match count {
             None => line.start = here,

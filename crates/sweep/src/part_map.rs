@@ -147,7 +147,7 @@ pub(super) fn of_part<B: UncertainBrake>(
 fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLine, Error> {
     let system = |along: f64| part.system(line.place(along).as_slice());
     let along = Along::new(&system, &part.family.solver, part.threshold(), part.band());
-    let Changes { found, unresolved, ends: [start, _], spectra, .. } = along.changes(STEPS)?;
+    let Changes { found, unresolved, ends: [start, _], spectra, .. } = along.changes(STEPS, &[])?;
     Ok(OnLine {
         line,
         met: found.into_iter().filter(|change| part.counts(change)).collect(),

@@ -67,8 +67,6 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     let system = |at: f64| part.system(&[at]);
     let along = Along::new(&system, &part.family.solver, threshold, part.band());
     let steps = steps(part)?;
-    let Changes { found: changes, unresolved, marginal, beside, ends, spectra } =
-        along.changes(steps_of_piece(steps, share))?;
     let first = (FIRST_STEPS as f64 * share).ceil() as usize;
     let locus = part.studied(root_locus_in_steps(&mut branches, [0.0, 1.0], first, SHORTEST_LOCUS_STEP)?);
     let places = places(&locus);
@@ -83,6 +81,8 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     let names = branch_names(&mut branches, &locus, &of_modes, named_at)?;
     let farthest = if share < 1.0 { (FARTHEST / share).min(FARTHEST_OF_PIECE) } else { FARTHEST };
     let coalescences = coalescences(&mut branches, &locus, &names, farthest)?;
+    let Changes { found: changes, unresolved, marginal, beside, ends, spectra } =
+        along.changes(steps_of_piece(steps, share), &between_meetings(&coalescences))?;
     let mut evaluations = Evaluations::default();
     let mut found = Vec::new();
     for change in changes.into_iter().filter(|change| part.counts(change)) {
@@ -155,6 +155,14 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
         ..Sweep::empty(parameter.clone(), threshold)
     };
     Ok(PartSweep { sweep, names, spectra: branches })
+}
+
+/// Places in the middle between two neighbouring coalescences on the real axis: where modes leave the axis as they meet, and come back to it as they
+/// meet again, they grow between.
+fn between_meetings(coalescences: &[Coalescence]) -> Vec<f64> {
+    let on_axis = coalescences.iter().filter(|found| found.distance <= found.error.max(f64::EPSILON));
+    let places: Vec<f64> = on_axis.map(|found| found.at).filter(|at| (0.0..=1.0).contains(at)).collect();
+    places.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect()
 }
 
 /// Places at which branches have points, ascending, as fractions of the range.

@@ -282,6 +282,46 @@ fn a_thousand_sweeps_count_as_20001_spectra_do() {
     }
 }
 
+/// A system without damping over p in 0 to 1, whose stiffness has a bump as narrow as some steps of a sweep.
+fn bump(kind: Kind, numbers: &mut Numbers) -> String {
+    let text = drawn(kind, numbers, false);
+    let (at, width) = (0.1 + 0.8 * numbers.next(), numbers.pick(&[0.0005, 0.0015, 0.005]));
+    let bump = format!("{:?}*exp(-((p-{at:?})/{width:?})^2)", 1.0 + 3.0 * numbers.next());
+    let (head, rest) = text.split_once("name = \"first\"\ncoefficient = \"").unwrap();
+    let (_, rest) = rest.split_once('"').unwrap();
+    let (head, rest) = (head.replace("to = 6.0", "to = 1.0").replace("to = 2.0", "to = 1.0"), rest.replace("p^2", "0"));
+    format!("{head}name = \"first\"\ncoefficient = \"{bump}\"{rest}")
+}
+
+#[test]
+fn an_onset_is_where_the_count_of_a_spectrum_changes() {
+    let mut seen = 0;
+    for seed in 0..120 {
+        let mut numbers = Numbers::new(7_000 + seed);
+        let kind = [Kind::Undamped, Kind::FreeBodies, Kind::Conservative][seed as usize % 3];
+        let brake = MatricesBrake::new(written(&bump(kind, &mut numbers))).unwrap();
+        let found = sweep(&Study::new(&brake, &QrSolver).unwrap(), 0, &over("p", 0.0, 1.0), &QrSolver, &()).unwrap();
+        let (scene, place) = (&brake.plan.scenes[0], found.parameter.place);
+        let unstable = |at: f64| {
+            let system = brake.system_with(scene, &[(place, at)]).unwrap();
+            let counted = counts(&QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap(), None);
+            counted.map(|[flutter, divergence]| flutter + divergence)
+        };
+        for onset in &found.onsets {
+            // Far enough that the square root of the distance from a coalescence shows.
+            let beside = onset.error + 3e-6;
+            let is_alone = found.onsets.iter().filter(|other| (other.at - onset.at).abs() <= 2.0 * beside).count() == 1;
+            let (before, beyond) = (unstable(onset.at - beside), unstable(onset.at + beside));
+            if let (true, Some(before), Some(beyond)) = (is_alone, before, beyond) {
+                let by = if onset.starts { 1 } else { -1 };
+                assert_eq!(beyond - before, by, "{seed} {kind:?}: {onset:?}");
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 100, "{seen}");
+}
+
 /// Hoffmann's oscillator whose friction passes its onset on an island of a known width about a place.
 fn island(numbers: &mut Numbers, width: f64, damping: f64) -> (f64, f64, String) {
     let at = 0.05 + 0.9 * numbers.next();
