@@ -149,7 +149,9 @@ fn fixed(speed: f64, units: Units) -> SpeedRange {
 /// Index of a name in a list; 0 where none is given.
 fn chosen(what: &'static str, given: Option<&str>, names: &[&str]) -> Result<usize, CaseError> {
     let Some(given) = given else { return Ok(0) };
-    names.iter().position(|name| *name == given).ok_or_else(|| refused(what, given, names.join(", ")))
+    names.iter().position(|name| *name == given).ok_or_else(|| {
+        refused(what, given, names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "))
+    })
 }
 
 fn refused(what: &'static str, value: &str, allowed: String) -> CaseError {

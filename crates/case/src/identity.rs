@@ -9,6 +9,7 @@ use sparse::{SparseSecondOrder, SparseTerm};
 use study::identity::{Identity, Written};
 use study::identity::{channel, naming};
 
+use super::choices::Law;
 use super::finite_elements::{OwnSpeed, Patch, PatchContact, ReductionGoal};
 use super::matrices::{BodyDofs, GainExpressions, LagExpressions};
 use super::types::{ConstraintSet, LatticeReadings};
@@ -319,6 +320,9 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
     to.count(usize::from(*is_lateral));
     to.list(panels, panel);
     to.list(laws, |to, law| to.text(law.name()));
+    if contact.naming_law() != Law::AmontonsCoulomb {
+        to.text("named by the first law");
+    }
     of_friction(to, friction);
     to.list(speeds, speed);
     of_draws(to, *draws);

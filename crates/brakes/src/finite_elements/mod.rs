@@ -197,10 +197,11 @@ impl FiniteElementBrake {
         Cost::of_bases(case.dofs.len(), &columns.repeat(case.constraints.len())).with_solutions(solutions)
     }
 
-    /// Memory and processor time of its bases, roughly.
+    /// Memory and processor time of its bases and of the draws that a study solves with the whole brake, roughly.
     pub fn cost_of_bases(&self) -> Cost {
         let columns: Vec<usize> = self.parts.iter().map(|part| part.within.basis.ncols()).collect();
-        Cost::of_bases(self.case.dofs.len(), &columns)
+        let solutions = self.case.constraints.len() * set_basis::SOLUTIONS + self.case.reduction.full_checks as usize;
+        Cost::of_bases(self.case.dofs.len(), &columns).with_solutions(solutions)
     }
 
     /// The part of the reduction that a scene is on.

@@ -381,9 +381,10 @@ pub(super) fn depends_on_speed(contact: &PatchContact, law: Law) -> bool {
     law != Law::AmontonsCoulomb || contact.is_lateral
 }
 
-/// The point at which modes are named: Amontons-Coulomb friction at median parameters, and the median of the first range of speed.
+/// The point at which modes are named: friction by [`PatchContact::naming_law`] at median parameters, and the median of the first range of speed.
 pub(super) fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
-    let (law, median) = (Law::AmontonsCoulomb, median(case));
+    let law = case.contact.as_ref().map_or(Law::AmontonsCoulomb, PatchContact::naming_law);
+    let median = median(case);
     let range = case.contact.as_ref().and_then(|contact| speeds_of(contact, law).first().copied().flatten());
     let friction = law_and_speed(case, Some((law, range)), &median);
     scene_point(case, closed, friction, &median).map_err(no_median(case))
@@ -408,7 +409,7 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
     OperatingPoint { coefficients, channels }
 }
 
-/// The operating point of the whole brake at the medians with all patches closed, with Amontons-Coulomb friction: where modes are named.
+/// The operating point of the whole brake at the medians with all patches closed, under the law by which modes are named.
 ///
 /// # Errors
 /// [`study::Error::Median`] where the medians have no operating point.

@@ -118,6 +118,14 @@ pub struct PatchContact {
 }
 
 impl PatchContact {
+    /// The law under which modes are named: Amontons-Coulomb friction where it is studied, else the first law of the file.
+    pub fn naming_law(&self) -> Law {
+        match self.laws[..] {
+            [first, ..] if !self.laws.contains(&Law::AmontonsCoulomb) => first,
+            _ => Law::AmontonsCoulomb,
+        }
+    }
+
     /// True if the stiffness of the pairs is not the same in every sample.
     pub fn has_drawn_stiffness(&self) -> bool {
         self.stiffness_factor.is_some() || (self.load_factor.is_some() && self.load_exponent != 0.0)

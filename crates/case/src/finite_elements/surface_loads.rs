@@ -138,7 +138,8 @@ pub(super) fn balanced(
         of_contacts.push(own.to_vec());
     }
     let note = format!(
-        "contacts in equilibrium, at the medians: {closed} of {points} points are closed, {}; {}",
+        "contacts in equilibrium, at the medians with friction.mu = {} (Amontons-Coulomb): {closed} of {points} points are closed, {}; {}",
+        pressing.mu,
         words.join(", "),
         found.uniqueness
     );

@@ -65,16 +65,35 @@ impl MatricesCase {
         refuse_held(&check, &dofs, &terms, &constraints)?;
         if losses.iter().any(Option::is_some) {
             let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
-            let at_medians = |(term, own): (&Term, &Expression)| {
+            let value = |term: &Term, own: &Expression, values: &[f64]| {
                 let named = |source| CaseError::Expression {
                     path: path.to_owned(),
                     field: field("terms", &term.name, "coefficient"),
                     source: Box::new(source),
                 };
-                own.value(&medians).map_err(named)
+                own.value(values).map_err(named)
             };
-            let at_medians = terms.iter().zip(&coefficients).map(at_medians).collect::<Result<Vec<_>, _>>()?;
-            add_losses(&check, &mut terms, &at_medians, &losses, &constraints)?;
+            let at = |values: &[f64]| {
+                terms
+                    .iter()
+                    .zip(&coefficients)
+                    .map(|(term, own)| value(term, own, values))
+                    .collect::<Result<Vec<_>, _>>()
+            };
+            let at_medians = at(&medians)?;
+            let mut elsewhere = Vec::new();
+            for (place, Parameter { name, distribution, .. }) in parameters.iter().enumerate() {
+                for quantile in
+                    [0.05, 0.95].map(|part| distribution.quantile(part)).into_iter().filter(|q| *q != medians[place])
+                {
+                    let mut values = medians.clone();
+                    values[place] = quantile;
+                    // An expression may have no value there.
+                    elsewhere
+                        .extend(at(&values).ok().map(|coefficients| (format!("{name} = {quantile:.4}"), coefficients)));
+                }
+            }
+            add_losses(&check, &mut terms, (&at_medians, &elsewhere), &losses, &constraints)?;
         }
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
