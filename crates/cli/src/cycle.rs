@@ -9,7 +9,7 @@ use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
 use output::{Table, printable};
 use serde_json::json;
-use squeal::cycles::{CycleOptions, MOTION, Start, branches, contacts_digest, cycles};
+use squeal::cycles::{CycleOptions, Start, branches, contacts_digest, cycles};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::study::Study;
@@ -79,8 +79,10 @@ impl CycleArgs {
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
         if matches!(case, CaseFile::FiniteElements(_)) {
             // Its reduction would take long, and its contacts are not given.
-            let error = squeal::Error::NotGiven { capability: "sliding_contacts", needed_by: MOTION };
-            return Err(error.into());
+            let allowed =
+                "a case of a lattice or of matrices: of finite elements the motion after the onset is not computed"
+                    .into();
+            return Err(Error::Option { option: "CASE", value: self.case.case.display().to_string(), allowed });
         }
         let purpose = self.over.as_ref().map_or(Purpose::Analysis, |over| Purpose::Sweep(std::slice::from_ref(over)));
         let brake = sized::brake(case, purpose, self.memory.into(), &self.case.prepared)?;
@@ -117,7 +119,7 @@ impl CycleArgs {
             }
             Some(over) => workers(None)?.install(|| -> Result<_, Error> {
                 let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
-                let branches = branches(&study, 0, over, &options, &Bar::of("sectors"))?;
+                let branches = branches(&study, 0, over, &options, &Bar::of("parts of the sweep"))?;
                 Ok((vec![branches.table()], branches.text()))
             })?,
         };

@@ -21,7 +21,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "LAW")]
     pub law: Option<String>,
     /// Contacts that are closed (oscillators, patches), from 1, as in 1,2,5 [default: the case's first arrangement]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = contact)]
     pub contact: Option<Vec<usize>>,
     /// Constraint set by name [default: the case's first]
     #[arg(long, value_name = "NAME")]
@@ -29,6 +29,11 @@ pub struct SceneArgs {
     /// Sliding speed, m/s, of a lattice or finite elements [default: the median of the case's first range]
     #[arg(long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
     pub speed: Option<f64>,
+}
+
+/// The number of a contact.
+fn contact(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "allowed: numbers of contacts, from 1, with commas between".to_owned())
 }
 
 impl SceneArgs {
@@ -99,7 +104,7 @@ pub(super) fn counts_from(threshold: &Threshold) -> String {
 pub(super) fn swept_in_words(plan: &Plan, over: &[Over]) -> String {
     let scene = &plan.scenes[0];
     let described = plan.describe(scene);
-    let speed = scene.key.speed.map_or("", |range| &plan.labels.speeds[range].name);
+    let speed = scene.key.speed.map_or("all speeds", |range| &plan.labels.speeds[range].name);
     let described = match over.iter().any(|over| over.name == SPEED) {
         true => format!("{}speed {SPEED} as swept", described.strip_suffix(speed).unwrap_or(&described)),
         false => described,

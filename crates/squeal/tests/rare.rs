@@ -270,7 +270,7 @@ fn a_brake_of_which_it_cannot_be_asked_is_refused_in_one_line() {
         MatricesBrake::new(case).unwrap()
     };
     let uniform = "distribution = \"uniform\"\nfrom = 0.5\nto = 1.1";
-    refused(&with("samples", "samples"), "fails with all inputs at their medians");
+    refused(&with("samples", "samples"), "is unstable with all inputs at their medians");
     refused(&with(uniform, "distribution = \"discrete\"\nvalues = [0.5, 0.6, 0.8]"), "the input \"mu\" is discrete");
     refused(&with(uniform, "distribution = \"constant\"\nvalue = 0.5"), "nothing is drawn");
     // One that never squeals has a bound by samples, and a certified one.

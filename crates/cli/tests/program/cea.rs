@@ -104,7 +104,7 @@ fn options_that_do_not_fit_the_case() {
     std::fs::write(&case, SMALL).unwrap();
     for (options, expected) in [
         (["--law", "coulomb"], ["--law = coulomb", "allowed: amontons-coulomb, velocity-dependent, lugre, stribeck"]),
-        (["--constraints", "second"], ["--constraints = second", "allowed: none, first"]),
+        (["--constraints", "second"], ["--constraints = second", "allowed: \"none\", \"first\""]),
         (["--contact", "1,3"], ["--contact = 1,3", "1 to 2"]),
         (["--contact", "0"], ["--contact = 0", "1 to 2"]),
         (["--contact", "2,2"], ["--contact = 2,2", "each once"]),

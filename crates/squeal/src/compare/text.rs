@@ -75,12 +75,22 @@ fn lines(other: &Against) -> Vec<String> {
     lines
 }
 
+/// Ratio of the frequencies of two modes beyond which they do not meet; chosen: a third octave.
+const APART: f64 = 1.26;
+
+/// True if two modes are near enough in frequency, in some study, to swap their names.
+fn may_meet(a: &Compared, b: &Compared) -> bool {
+    let hertz = |of: &Compared| -> Vec<f64> { of.link.iter().flat_map(|link| link.hz).flatten().collect() };
+    let others = hertz(b);
+    hertz(a).into_iter().any(|x| others.iter().any(|y| x.max(*y) <= APART * x.min(*y)))
+}
+
 /// Part of the larger of two changes that is left of both where they cancel; chosen.
 const LEFT: f64 = 0.2;
 
 impl Against {
-    /// The mode of the same scene whose change cancels that of another, as where two modes that meet swap their names; `None` where no change is
-    /// sure, or none cancels it.
+    /// The mode of the same scene of much the same frequency whose change cancels that of another, as where two modes that meet swap their names; `None`
+    /// where no change is sure, or none cancels it.
     #[must_use]
     pub fn swapped_with(&self, row: &Compared) -> Option<&Compared> {
         let change = sure_change(row)?;
@@ -88,7 +98,7 @@ impl Against {
         let changes = of_scene.filter_map(|other| Some((other, sure_change(other)?)));
         let cancels = |other: f64| (change + other).abs() <= LEFT * change.abs().max(other.abs());
         changes
-            .filter(|(_, other)| cancels(*other))
+            .filter(|(other, change)| cancels(*change) && may_meet(row, other))
             .min_by(|a, b| (change + a.1).abs().total_cmp(&(change + b.1).abs()))
             .map(|(other, _)| other)
     }
@@ -234,6 +244,13 @@ mod tests {
             for (row, partner) in against.rows.iter().zip(swapped) {
                 let found = against.swapped_with(row).map(Compared::name_in_words);
                 assert_eq!(found, partner.map(|at: usize| against.rows[at].name_in_words()), "{counts:?}");
+                // Far apart in frequency they swap nothing.
+                let mut apart = self::against(counts);
+                for (row, hz) in apart.rows.iter_mut().zip([100.0, 150.0, 225.0]) {
+                    let link = row.link.as_mut().unwrap();
+                    link.hz = link.hz.map(|of| of.map(|_| hz));
+                }
+                assert!(apart.rows.iter().all(|row| apart.swapped_with(row).is_none()));
                 assert_eq!(
                     lines(&against).iter().any(|line| line.contains("cancels it")),
                     swapped.iter().any(Option::is_some)

@@ -287,6 +287,9 @@ impl Screen {
         for (set, error) in &self.failed {
             text += &format!("{set}: not analysed: {error}\n");
         }
+        if self.predicted_sets == 0 {
+            text += "no change of the kinds that are asked for has a place in this brake; the sets of constraints of the case alone are compared\n";
+        }
         text + &self.rests_on().join("\n") + "\n"
     }
 
