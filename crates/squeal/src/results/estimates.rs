@@ -20,7 +20,7 @@ use crate::Error;
 /// Name of the file in which estimates are kept, so that a run that was stopped goes on.
 const STATE: &str = "estimates.json";
 /// Format of the file; the version changes when estimates of an older program can no longer be continued.
-const FORMAT: Sealed = Sealed { kind: "squeal-estimates", version: 1 };
+const FORMAT: Sealed = Sealed { kind: "squeal-estimates", version: 2 };
 /// Number of scenes estimated together; chosen: some for each thread.
 const SCENES_PER_BATCH: usize = 16;
 /// Time between two writes of the state.

@@ -319,7 +319,7 @@ fn by_sobol<B: UncertainBrake>(
 ) -> Result<Sobol, EstimatorError> {
     let all = |points: u32| u64::from(points) * u64::from(SOBOL_SCRAMBLINGS);
     let looks: Vec<u32> = SOBOL_POINTS.map(|log| 1 << log).take_while(|&points| all(points) <= plain / 2).collect();
-    let mut sobol = ScrambledSobol::new(study.plan().seed as u32, SOBOL_SCRAMBLINGS);
+    let mut sobol = ScrambledSobol::new(study.plan().seed, SOBOL_SCRAMBLINGS);
     let tail = 2.0 * Confidence::P95.tail() / looks.len().max(1) as f64;
     let confidence = Confidence::new(1.0 - tail).map_err(crate::Error::from)?;
     let mut spent = 0;

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use cea::Counters;
-use montecarlo::{Confidence, Experiment as _, Interval, ReplicateMean, clopper_pearson, exact_upper_limit};
+use montecarlo::rand::RngExt;
+use montecarlo::{Confidence, Experiment as _, Interval, ReplicateMean, clopper_pearson, exact_upper_limit, stream};
 use serde::{Deserialize, Serialize};
 
 use super::friction_points::sobol_sample;
@@ -105,7 +106,7 @@ pub(super) fn of_samples(hits: &HitCounts, samples: u64, counters: Counters) -> 
 pub fn quasi_monte_carlo<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
-    seed: u32,
+    seed: u64,
     points: u32,
     scramblings: u32,
 ) -> Result<Estimates, EstimatorError> {
@@ -117,16 +118,22 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
     Ok(sobol.estimates(Confidence::P95))
 }
 
+/// Seed of a scrambling of a study with a seed: scramblings of studies with other seeds, the next one too, have nothing in common.
+fn scrambling_seed(seed: u64, scrambling: u32) -> u32 {
+    // Streams of samples count up from 0.
+    stream(seed, u64::MAX - u64::from(scrambling)).random()
+}
+
 /// Hits at the first points of the Sobol sequence under several scramblings, of which more can be added.
 pub(super) struct ScrambledSobol {
-    seed: u32,
+    seed: u64,
     points: u32,
     runs: Vec<HitCounts>,
     counters: Counters,
 }
 
 impl ScrambledSobol {
-    pub fn new(seed: u32, scramblings: u32) -> Self {
+    pub fn new(seed: u64, scramblings: u32) -> Self {
         let runs = (0..scramblings).map(|_| HitCounts::new()).collect();
         Self { seed, points: 0, runs, counters: Counters::default() }
     }
@@ -140,7 +147,7 @@ impl ScrambledSobol {
     ) -> Result<(), EstimatorError> {
         let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
         for (scrambling, run) in (0..).zip(&mut self.runs) {
-            let seed = self.seed.wrapping_add(scrambling);
+            let seed = scrambling_seed(self.seed, scrambling);
             let samples = (self.points..points).map(|i| sobol_sample(brake, of_scene, i, seed));
             let (hits, computed) = count(study, scene, samples)?;
             self.counters += computed;
@@ -207,4 +214,17 @@ fn count<B: UncertainBrake>(
         }
     }
     Ok((hits, scratch.counters()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scrambling_seed;
+
+    /// With seeds that count on, as a user who repeats a study gives them.
+    #[test]
+    fn scramblings_of_neighbouring_seeds_have_nothing_in_common() {
+        let of_seeds = (0..100).chain([u64::from(u32::MAX), 1 << 32, u64::MAX]);
+        let all: Vec<u32> = of_seeds.flat_map(|seed| (0..16).map(move |of| scrambling_seed(seed, of))).collect();
+        assert_eq!(all.iter().collect::<std::collections::BTreeSet<_>>().len(), all.len());
+    }
 }
