@@ -43,9 +43,9 @@ impl fmt::Display for Tied {
 ///
 /// # Errors
 /// [`Tied`].
-pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<Vec<usize>, Tied> {
+pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry> + Clone) -> Result<Vec<usize>, Tied> {
     let (mut largest, mut is_negative) = (vec![[0.0_f64; 2]; order], vec![false; order]);
-    for Entry { row, column, value } in entries {
+    for Entry { row, column, value } in entries.clone() {
         let (row, column, size) = (row as usize, column as usize, value.abs());
         is_negative[row] |= row == column && value < 0.0;
         for at in [row, column] {
@@ -63,7 +63,20 @@ pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<V
     match huge().find(|(_, row)| is_tied(row) && of_row(row) >= TIED * others) {
         Some((row, [_, entry])) => Err(Tied { row: row + 1, entry: *entry, others }),
         // A negative spring holds nothing: it makes a brake diverge.
-        None => Ok(huge().filter(|(at, row)| !is_tied(row) && !is_negative[*at]).map(|(row, _)| row).collect()),
+        None => {
+            let mut held: Vec<bool> = largest.iter().map(|row| of_row(row) >= from && !is_tied(row)).collect();
+            held.iter_mut().zip(is_negative).for_each(|(held, is_negative)| *held &= !is_negative);
+            // What is soft beside a huge row hangs on it all the same: without it its own stiffness would change.
+            for Entry { row, column, value } in entries {
+                for (at, other) in [(row as usize, column as usize), (column as usize, row as usize)] {
+                    let change = value * (value / largest[at][0]);
+                    if held[at] && of_row(&largest[other]) < from && change > largest[other][0] / GAP {
+                        held[at] = false;
+                    }
+                }
+            }
+            Ok((0..order).filter(|&row| held[row]).collect())
+        }
     }
 }
 
@@ -90,6 +103,25 @@ impl fmt::Display for Held<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Without the second row the first one would have k_11 in place of k_11 - k_12 k_21 / k_22: at most 1e-8 more.
+    #[test]
+    fn a_row_that_a_soft_one_hangs_on_is_not_held() {
+        for soft in [1e-2, 1.0, 1e4] {
+            for huge in [1e14, 1e20, 1e36] {
+                for part in [1e-12, 1e-10, 1e-7, 1e-2, 0.5] {
+                    let beside = f64::sqrt(part * soft * huge);
+                    let entry = |row, column, value| Entry { row, column, value };
+                    let all = [entry(0, 0, soft), entry(0, 1, beside), entry(1, 0, beside), entry(1, 1, huge)];
+                    let Ok(found) = held_rows(2, all.into_iter()) else { continue };
+                    assert!(found.is_empty() || part <= 1.01e-8, "{soft:e} {huge:e} {part}: {found:?}");
+                }
+            }
+            let alone =
+                [[0, 0], [1, 1]].map(|[row, column]| Entry { row, column, value: if row == 0 { soft } else { 1e36 } });
+            assert_eq!(held_rows(2, alone.into_iter()), Ok(vec![1]));
+        }
+    }
 
     #[test]
     fn a_negative_spring_holds_nothing_however_huge_it_is() {

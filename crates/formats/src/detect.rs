@@ -66,6 +66,11 @@ pub(crate) fn detect(head: &[u8]) -> Result<(Format, Endian), FormatsError> {
     Ok((text(head)?, Endian::Little))
 }
 
+/// True for the first line of a file of Matrix Market.
+pub(crate) fn is_banner(line: &str) -> bool {
+    line.to_uppercase().trim_start_matches('%').trim_start().starts_with("MATRIXMARKET")
+}
+
 /// The format of a text file.
 fn text(head: &[u8]) -> Result<Format, FormatsError> {
     let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
@@ -77,7 +82,9 @@ fn text(head: &[u8]) -> Result<Format, FormatsError> {
     let starts =
         |words: &[&str]| upper.lines().any(|line| words.iter().any(|word| line.trim_start().starts_with(word)));
     // With any number of percent signs: as a comment it would make the line of sizes an entry of a list without a header.
-    if trimmed.to_uppercase().trim_start_matches('%').trim_start().starts_with("MATRIXMARKET") {
+    // Other comments may stand above it.
+    let mut comments = text.lines().map(str::trim).take_while(|line| line.is_empty() || line.starts_with('%'));
+    if is_banner(trimmed) || comments.any(is_banner) {
         return Ok(Format::MatrixMarket);
     }
     if harwell_boeing::is_header(&text) {

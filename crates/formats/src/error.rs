@@ -120,6 +120,19 @@ pub enum FormatsError {
         /// The matrix.
         matrix: String,
     },
+    /// A matrix of a model with rows of which no other one has any.
+    #[error(
+        "the matrix \"{matrix}\" has {rows} rows, as {row}, and none of them is in any other matrix; allowed: matrices of one model, whose rows have the \
+         same names"
+    )]
+    Apart {
+        /// The matrix.
+        matrix: String,
+        /// Number of its rows.
+        rows: usize,
+        /// The first of them.
+        row: String,
+    },
     /// A mesh or mode shape that cannot be written.
     #[error("{what} {found}; allowed: {allowed}")]
     Shape {

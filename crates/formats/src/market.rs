@@ -7,6 +7,7 @@
 //! anywhere after the banner, keywords may be in any case, exponents may have the D of Fortran.
 
 use crate::builder::{Builder, Head, Stated};
+use crate::detect::is_banner;
 use crate::error::FormatsError;
 use crate::limits::{Limits, Options};
 use crate::lines::Lines;
@@ -52,7 +53,8 @@ pub fn read_market(bytes: &[u8], options: Options<'_>) -> Result<Matrix, Formats
 pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Problem> {
     let banner = loop {
         let first = lines.next()?.ok_or(Problem::Empty)?.trim();
-        if !first.is_empty() {
+        let is_comment = first.starts_with('%') && !is_banner(first);
+        if !first.is_empty() && !is_comment {
             break read_banner(first)?;
         }
     };

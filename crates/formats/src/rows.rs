@@ -1,5 +1,7 @@
 //! Matrices of one model on the same rows.
 
+use std::collections::HashSet;
+
 use crate::builder::Builder;
 use crate::{Dof, FormatsError, Matrix, common_labels};
 
@@ -10,7 +12,8 @@ use crate::{Dof, FormatsError, Matrix, common_labels};
 /// matrix beside it. Sizes of matrices without names are else left as they are.
 ///
 /// # Errors
-/// The index of a matrix in the list, and [`FormatsError::Unlabelled`].
+/// The index of a matrix in the list, and [`FormatsError::Unlabelled`]; [`FormatsError::Apart`] for one that has no row of any other one, as where
+/// exports number their nodes differently.
 pub fn on_common_rows(all: &mut [&mut Matrix]) -> Result<(), (usize, FormatsError)> {
     if all.iter().all(|matrix| matrix.numbered) && all.iter().any(|matrix| matrix.row_labels.is_some()) {
         all.iter_mut().for_each(|matrix| matrix.name_by_numbers());
@@ -20,6 +23,16 @@ pub fn on_common_rows(all: &mut [&mut Matrix]) -> Result<(), (usize, FormatsErro
     if named.windows(2).any(|pair| labels(pair[0]) != labels(pair[1])) {
         if let Some(at) = all.iter().position(|matrix| matrix.row_labels.is_none()) {
             return Err((at, FormatsError::Unlabelled { matrix: all[at].name.clone() }));
+        }
+        let rows: Vec<HashSet<&Dof>> =
+            named.iter().map(|matrix| matrix.row_labels.iter().flatten().collect()).collect();
+        let is_apart = |at: usize| {
+            let mut others = rows.iter().enumerate().filter(|(other, _)| *other != at);
+            others.all(|(_, other)| other.is_disjoint(&rows[at]))
+        };
+        if let Some(at) = (0..rows.len()).find(|&at| is_apart(at)) {
+            let row = rows[at].iter().min().map_or_else(String::new, |row| row.to_string());
+            return Err((at, FormatsError::Apart { matrix: all[at].name.clone(), rows: rows[at].len(), row }));
         }
         let labels = common_labels(named).map_err(|error| (0, error))?;
         for (at, matrix) in all.iter_mut().enumerate() {

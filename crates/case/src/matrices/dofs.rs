@@ -23,8 +23,13 @@ impl<'a> DofNames<'a> {
         rows: Option<Vec<Dof>>,
         order: usize,
     ) -> Result<Self, CaseError> {
-        let of_files = rows.filter(|_| given.is_none());
-        if let Some(rows) = of_files {
+        if let (Some(given), Some(rows)) = (&given, &rows) {
+            let found = format!("a list of {}", given.len());
+            let first = rows.first().map_or_else(String::new, |row| format!(", as {row}"));
+            let allowed = format!("none: the files of the matrices name their rows themselves{first}");
+            return Err(check.value("brake.dofs", found, &allowed));
+        }
+        if let Some(rows) = rows {
             // Of a list that numbers its rows the numbers are the names.
             let name = |dof: &Dof| if dof.direction == 0 { dof.node.to_string() } else { dof.to_string() };
             return Ok(Self { check, names: rows.iter().map(name).collect() });

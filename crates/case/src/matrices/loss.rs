@@ -16,7 +16,7 @@ const SYMMETRIC: f64 = 1e-10;
 /// Squares of frequencies below this part of the largest are those of motions that no stiffness resists; chosen.
 const STILL: f64 = 1e-12;
 /// Damping ratio below which a mode has no loss; chosen: above rounding of eigenvalues.
-const NO_LOSS: f64 = 1e-9;
+const NO_LOSS: f64 = 1e-7;
 /// Most degrees of freedom with which dashpots are compared with the complex stiffness, by all eigenvalues of both; chosen: seconds.
 const MOST_COMPARED: usize = 150;
 

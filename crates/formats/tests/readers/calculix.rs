@@ -152,12 +152,36 @@ fn a_line_of_sizes_is_no_entry() {
         let headless = format!("{order} {order} {order}\n{}", entries.concat());
         let message = read_bytes(headless.as_bytes(), None, Options::default()).unwrap_err().to_string();
         assert!(message.contains("the first line") && message.contains("MatrixMarket"), "{message}");
+        // So is one whose banner stands below other comments: it is read as what it says it is.
+        let commented = format!("% exported\n%\n%%MatrixMarket matrix coordinate real general\n{headless}");
+        let found = list(&commented).only().unwrap();
+        assert_eq!((found.rows(), found.entries().len()), (order, order));
         // With a decimal point it is an entry, twice in the list here; so is one of another number.
         for first in [format!("{order} {order} {order}.0\n"), format!("{order} {order} {}\n", order + 1)] {
             let found = list(&(first + &entries.concat())).only().unwrap();
             assert_eq!(found.rows(), order);
         }
     }
+}
+
+/// Exports that number their nodes differently: a matrix without a row of the others is refused, one that shares some has what it has alone.
+#[test]
+fn a_matrix_that_has_no_row_of_the_others_is_refused() {
+    let on = |nodes: [i64; 2]| {
+        let [a, b] = nodes;
+        let text = format!("{a},1, {a},1, 5.0\n{b},1, {b},1, 6.0\n");
+        read_bytes(text.as_bytes(), None, Options::default()).unwrap().only().unwrap()
+    };
+    let (mut mass, mut damping, mut stiffness) = (on([10, 20]), on([10, 20]), on([0, 1]));
+    let (at, error) = formats::on_common_rows(&mut [&mut mass, &mut damping, &mut stiffness]).unwrap_err();
+    let message = error.to_string();
+    assert!(
+        at == 2 && message.contains("2 rows, as 0.x") && message.contains("none of them is in any other"),
+        "{at} {message}"
+    );
+    let mut stiffness = on([20, 30]);
+    formats::on_common_rows(&mut [&mut mass, &mut damping, &mut stiffness]).unwrap();
+    assert_eq!((mass.rows(), stiffness.rows()), (3, 3));
 }
 
 #[test]
