@@ -12,6 +12,7 @@ use super::sized;
 use crate::Error;
 use crate::bar::Bars;
 use crate::case_file::CaseArgs;
+use crate::terminal::note;
 
 /// Put the shards of a study together: the same tables, figures and page as those of one run, byte for byte.
 ///
@@ -52,7 +53,15 @@ impl MergeArgs {
         let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.
         let samples = parts.iter().map(|part| part.of).max();
-        override_run(case.header_mut(), samples, parts.first().map(|part| part.seed), self.machine.threads)?;
+        let seed = parts.first().map(|part| part.seed);
+        if let Some(seed) = seed.filter(|seed| *seed != case.header().seed) {
+            note(&format!(
+                "the seed is {seed}, that of the parts; {} says {}",
+                self.case.case.display(),
+                case.header().seed
+            ));
+        }
+        override_run(case.header_mut(), samples, seed, self.machine.threads)?;
         let run = RunArgs {
             case: self.case.clone(),
             out: self.out.clone(),

@@ -87,7 +87,7 @@ fn what_influence_refuses() {
     for (case, options, words) in [
         (&case, &["--samples", "10"][..], ["--samples = 10", "100 to 1000000"]),
         (&case, &["--total", "10"], ["--total = 10", "100 to 1000000"]),
-        (&case, &["--range", "none"], ["--range = none", "low, high"]),
+        (&case, &["--range", "none"], ["--range = none", "\"low\", \"high\""]),
         (&hoffmann(), &["--range", "low"], ["--range = low", "ranges of speed"]),
         (&correlated, &["--law", "lugre", "--total", "100"], ["--total = 100", "independent"]),
     ] {

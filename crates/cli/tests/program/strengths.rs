@@ -134,7 +134,9 @@ fn frequencies_and_lights_are_those_of_the_unstable_draws() {
         .collect();
     // The samples of each scene with a mode in a third octave.
     let mut in_bands: BTreeMap<(String, String, i64), BTreeSet<String>> = BTreeMap::new();
-    let scene_of = |row: usize| ["law", "speed", "contacts"].map(|column| text(&drawn, column)[row].clone()).join(", ");
+    let scene_of = |row: usize| {
+        ["law", "speed", "in_contact", "arrangement"].map(|column| text(&drawn, column)[row].clone()).join(", ")
+    };
     for (row, ((set, _, hz), sample)) in unstable.iter().zip(text(&drawn, "sample")).enumerate() {
         let number = (10.0 * hz.log10()).round() as i64;
         in_bands.entry((set.clone(), scene_of(row), number)).or_default().insert(sample);
