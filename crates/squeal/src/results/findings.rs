@@ -231,10 +231,13 @@ pub fn warnings(results: &Results) -> Vec<String> {
                 None => "error bounds are larger than the distance from the limit of stability".to_owned(),
                 Some(reason) => format!("{reason}, so that nothing is known of its errors"),
             };
-            found.push(format!(
-                "{undecided} verdicts are UNDECIDED, because {reason}, and count as stable; of {samples} evaluations they leave open whether anything is \
-                 unstable"
-            ));
+            let (verdicts, count) = if undecided == 1 { ("verdict is", "counts") } else { ("verdicts are", "count") };
+            let leave = match samples {
+                0 => "something else is unstable wherever that is so".to_owned(),
+                1 => "in one evaluation it is open whether anything is unstable".to_owned(),
+                _ => format!("in {samples} evaluations it is open whether anything is unstable"),
+            };
+            found.push(format!("{undecided} {verdicts} UNDECIDED, because {reason}, and {count} as stable; {leave}"));
         }
     }
     found
