@@ -77,7 +77,7 @@ impl GrowingBeside {
         Self { from: parameter.at(self.from), to: parameter.at(self.to), ..self }
     }
 
-    /// What grows at a place, Im lambda from `from` to `to`, rad/s; `None` where nothing does.
+    /// Modes that grow at a place, Im lambda from `from` to below `to`, rad/s; `None` where none does.
     fn at(place: &Place, [from, to]: [f64; 2]) -> Option<Self> {
         let there = || place.counted.flutter.iter().map(|lambda| lambda.im).filter(|omega| (from..to).contains(omega));
         let omega = [there().fold(f64::INFINITY, f64::min), there().fold(0.0, f64::max)];
@@ -104,7 +104,7 @@ pub(super) struct Changes {
     /// Steps in which an eigenvalue comes so near the threshold that it is not known whether it crosses, or whose side has no bound.
     pub unresolved: Vec<(f64, f64)>,
     pub marginal: Vec<Marginal>,
-    /// What grows below the band, and above it, as far as modes are followed.
+    /// Modes that grow below the band, and above it, as far as they are followed.
     pub beside: [Option<GrowingBeside>; 2],
     /// Eigenvalues at place 0, and at place 1.
     pub ends: [CountedSpectrum; 2],

@@ -8,9 +8,9 @@ use num_complex::Complex;
 pub(super) enum Measure {
     /// The margin beyond the threshold, 1/s.
     Margin(Threshold),
-    /// Of a growing mode the distance Im lambda - `end` from the lower end of the band, rad/s.
+    /// The distance Im lambda - `end` of a growing mode from the lower end of the band, rad/s.
     Above(f64),
-    /// Of a growing mode the distance `end` - Im lambda from the upper end of the band, rad/s.
+    /// The distance `end` - Im lambda of a growing mode from the upper end of the band, rad/s.
     Below(f64),
 }
 

@@ -271,7 +271,7 @@ mod tests {
         }
     }
 
-    /// Of one mass on a lossy spring k that is drawn, dashpots of the median lose eta k / (omega_0 m) where eta k / (omega m) is right: off by
+    /// Dashpots of the median, of one mass on a lossy spring k that is drawn, lose eta k / (omega_0 m) where eta k / (omega m) is right: off by
     /// sqrt(k / k_0) - 1.
     #[test]
     fn what_draws_lose_is_told() {
