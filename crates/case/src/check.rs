@@ -201,7 +201,7 @@ impl Check<'_> {
         let path = self.path.parent().unwrap_or(Path::new("")).join(file);
         let options = Options { limits, ..Options::default() };
         let matrix = read_one(&path, wanted, options).map_err(|source| self.matrix(field, file, source))?;
-        if let Some(doubt) = matrix.doubt() {
+        for doubt in matrix.doubts() {
             self.note(format!("{field} = {:?}: {doubt}", file.display()));
         }
         let (name, taken) = (matrix.name().to_owned(), matrix.taken());

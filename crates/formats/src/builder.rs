@@ -100,8 +100,21 @@ impl Builder {
         }
         entries.shrink_to_fit();
         let Head { name, kind, rows, columns, row_labels, column_labels } = head;
-        let numbered = false;
-        Ok(Matrix { name, kind, stored, known_by, doubt, numbered, rows, columns, entries, row_labels, column_labels })
+        let (numbered, ended) = (false, true);
+        Ok(Matrix {
+            name,
+            kind,
+            stored,
+            known_by,
+            doubt,
+            ended,
+            numbered,
+            rows,
+            columns,
+            entries,
+            row_labels,
+            column_labels,
+        })
     }
 }
 

@@ -29,6 +29,7 @@ pub(crate) fn parse(
     // Rows with negative numbers are internal nodes of Abaqus: then numbers are names, and which there are must be known.
     let mut numbers = BTreeSet::new();
     let (mut first, mut count) = (None, 0_usize);
+    let mut rows: Vec<[i64; 3]> = Vec::new();
     while let Some(line) = lines.next_but("%")? {
         let mut fields = line.split([' ', '\t', ',']).filter(|field| !field.is_empty());
         let (Some(row), Some(column), Some(field), None) = (fields.next(), fields.next(), fields.next(), fields.next())
@@ -54,6 +55,9 @@ pub(crate) fn parse(
             first = Some((row, column, field.to_owned()));
         }
         count += 1;
+        if let (true, Ok(value)) = (count <= 4, field.parse()) {
+            rows.push([row, column, value]);
+        }
         builder.push(code(row), code(column), fortran(field)?)?;
     }
     lines.check_end()?;
@@ -68,6 +72,16 @@ pub(crate) fn parse(
              \"%%MatrixMarket matrix coordinate real general\" (an entry of that value may be written as {value}.0)"
         );
         return Err(Problem::field("the first line", format!("{row} {column} {value}"), allowed));
+    }
+    if let [[_, b, c], [d, _, f], [g, h, _]] = rows[..]
+        && (count, [b, c, f]) == (3, [d, g, h])
+    {
+        let allowed = "a list of entries or the rows of a matrix, and this may be both: in a file of Matrix Market, which says it";
+        return Err(Problem::field(
+            "the list",
+            "three lines of three whole numbers that make a symmetric matrix",
+            allowed,
+        ));
     }
     let order = order as usize;
     if let Some(labels) = labels.as_ref().filter(|labels| labels.len() != order) {

@@ -103,7 +103,9 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
     if lines.next_but("%")?.is_some() {
         return Err(Problem::TooMany { expected: entries });
     }
-    builder.finish(banner.symmetry, Head::unlabelled("matrix", None, (rows, columns)))
+    let matrix = builder.finish(banner.symmetry, Head::unlabelled("matrix", None, (rows, columns)))?;
+    // A file with a count of entries shows that none is missing, but not that its last number is whole.
+    Ok(Matrix { ended: lines.check_end().is_ok(), ..matrix })
 }
 
 /// First (row, column) of an array, from 0: the first entry of the first column that it lists.

@@ -44,6 +44,8 @@ pub struct Matrix {
     pub(crate) stored: Stored,
     pub(crate) known_by: KnownBy,
     pub(crate) doubt: Option<Doubt>,
+    /// The last line of the file has an end, without which its last number may be cut.
+    pub(crate) ended: bool,
     /// The matrix is from a list that names its rows by numbers, of which the last may be missing.
     pub(crate) numbered: bool,
     pub(crate) rows: usize,
@@ -110,10 +112,10 @@ impl Matrix {
         self.known_by
     }
 
-    /// Oddity in how the matrix is stored, worth a line to whoever gave the file.
+    /// Oddities in how the matrix is stored, each worth a line to whoever gave the file.
     #[must_use]
-    pub fn doubt(&self) -> Option<Doubt> {
-        self.doubt
+    pub fn doubts(&self) -> Vec<Doubt> {
+        self.doubt.into_iter().chain((!self.ended).then_some(Doubt::NoEnd)).collect()
     }
 
     /// Number of rows.

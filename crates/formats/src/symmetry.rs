@@ -72,6 +72,8 @@ pub enum Doubt {
     /// The file says that it lists the whole matrix, but entries off the diagonal are on this side of it alone, and the diagonal has an
     /// entry in each of their rows and columns: probably a triangle that was written under the wrong word.
     Triangle(Symmetry),
+    /// The last line has no end: a file that was cut inside its last number looks like that.
+    NoEnd,
 }
 
 impl fmt::Display for Doubt {
@@ -84,6 +86,9 @@ impl fmt::Display for Doubt {
                     "it is taken as whole, as the file says, and has entries {place} the diagonal only; if it is a triangle of a \
                      symmetric matrix, say symmetry = \"{side}\", else \"whole\""
                 )
+            }
+            Self::NoEnd => {
+                f.write_str("its last line has no end, as of a file that was cut inside its last number; a whole file ends with a line end")
             }
         }
     }

@@ -73,7 +73,7 @@ fn as_dict<'py>(py: Python<'py>, matrix: &Matrix) -> PyResult<Bound<'py, PyDict>
     let names = matrix.row_labels().map(|labels| labels.iter().map(ToString::to_string).collect::<Vec<_>>());
     of.set_item("labels", names)?;
     of.set_item("taken", matrix.taken())?;
-    of.set_item("doubt", matrix.doubt().map(|doubt| doubt.to_string()))?;
+    of.set_item("doubts", matrix.doubts().iter().map(ToString::to_string).collect::<Vec<_>>())?;
     Ok(of)
 }
 

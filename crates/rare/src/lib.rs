@@ -17,6 +17,7 @@ mod normal;
 mod options;
 mod sampled;
 mod search;
+mod spread;
 mod vector;
 
 pub use error::Error;

@@ -78,6 +78,11 @@ impl Interval {
     }
 }
 
+/// Density of the standard normal distribution.
+pub fn density(t: f64) -> f64 {
+    (-0.5 * t * t).exp() / (2.0 * std::f64::consts::PI).sqrt()
+}
+
 /// Density of the length of a vector of d independent standard normal numbers.
 pub fn length_density(d: usize, r: f64) -> f64 {
     let half = 0.5 * d as f64;

@@ -17,10 +17,13 @@ use crate::line::failing;
 use crate::normal::Interval;
 use crate::options::Options;
 use crate::search::DesignPoint;
+use crate::spread::Spread;
 use crate::vector::{along, dot};
 
 /// Fewest lines, in all and of each design point, from which there is an estimate; chosen: fewer do not tell their own spread.
 const FEWEST_LINES: [usize; 2] = [48, 12];
+/// Number of a stream that no line has; chosen.
+const OF_SPREADS: u64 = u32::MAX as u64;
 /// Lines between two looks at what is reached; chosen: full threads.
 const LINES_AT_ONCE: usize = 16;
 /// Evaluations of a line, about; measured on the lattice.
@@ -59,6 +62,10 @@ impl Sampled {
         options: &Options,
     ) -> Result<Self, L::Error> {
         let mut sampled = Self { lines: points.iter().map(|_| Vec::new()).collect() };
+        let spread = |(place, point): (usize, &&DesignPoint)| {
+            Spread::at(of, point, &mut montecarlo::stream(options.seed, (place as u64 + 1) << 32 | OF_SPREADS))
+        };
+        let spreads: Vec<Spread> = points.par_iter().enumerate().map(spread).collect::<Result<_, L::Error>>()?;
         let each = FEWEST_LINES[1].max(FEWEST_LINES[0].div_ceil(points.len()));
         let mut next: Vec<usize> = (0..points.len()).flat_map(|point| std::iter::repeat_n(point, each)).collect();
         loop {
@@ -72,7 +79,7 @@ impl Sampled {
                 .collect();
             let line = |&(point, number): &(usize, usize)| {
                 let stream = ((point as u64 + 1) << 32) + number as u64;
-                line(of, points, point, reach, &mut montecarlo::stream(options.seed, stream))
+                line(of, points, (point, &spreads[point]), reach, &mut montecarlo::stream(options.seed, stream))
             };
             let found: Vec<Line> = jobs.par_iter().map(line).collect::<Result<_, L::Error>>()?;
             jobs.into_iter().zip(found).for_each(|((point, _), line)| sampled.lines[point].push(line));
@@ -132,14 +139,15 @@ impl Sampled {
 fn line<L: LimitState>(
     of: &Counted<'_, L>,
     points: &[&DesignPoint],
-    own: usize,
+    (own, spread): (usize, &Spread),
     reach: f64,
     rng: &mut montecarlo::StreamRng,
 ) -> Result<Line, L::Error> {
     let direction = &points[own].direction;
     let drawn: Vec<f64> = (0..of.dimensions()).map(|_| StandardNormal.sample(rng)).collect();
     let across = along(&drawn, -dot(&drawn, direction), direction);
-    let [offset, which, part]: [f64; 3] = std::array::from_fn(|_| StandardUniform.sample(rng));
+    let [offset, which, part, width]: [f64; 4] = std::array::from_fn(|_| StandardUniform.sample(rng));
+    let (across, ratio) = spread.drawn(across, width < 0.5);
     let margins = |places: &[f64]| {
         let points: Vec<Vec<f64>> = places.iter().map(|t| along(&across, *t, direction)).collect();
         Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
@@ -155,7 +163,7 @@ fn line<L: LimitState>(
         let at = |place: usize| exponents[place].0 + t * exponents[place].1;
         1.0 / (0..exponents.len()).map(|other| (at(other) - at(own)).exp()).sum::<f64>()
     };
-    let weights: Vec<f64> = intervals.iter().map(|interval| interval.integral(weight)).collect();
+    let weights: Vec<f64> = intervals.iter().map(|interval| ratio * interval.integral(weight)).collect();
     let whole: f64 = weights.iter().sum();
     // An interval is drawn by its weight and a point of it by its probability, which the weight of the point puts right.
     let mut left = which * whole;
@@ -166,7 +174,7 @@ fn line<L: LimitState>(
     let witness = intervals.iter().zip(&weights).find(is_chosen).or(intervals.iter().zip(&weights).next_back());
     let witness = witness.filter(|(_, weight)| **weight > 0.0).map(|(interval, of_interval)| {
         let t = interval.point(part);
-        (along(&across, t, direction), whole * weight(t) * interval.probability() / of_interval)
+        (along(&across, t, direction), ratio * whole * weight(t) * interval.probability() / of_interval)
     });
     Ok(Line { weight: whole, witness })
 }

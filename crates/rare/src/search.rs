@@ -143,7 +143,7 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
         }
         let Some(towards) = unit(along(&scaled(1.0 - part, &ray), part, &direction)) else { break };
         let plane = beta * cosine / dot(&towards, &direction);
-        match onset_near(of, &towards, plane, beta)? {
+        match onset_near(of, &|t| scaled(t, &towards), plane, [0.0, beta])? {
             Some(next) if next < beta - 1e-4 => (ray, beta) = (towards, next),
             // Nothing nearer there: half the way.
             _ if part > 0.1 => part *= 0.5,
@@ -153,15 +153,20 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
     Ok(best)
 }
 
-/// The onset on a ray, looked for from `near` inwards and outwards up to `most`; `None` where there is none.
-fn onset_near<L: LimitState>(of: &Counted<'_, L>, ray: &[f64], near: f64, most: f64) -> Result<Option<f64>, L::Error> {
-    let mut margin = |t: f64| Ok::<f64, L::Error>(of.worst(&scaled(t, ray))?.margin);
+/// The onset on a line, looked for from `near` downwards if that fails, else upwards, between two ends; `None` where there is none.
+pub(crate) fn onset_near<L: LimitState>(
+    of: &Counted<'_, L>,
+    line: &dyn Fn(f64) -> Vec<f64>,
+    near: f64,
+    [least, most]: [f64; 2],
+) -> Result<Option<f64>, L::Error> {
+    let mut margin = |t: f64| Ok::<f64, L::Error>(of.worst(&line(t))?.margin);
     let start = near.min(most);
     let mut here = (start, margin(start)?);
     let is_failing = here.1 > 0.0;
     let mut step = 0.1;
     loop {
-        let at = if is_failing { (here.0 - step).max(0.0) } else { (here.0 + step).min(most) };
+        let at = if is_failing { (here.0 - step).max(least) } else { (here.0 + step).min(most) };
         if at == here.0 {
             return Ok(None);
         }

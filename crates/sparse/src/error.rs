@@ -106,9 +106,9 @@ pub enum SparseError {
     },
     /// A rectangle that needs more than is allowed.
     #[error(
-        "the rectangle needs roughly {:.2e} shifts and holds roughly {:.2e} eigenvalues, by the {covered:.1e} of it that {shifts} \
-         shifts covered; allowed: {most_shifts} shifts and {most_pairs} eigenvalues, in a smaller rectangle",
-        *shifts as f64 / covered, *found as f64 / covered
+        "the rectangle {}; allowed: {most_shifts} shifts and {most_pairs} eigenvalues, in {}",
+        foreseen(*shifts, *found, *covered),
+        if *covered > 0.0 { "a smaller rectangle" } else { "one farther from eigenvalues that are defective or occur many times" }
     )]
     RectangleTooLarge {
         /// Shifts so far.
@@ -185,4 +185,15 @@ impl SparseError {
             other => other,
         }
     }
+}
+
+/// Words for what a rectangle needs, by the part of it that a number of shifts covered.
+fn foreseen(shifts: usize, found: usize, covered: f64) -> String {
+    if covered == 0.0 {
+        return format!("is covered nowhere by {shifts} shifts");
+    }
+    let [shifts_in_all, found_in_all] = [shifts, found].map(|count| count as f64 / covered);
+    format!(
+        "needs roughly {shifts_in_all:.2e} shifts and holds roughly {found_in_all:.2e} eigenvalues, by the {covered:.1e} of it that {shifts} shifts covered"
+    )
 }

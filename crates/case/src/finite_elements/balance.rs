@@ -18,13 +18,13 @@ const STATES: usize = 64;
 /// Contact points, loads and springs of contacts in static equilibrium.
 #[derive(Debug)]
 pub struct ContactBalance {
-    /// Row of the gap of each point, of all contacts in their order.
+    /// Entries (degree of freedom, factor) of `g^T` of each point, contact by contact: its gap is `g^T u`.
     pub(super) gaps: Vec<Row>,
     /// Row of the slip of each point.
     pub(super) slips: Vec<Row>,
-    /// Area of each point.
+    /// Area of each point, m^2.
     pub(super) areas: Vec<f64>,
-    /// Stiffness of each point that its friction channel reads, N/m: of a law that under the mean pressure of the medians.
+    /// Nominal stiffness k_0 of each point, N/m, by which its friction channel turns the gap into a normal force; of a power law the tangent stiffness at the mean pressure of the medians.
     pub(super) springs: Vec<f64>,
     /// Law `p = c g^m` of all points; `None` where their stiffness is constant.
     pub(super) law: Option<Stiffness>,
@@ -164,7 +164,7 @@ impl ContactBalance {
     }
 }
 
-/// Results of the last questions, by the numbers that were asked for.
+/// The results that were made last, each with the numbers that it was made for: first in, first out, whether asked for again or not.
 #[derive(Debug)]
 pub(super) struct Recent<T>(Mutex<VecDeque<(Vec<f64>, Arc<T>)>>);
 
@@ -175,7 +175,7 @@ impl<T> Default for Recent<T> {
 }
 
 impl<T> Recent<T> {
-    /// The result for some numbers, made if it is none of the last `most`.
+    /// The result for some numbers, made where it is not among the `most` that are kept.
     fn get(
         &self,
         most: usize,

@@ -13,7 +13,7 @@ use super::nodes::Model;
 use crate::CaseError;
 use crate::check::Check;
 
-/// Names of the mass, stiffness and damping that programs write beside a deck, after its own; `#` is the number of a step.
+/// Ends of the files of mass, stiffness and damping beside a deck, after its stem: of CalculiX, which writes no damping, and of Abaqus; `#` is the number of the step.
 const BESIDE: [[&str; 3]; 2] = [[".mas", ".sti", ""], ["_MASS#.mtx", "_STIF#.mtx", "_DMPV#.mtx"]];
 /// Most steps whose matrices are looked for; chosen: a digit.
 const MOST_STEPS: usize = 9;
@@ -32,7 +32,7 @@ pub struct DraftFiles {
 }
 
 impl DraftFiles {
-    /// The files beside a deck under the names that CalculiX and Abaqus give them, compressed by gzip or not, of the first step that has any;
+    /// The files beside a deck under the names that CalculiX and Abaqus give them, compressed by gzip or not, of the first step that has both mass and stiffness;
     /// `None` without mass or stiffness.
     #[must_use]
     pub fn beside(mesh: &Path) -> Option<Self> {
@@ -106,7 +106,7 @@ impl Draft {
     }
 }
 
-/// True if a matrix may be a triangle of a symmetric one, or all of another.
+/// True if the case was refused because nothing says whether a one-sided matrix is a triangle of a symmetric one or a whole unsymmetric one.
 fn is_one_sided(error: &CaseError) -> bool {
     matches!(error, CaseError::Matrix { source, .. } if matches!(**source, FormatsError::OneSided { .. }))
 }
@@ -166,7 +166,7 @@ fn text(
     format!(
         r#"# Draft by `squeal new`: what the mesh and its matrices say stands here, and `squeal check` takes it as it is.
 #
-# What they cannot know is commented out, without a blank after the #: remove that and put numbers in place of each ?.
+# What they cannot know is commented out, without a blank after the #: remove the # and put a value in place of each ?.
 # docs/case-files.md, "Finite elements", explains every field.
 
 [study]
@@ -187,7 +187,7 @@ stiffness = {stiffness}
 {damping}{symmetry}#rayleigh = {{ mass = ?, stiffness = ? }}  # damping C = mass M + stiffness K, 1/s and s; or loss_factor = ?
 
 {sets}
-#[[holders]]                           # springs to ground where something holds a body that is not in the mesh
+#[[holders]]                           # springs to ground in place of parts that hold a body and are not in the mesh
 #name = "caliper"
 #nodes = "?"                           # one of the node sets above
 #stiffness = [?, ?, ?]                 # {n_per_m} in x, y and z, of all its nodes together
@@ -250,7 +250,7 @@ fn contact_tables(contacts: &[Facing], units: Units) -> String {
         };
         format!(
             "#[[contact]]\n#name = {name}\n#slave = {name:<29} # the pad's face\n#master = {:<28} # the disc's face\n\
-             #reach = {reach:<29} # {}: the largest distance of the two; `squeal check` says what it is\n\
+             #reach = {reach:<29} # {}: the largest gap or overlap of the two faces at a point; `squeal check` says how large it really is\n\
              #sliding = {{ axis = [?, ?, ?] }}         # the disc turns about it, positive by the right hand, through = [?, ?, ?]\n\
              #stiffness = {{ per_area = ? }}          # {}\n\
              #load = ?                              # {}; or {{ pressure = ? }}, {{ pressures = \"FILE\" }}, \"equilibrium\" with [[forces]]\n{patches}\n",
@@ -267,7 +267,7 @@ fn contact_tables(contacts: &[Facing], units: Units) -> String {
     if contacts.is_empty() { table("?", "?", "?", &[]) } else { tables.collect() }
 }
 
-/// A number with one digit.
+/// The number rounded to one significant digit.
 fn rounded(value: f64) -> f64 {
     format!("{value:.0e}").parse().unwrap_or(value)
 }

@@ -16,7 +16,7 @@ use crate::matrices::formulas::Formulas;
 use crate::symmetry::wanted;
 use crate::{CaseError, Expression};
 
-/// The mass, damping and stiffness matrix of a term, as far as it has them.
+/// A term as it was read: its table, and M, C and K, `None` where it has no such file.
 pub(super) struct Parts {
     table: TermTable,
     matrices: [Option<Matrix>; 3],
@@ -29,7 +29,7 @@ pub(super) struct Terms {
     pub dofs: Vec<Dof>,
     /// Files of matrices, and how each was taken.
     pub files: Vec<TakenMatrix>,
-    /// The degrees of freedom that the files hold, which have no row.
+    /// Degrees of freedom that were fixed by a huge diagonal entry (1e36 and the like); their rows are taken out.
     pub held: Vec<Dof>,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Ter
     Ok(Terms { parts: all, dofs, files, held })
 }
 
-/// Takes out the rows that are held by entries huge against all others, and says so. Those that stay, and those that do not.
+/// Takes out the rows that are fixed by a huge diagonal entry in any of M, C or K, with a note. Returns the rows kept and those taken out.
 fn take_out_held(check: &Check<'_>, all: &mut [Parts], dofs: Vec<Dof>) -> Result<(Vec<Dof>, Vec<Dof>), CaseError> {
     let mut rows = BTreeSet::new();
     for at in 0..3 {
@@ -130,7 +130,7 @@ fn common_rows(check: &Check<'_>, all: &mut [Parts]) -> Result<Vec<Dof>, CaseErr
     Ok(labels.unwrap_or_else(|| (1..=order as i64).map(|node| Dof { node, direction: 0 }).collect()))
 }
 
-/// The terms with their coefficients, for a band of frequencies in Hz.
+/// The terms, with Rayleigh damping and loss factors in C, and their coefficients. A loss factor eta without a frequency is that at the geometric mean of the band, Hz.
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
@@ -162,12 +162,12 @@ pub(super) fn terms_with_coefficients(
             }
             let [least, most] = [lowest, highest].map(|hz| hz / loss.at_hz);
             check.note(format!(
-                "{} = {} is that of dashpots at {:.1} Hz: at the ends of the band they lose {least:.3} and {most:.3} times as much",
+                "{} = {} is that of dashpots at {:.1} Hz: at the ends of the band their loss factor is {least:.3} and {most:.3} times that",
                 named(""),
                 loss.value,
                 loss.at_hz
             ));
-            // At this frequency i omega C is i eta K.
+            // `C = eta K / omega_0`, so that `i omega C = i eta K` at omega_0 alone; `matrices/loss.rs` has the rule of small brakes, of every mode.
             c = c + &k * (loss.value / (std::f64::consts::TAU * loss.at_hz));
         }
         coefficients.push(formulas.expression(&field("terms", &table.name, "coefficient"), table.coefficient, 1.0)?);

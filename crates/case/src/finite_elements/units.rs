@@ -10,7 +10,7 @@ use super::structure::Structure;
 use crate::CaseError;
 use crate::check::Check;
 
-/// Densities of what brakes are made of, kg/m^3, with room on both sides; chosen: systems of units are a factor of 1e9 and more apart.
+/// Densities of what brakes are made of, kg/m^3, with room on both sides; chosen: kg/m^3 and t/mm^3, the units of the two systems, are a factor of 1e12 apart.
 const DENSITIES: [f64; 2] = [100.0, 30_000.0];
 
 /// Table `[units]`.
@@ -34,7 +34,7 @@ pub(super) fn units(check: &Check<'_>, table: Option<&UnitsTable>) -> Result<Uni
 /// Refuses a density that no part of a brake has in these units.
 ///
 /// # Errors
-/// That density, with the system in which it would be one.
+/// That density, naming another system in which it is in the range; `what` goes before the number in the message.
 pub(super) fn possible_density(
     check: &Check<'_>,
     units: Units,

@@ -57,7 +57,7 @@ impl<'a> DofNames<'a> {
         self.names.len()
     }
 
-    /// The name of a degree of freedom.
+    /// The name of a degree of freedom by its index; empty out of range.
     pub fn name(&self, dof: usize) -> &str {
         self.names.get(dof).map_or("", String::as_str)
     }
@@ -67,7 +67,7 @@ impl<'a> DofNames<'a> {
         self.position(name).ok_or_else(|| self.unknown(field, name, ""))
     }
 
-    /// The indices of names and ranges, each once, in the order in which they are listed.
+    /// The indices of names and of ranges "first-last", which follow the order of rows, in the order in which they are listed. A repeated one is refused.
     pub fn indices(&self, field: &str, dofs: &Dofs) -> Result<Vec<usize>, CaseError> {
         let items = match dofs {
             Dofs::One(item) => std::slice::from_ref(item),
@@ -75,14 +75,19 @@ impl<'a> DofNames<'a> {
         };
         let mut all = Vec::new();
         for item in items {
-            let range = match item.split_once('-') {
-                None => self.index(field, item).map(|dof| dof..=dof)?,
-                Some((first, last)) => match (self.position(first.trim()), self.position(last.trim())) {
-                    (Some(first), Some(last)) if first <= last => first..=last,
-                    _ => return Err(self.unknown(field, item, ", a range \"first-last\" in their order")),
-                },
+            let single = self.position(item.trim()).map(|dof| (dof, dof));
+            // Numbers of nodes may be negative, so that any dash may be the one between two names.
+            let range = || {
+                let named = |(at, dash): (usize, &str)| {
+                    Some((self.position(item[..at].trim())?, self.position(item[at + dash.len()..].trim())?))
+                };
+                item.match_indices('-').find_map(named)
             };
-            all.extend(range);
+            match single.or_else(range) {
+                Some((first, last)) if first <= last => all.extend(first..=last),
+                None if !item.contains('-') => return Err(self.unknown(field, item, "")),
+                _ => return Err(self.unknown(field, item, ", a range \"first-last\" in their order")),
+            }
         }
         let mut seen = vec![false; self.order()];
         for &dof in &all {

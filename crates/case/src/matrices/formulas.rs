@@ -36,12 +36,12 @@ impl<'a> Formulas<'a> {
         Ok(expression)
     }
 
-    /// An error for a parameter that occurs in no expression, because its name may be misspelt there.
+    /// Refuses a parameter that occurs in no expression: its name may be misspelt where it was meant.
     pub fn all_used(&self) -> Result<(), CaseError> {
         match self.parameters.iter().zip(&self.used).find(|(_, used)| !**used) {
             None => Ok(()),
             Some((name, _)) => {
-                let allowed = "parameters that stand in a coefficient, mu, slope or lag";
+                let allowed = "parameters that occur in an expression of this file: a coefficient, or a field of contacts or rotation that takes one";
                 Err(self.check.value(&format!("parameters.{name}"), "used nowhere", allowed))
             }
         }

@@ -144,7 +144,7 @@ fn faults_are_named_in_one_line() {
         ("\"3*w\"", "\"1/(w - 2)\"", "coefficient = \"1/(w - 2)\" = inf at w = 2; allowed: a finite number"),
         ("\"3*w\"", "true", "line 24: coefficient = true: expected a number or an expression in quotes"),
         ("\"3*w\"", "nan", "terms \"spin\".coefficient = NaN; allowed: a finite number"),
-        ("\"3*w\"", "2.0", "parameters.w = used nowhere; allowed: parameters that stand in"),
+        ("\"3*w\"", "2.0", "parameters.w = used nowhere; allowed: parameters that occur in"),
         ("slope = -0.1", "slope = \"ln(mu - 1)\"", "contacts \"pad\".slope = \"ln(mu - 1)\" = NaN at mu = 0.4"),
         (
             "kind = \"matrices\"",
@@ -332,6 +332,34 @@ fn matrices_may_stand_in_files_beside_the_case() {
         message.contains("terms \"structure\".mass = \"bad.mtx\": line 3: value \"x\" is not a number"),
         "{message}"
     );
+}
+
+/// Internal nodes of Abaqus have negative numbers: a dash is then no range.
+#[test]
+fn names_of_rows_may_begin_with_a_dash() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pad.toml");
+    let diagonal = |[a, b]: [f64; 2]| format!("-5,1, -5,1, {a}\n7,1, 7,1, {b}\n");
+    std::fs::write(folder.path().join("M.mtx"), diagonal([1.0, 1.5])).unwrap();
+    std::fs::write(folder.path().join("K.mtx"), diagonal([4.0, 9.0]) + "-5,1, 7,1, 1.0\n7,1, -5,1, 1.0\n").unwrap();
+    let text = PAD
+        .replace("dofs = [\"x\", \"y\"]\n", "")
+        .replace("[[1, 0], [0, 1.5]]", "\"M.mtx\"")
+        .replace("[[4.0, 1.0], [1.0, 9.0]]", "\"K.mtx\"")
+        .replace("{ x = 1.0 }", "{ \"-5.x\" = 1.0 }")
+        .replace("{ y = -5.0 }", "{ \"7.x\" = -5.0 }");
+    for (body, fixed) in [("-5.x-7.x", "-5.x"), (" -5.x - 7.x", " -5.x "), ("-5.x-7.x", "7.x")] {
+        let text =
+            text.replace("\"x-y\"", &format!("{body:?}")).replace("fixed = \"y\"", &format!("fixed = {fixed:?}"));
+        let case = match CaseFile::parse(&path, text) {
+            Ok(CaseFile::Matrices(case)) => case,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(
+            (case.bodies[0].dofs.as_slice(), case.constraints[1].fixed.as_slice()),
+            (&[0, 1][..], &[usize::from(fixed == "7.x")][..])
+        );
+    }
 }
 
 #[test]

@@ -135,8 +135,10 @@ impl<'a> Given<'a> {
             return Err(Error::Option { option: option(kind), value: path.display().to_string(), allowed });
         }
         let given = Self { kind, path, matrix };
-        if let Some(doubt) = given.matrix.doubt() {
-            note(&format!("{}: {doubt} (--symmetry {kind}=...)", path.display()));
+        for doubt in given.matrix.doubts() {
+            let option =
+                if doubt == formats::Doubt::NoEnd { String::new() } else { format!(" (--symmetry {kind}=...)") };
+            note(&format!("{}: {doubt}{option}", path.display()));
         }
         Ok(given)
     }

@@ -1,5 +1,5 @@
-//! Version 4 (`save -v4`): for each array five numbers (type, rows, columns, imaginary flag, length of the name), the name, then the
-//! columns. The type is written in decimal digits MOPT: M byte order, P precision, T full, text or sparse. A sparse array is full
+//! MATLAB's `.mat` files of version 4 (`save -v4`): for each array five numbers (type, rows, columns, imaginary flag, length of the name), the name, then the
+//! columns. The type is written in decimal digits MOPT: M byte order (0 little, 1 big), O always 0, P type of the numbers (0 to 5: f64, f32, i32, i16, u16, u8), T 0 full, 1 text, 2 sparse. A sparse array is full
 //! with three columns, row, column, value, and a last row with its size.
 
 use super::elements::{Storage, index};
@@ -25,7 +25,7 @@ pub(crate) fn detect(head: &[u8]) -> Option<Endian> {
     })
 }
 
-/// Storage and T of a type, if its M is that of the byte order.
+/// Storage of the numbers and T of a type MOPT; `None` where O is not 0, P or T is unknown, or M is not this byte order.
 fn parse_type(kind: u32, endian: Endian) -> Option<(Storage, u32)> {
     let order = if endian == Endian::Little { 0 } else { 1 };
     let storage = [Storage::F64, Storage::F32, Storage::I32, Storage::I16, Storage::U16, Storage::U8]
@@ -81,7 +81,7 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
     Ok(found)
 }
 
-/// Columns of rows, of columns, of values and of imaginary parts; the last row is the size.
+/// Reads a sparse array of `lines` x `columns` stored numbers, column by column: row indices, column indices (from 1), values, imaginary parts. The last line is the size of the matrix.
 fn sparse(
     bytes: &mut Bytes<'_>,
     storage: Storage,

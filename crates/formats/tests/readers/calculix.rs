@@ -85,7 +85,7 @@ fn entries_on_both_sides_are_a_whole_matrix_and_none_is_any() {
     assert!(matches!(list(friction).only(), Err(FormatsError::OneSided { side: None, .. })));
     for text in [unsymmetric, friction] {
         let whole = list(text).take(&said(Symmetry::Whole)).unwrap();
-        assert_eq!((whole.entries().len(), whole.doubt()), (text.lines().count(), None));
+        assert_eq!((whole.entries().len(), whole.doubts()), (text.lines().count(), Vec::new()));
         assert!(
             list(text).take(&said(Symmetry::Upper)).unwrap_err().to_string().contains("entries below the diagonal")
         );
@@ -161,6 +161,23 @@ fn a_line_of_sizes_is_no_entry() {
             let found = list(&(first + &entries.concat())).only().unwrap();
             assert_eq!(found.rows(), order);
         }
+    }
+}
+
+/// Three lines of three whole numbers are a list, or the rows of a matrix of order 3.
+#[test]
+fn rows_of_whole_numbers_are_no_list() {
+    for (a, b, c) in [(1, 3, 1), (2, 2, 2), (3, 1, 2)] {
+        let symmetric = format!("7 {a} {b}\n{a} 8 {c}\n{b} {c} 9\n");
+        let message = read_bytes(symmetric.as_bytes(), None, Options::default()).unwrap_err().to_string();
+        assert!(message.contains("rows of a matrix") && message.contains("Matrix Market"), "{message}");
+        // One that is no symmetric matrix is a list, and so is one with another line or with a decimal point.
+        let list_of = |text: &str| {
+            assert_eq!(list(text).take(&said(Symmetry::Whole)).unwrap().entries().len(), text.lines().count(), "{text}")
+        };
+        list_of(&symmetric.replace(" 9", " 9.0"));
+        list_of(&format!("{symmetric}10 10 1\n"));
+        list_of("1 1 2\n2 2 3\n3 3 4\n");
     }
 }
 

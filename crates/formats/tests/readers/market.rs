@@ -41,6 +41,23 @@ fn reads_every_supported_kind() {
     assert_eq!(read(&format!("{REAL}2 2 0\n")).unwrap(), DMatrix::zeros(2, 2));
 }
 
+/// A file that was cut inside its last number has as many entries as it says: that its last line has no end is said.
+#[test]
+fn a_last_line_without_an_end_is_said() {
+    for (text, last) in [("2 2 2\n1 1 1.5\n2 2 2.25\n", "2.25\n"), ("2 2 1\n2 1 -125e-2\n", "125e-2\n")] {
+        let whole = format!("{REAL}{text}");
+        let doubts = |text: &str| read_market(text.as_bytes(), options()).unwrap().doubts();
+        assert_eq!(doubts(&whole), []);
+        // Whatever of the last number is left is a number, or refused.
+        for cut in 1..last.len() {
+            let text = &whole[..whole.len() - cut];
+            if read(text).is_ok() {
+                assert_eq!(doubts(text), [formats::Doubt::NoEnd], "{text}");
+            }
+        }
+    }
+}
+
 #[test]
 fn says_in_one_line_what_is_wrong_and_what_is_allowed() {
     let body = |rest: &str| problem(&format!("{REAL}{rest}"));

@@ -448,8 +448,7 @@ def read_matrices(path: str | os.PathLike[str], *, symmetry: str | None = None) 
     found, left_out = _squeal.read_matrices(os.fspath(path), symmetry)
     matrices = []
     for parts in found:
-        doubt = parts.pop("doubt")
-        if doubt is not None:
+        for doubt in parts.pop("doubts"):
             warnings.warn(f"{os.fspath(path)}: {doubt}", CaseWarning, stacklevel=2)
         labels = parts.pop("labels")
         matrices.append(Matrix(**parts, labels=None if labels is None else tuple(labels)))

@@ -13,6 +13,8 @@ use super::settle::settled;
 use super::types::{Count, Counters, Disc, Eigenpair, Found, Known, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
+/// Half diagonal of the smallest rectangle that is searched, in units of the margin around what a disc covers; chosen.
+const LEAST_SIZE: f64 = 8.0;
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.
 const THINNEST: f64 = 0.1;
 /// Shifts after which the size of a rectangle is estimated, and by how many times it has to be too large then; chosen, because
@@ -96,7 +98,7 @@ fn search(
         covered: Vec::new(),
         found: Vec::new(),
     };
-    let upper = upper_part(rectangle);
+    let upper = wide_enough(&problem, upper_part(rectangle));
     let reach = if rectangle.reach() > least_reach(system) { reach(system)? } else { None };
     if let Some(part) = reach.map_or(Some(upper), |reach| reach.within(&upper, problem.pencil.blur(Complex::default())))
     {
@@ -171,6 +173,13 @@ fn upper_part(rectangle: &Rectangle) -> Rectangle {
         [0.0, to.max(-from)]
     };
     Rectangle { re: rectangle.re, im }
+}
+
+/// The rectangle, widened where it is smaller than what rounding does not tell apart: eigenvalues of no smaller one can be searched for, and which of
+/// them the rectangle holds their bounds say.
+fn wide_enough(problem: &Problem, upper: Rectangle) -> Rectangle {
+    let least = LEAST_SIZE * problem.margin(&upper);
+    if upper.half_diagonal() < least { upper.widened(least) } else { upper }
 }
 
 /// Part of the rectangle that a disc covers, and how far around it pairs are listed.

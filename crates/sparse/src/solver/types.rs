@@ -58,6 +58,12 @@ impl Rectangle {
         Self { re: self.re.map(|x| x * factor), im: self.im.map(|x| x * factor) }
     }
 
+    /// The rectangle with each border moved outwards, those of Im lambda >= 0 not below the real axis.
+    pub(super) fn widened(&self, by: f64) -> Self {
+        let least = if self.im[0] >= 0.0 { 0.0 } else { f64::NEG_INFINITY };
+        Self { re: [self.re[0] - by, self.re[1] + by], im: [(self.im[0] - by).max(least), self.im[1] + by] }
+    }
+
     pub(super) fn centre(&self) -> Complex<f64> {
         let middle = |[from, to]: [f64; 2]| from + 0.5 * (to - from);
         Complex::new(middle(self.re), middle(self.im))

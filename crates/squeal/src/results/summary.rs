@@ -1,4 +1,4 @@
-//! The occurrences of a study in a few lines for people.
+//! Results of a study run in memory, and results in a few lines for people.
 
 use std::fmt::Write as _;
 
@@ -58,7 +58,7 @@ impl Results {
                 };
                 Ok(format!("  {what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4}){open}\n"))
             };
-            // What no single mode says: instability without a mode's name, or under a name that is open.
+            // The total, where the lines of single modes do not tell it: an unstable mode without a name, divergence, or a mode whose name or verdict is open.
             let is_open = |of: &ArrangementOccurrence| of.proportion.ambiguous() > of.failed;
             if !others.is_empty() || modes.values().flatten().any(is_open) {
                 text += &line("anything".into(), &self.any_occurrence(panel))?;

@@ -10,7 +10,7 @@ use super::modified::ChangeSet;
 use super::predict::Prediction;
 use crate::results::Estimate;
 
-/// Number of changes of each kind that are printed and not confirmed; more are in the table. Chosen.
+/// Most sets of each kind that are printed without being confirmed; more are in the table. Chosen.
 const MOST_PRINTED: usize = 5;
 
 /// Changes of a brake together, with their predicted and their confirmed effect.
@@ -20,13 +20,13 @@ pub struct ScreenedSet {
     pub kind: Option<ChangeKind>,
     /// Names of the places, or the name of a set of constraints.
     pub places: String,
-    /// Number of places; of sets of constraints, degrees of freedom held more than in the first.
+    /// Number of single changes; of a set of constraints the number of degrees of freedom that it holds beyond those of the brake as it is, 0 where it holds fewer.
     pub count: usize,
     /// Unit of the sizes; empty where there are none.
     pub unit: &'static str,
-    /// Sizes, in that unit; one where all are equal.
+    /// Sizes, in that unit; consecutive equal ones are given once, so not one for each place.
     pub sizes: Vec<f64>,
-    /// Prediction by a few analyses.
+    /// Predicted mean number of unstable modes per analysis and sum of their growth rates, 1/s; `None` of the case's other sets of constraints.
     pub prediction: Option<Prediction>,
     /// Changes of the set.
     pub changes: ChangeSet,
@@ -42,7 +42,7 @@ pub struct Screen {
     /// Sets: the brake as it is, its other sets of constraints, then kind by kind: the largest sets first, then single changes, the best
     /// first.
     pub sets: Vec<ScreenedSet>,
-    /// Differences of each confirmed set to each other, by their indices: how many more unstable modes the first has.
+    /// Differences `[i][j]`: mean number of unstable modes per analysis of confirmed set i minus that of set j, on the same draws, with 95 % limits.
     pub differences: Vec<Vec<Option<Estimate>>>,
     /// Prediction for the brake without changes.
     pub unchanged: Prediction,
@@ -67,7 +67,7 @@ pub struct Screen {
 }
 
 impl ScreenedSet {
-    /// Drop of the number of unstable modes in one analysis that is predicted, against the brake without changes.
+    /// Predicted drop: mean number of unstable modes per analysis of the unchanged brake minus that of this set.
     pub fn predicted_drop(&self, unchanged: &Prediction) -> Option<f64> {
         Some(unchanged.unstable - self.prediction?.unstable)
     }
@@ -229,7 +229,7 @@ impl Screen {
             let (confirmed, predicted): (Vec<_>, Vec<_>) = of_kind.into_iter().partition(|set| set.place.is_some());
             confirmed.iter().chain(predicted.iter().take(MOST_PRINTED)).for_each(|set| text += &self.line(set));
             if predicted.len() > MOST_PRINTED {
-                text += &format!("{} more, of smaller drop\n", predicted.len() - MOST_PRINTED);
+                text += &format!("{} more, of no larger predicted drop\n", predicted.len() - MOST_PRINTED);
             }
         }
         text += "\n";
@@ -263,7 +263,7 @@ impl Screen {
         text
     }
 
-    /// Comparison of the constraints found with a set of constraints of the case that holds as many, in words.
+    /// A line for each set of constraints found that holds as many degrees of freedom more as `set` of the case: which of the two leaves fewer unstable modes.
     fn against(&self, set: &ScreenedSet) -> String {
         let is_alike = |other: &&ScreenedSet| other.kind == Some(ChangeKind::Constraint) && other.count == set.count;
         let line = |other: &ScreenedSet| {
@@ -321,7 +321,7 @@ fn heading(what: &str) -> String {
     format!("{what:<38}{:>9}  {:>25}  {:>7}  {:>9}\n", "predicted", "drop", "left", "any")
 }
 
-/// A value with its limits.
+/// A value times `times` with its 95 % limits, to `decimals` digits after the point.
 fn within(estimate: &Estimate, decimals: usize, times: f64) -> String {
     let [value, lower, upper] =
         [estimate.value, estimate.lower, estimate.upper].map(|x| format!("{:.decimals$}", times * x));

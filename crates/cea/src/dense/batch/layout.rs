@@ -1,12 +1,14 @@
 //! The memory layout of a batch of matrices.
 
-/// Reflectors that a window of the sweep generates before they are applied to the rest of the matrix; chosen.
+/// Reflectors of a window: steps of the bulge on a small diagonal block before all are applied together to the rest; chosen.
 pub(super) const REFLECTORS_PER_WINDOW: usize = 6;
-/// Spare rows above each column: the sweep works on groups of four rows and may begin up to four rows above row 0.
+/// Spare rows above each column: the sweep applies reflectors to groups of four rows, counted upwards from the window, so that the last group may begin
+/// up to three rows above row 0; four keep whole groups.
 const ROWS_ABOVE: usize = 4;
 
-/// Layout of a batch: a register holds entry (i, j) of all its matrices. Columns are contiguous, with zeros around the matrix, so that
-/// the sweep needs no special cases at the edges.
+/// Layout of a batch by columns: element `at(i, j)` is a SIMD register with entry (i, j) of each matrix, one per lane. Columns are contiguous. Around
+/// the matrix are zeros, so that the sweep needs no special cases at the edges: `ROWS_ABOVE` rows above, at least `REFLECTORS_PER_WINDOW + 1` below, one
+/// column in front and `REFLECTORS_PER_WINDOW + 1` behind.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     /// N, rows and columns of a matrix.
@@ -44,7 +46,7 @@ impl Layout {
     }
 }
 
-/// The registers `from..from + rows` of each of `W` consecutive columns of `block`.
+/// The registers `from..from + rows` of each of the first `W` columns of `block`, which begins at the start of a column and has as many.
 #[inline(always)]
 pub(super) fn columns<V, const W: usize>(block: &mut [V], stride: usize, from: usize, rows: usize) -> [&mut [V]; W] {
     let mut each = block.chunks_exact_mut(stride);
