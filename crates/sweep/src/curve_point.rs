@@ -1,12 +1,12 @@
 //! A point of the boundary of stability over two parameters: the eigenvalue that crosses the threshold there, and its rates.
 
-use cea::{CeaError, CertifiedError, Eigentriple, Threshold, Workspace, left_vector, right_vector};
+use cea::{CeaError, CertifiedError, Eigentriple, Threshold, Workspace};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Vector2, vector};
 use num_complex::Complex;
 use study::UncertainBrake;
 
-use super::divergence::stiffness;
+use super::divergence::{null_vectors, stiffness};
 use super::double::Double;
 use super::family::{DIFFERENCE, Part};
 use crate::Error;
@@ -73,12 +73,11 @@ pub(super) struct NullPair {
 
 impl NullPair {
     /// The null vectors of a singular stiffness, or of Q at the growth rate `at`, 1/s.
-    fn of(system: &SecondOrder, at: f64) -> Result<Option<Self>, Error> {
-        let (lambda, mut work) = (Complex::from(at), Workspace::default());
-        let vectors = [right_vector(system, lambda, &mut work)?, left_vector(system, lambda, &mut work)?];
-        let [right, left] = vectors.map(real);
-        let size = stiffness(system, at).amax() + system.c.amax() + system.m.amax();
-        Ok(Self { growth: 0.0, right, left, sign: 1.0, at, size }.of_neighbour(system))
+    fn of(system: &SecondOrder, at: f64) -> Option<Self> {
+        let k = stiffness(system, at);
+        let size = k.amax() + system.c.amax() + system.m.amax();
+        let [right, left] = null_vectors(k, f64::INFINITY)?;
+        Self { growth: 0.0, right, left, sign: 1.0, at, size }.of_neighbour(system)
     }
 
     /// The null vectors of a neighbour; `None` where it has another null vector.
@@ -111,17 +110,11 @@ impl NullPair {
     }
 }
 
-/// A vector that is real but for its phase, of unit norm.
-fn real(vector: DVector<Complex<f64>>) -> DVector<f64> {
-    let largest = vector[vector.icamax()];
-    vector.map(|entry| (entry / largest).re).normalize()
-}
-
 impl Crossing {
     /// The crossing of an eigenvalue of a system. `None` where K has more than one null vector.
     fn of(system: &SecondOrder, lambda: Complex<f64>, of: PointOf) -> Result<Option<Self>, Error> {
         Ok(match of {
-            PointOf::Divergence => NullPair::of(system, lambda.re)?.map(Self::Divergence),
+            PointOf::Divergence => NullPair::of(system, lambda.re).map(Self::Divergence),
             PointOf::Flutter => Some(Self::Flutter(Eigentriple::new(system, lambda, &mut Workspace::default())?)),
             PointOf::Double => Double::near(system, lambda)?.map(Self::Double),
         })

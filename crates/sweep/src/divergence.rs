@@ -4,9 +4,8 @@
 //! that changes between two places brackets an onset, which bisection finds to the last bits. Where growth counts above a rate g, the
 //! same holds of `Q(g) = g^2 M + g C + K` and the real eigenvalues above g.
 
-use cea::{Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::family::DIFFERENCE;
@@ -23,6 +22,8 @@ pub fn named(mode: &str) -> String {
 }
 /// Smallest pivot, as a fraction of the largest, of a stiffness that has a sign; chosen: a free body's has none.
 const SINGULAR: f64 = 1e-12;
+/// Largest singular value of a stiffness that counts as zero, as a fraction of the size of stiffnesses next to it; chosen.
+const NULL: f64 = 1e-10;
 /// Distance from a place without a sign at which the sign is looked for, as a fraction of the line; chosen.
 pub(super) const BESIDE: f64 = 1e-7;
 /// Number of halvings of a step: down to the last bit.
@@ -64,16 +65,25 @@ pub(super) fn sign_change(
         return Ok(None);
     }
     let (at, width) = bisected(system, growth, ends, from)?;
-    let (there, mut work) = (system(at)?, Workspace::default());
-    let lambda = Complex::from(growth);
-    let vectors = (right_vector(&there, lambda, &mut work), left_vector(&there, lambda, &mut work));
+    let k = |at: f64| Ok::<_, Error>(stiffness(&system(at)?, growth));
+    let (there, [first, last]) = (k(at)?, [k(ends[0])?, k(ends[1])?]);
+    // The stiffness of a single degree of freedom vanishes as a whole: it is compared with what it is beside.
+    let size = there.norm().max(first.norm()).max(last.norm());
     // A sign that rounding gave is no change.
-    let (Ok(x), Ok(y)) = vectors else { return Ok(None) };
+    let Some([x, y]) = null_vectors(there, NULL * size) else { return Ok(None) };
     let [below, above] = [(at - DIFFERENCE).max(0.0), (at + DIFFERENCE).min(1.0)];
-    let change = system(above)?.dynamic_stiffness(lambda) - system(below)?.dynamic_stiffness(lambda);
-    let change = y.dotc(&(change * &x)) / (above - below);
-    let error = ROUNDINGS * f64::EPSILON * stiffness(&there, growth).norm() / change.norm() + width;
+    let change = y.dot(&((k(above)? - k(below)?) * &x)) / (above - below);
+    let error = ROUNDINGS * f64::EPSILON * size / change.abs() + width;
     Ok(Some(SignChange { at, error }))
+}
+
+/// The right and the left singular vector, of unit length, of the smallest singular value of a matrix; `None` where that is above `most`, and of what is no
+/// number.
+pub(super) fn null_vectors(k: DMatrix<f64>, most: f64) -> Option<[DVector<f64>; 2]> {
+    let svd = k.try_svd(true, true, f64::EPSILON, 0)?;
+    let least = svd.singular_values.imin();
+    let [right, left] = [svd.v_t?.row(least).transpose(), svd.u?.column(least).into_owned()];
+    (svd.singular_values[least] <= most).then_some([right, left])
 }
 
 /// True if det Q(growth) is positive; `None` where Q is singular there, or nearly.

@@ -437,6 +437,40 @@ fn a_map_has_the_curves_on_which_flutter_becomes_divergence_and_two_modes_meet_o
     assert!(map.curves[0].points.iter().all(|point| (point.at[0] - 0.75).abs() < 1e-9 && point.omega > 1.0));
 }
 
+/// The stiffness of a single degree of freedom vanishes as a whole on its boundary, to rounding or exactly.
+#[test]
+fn a_single_degree_of_freedom_has_the_straight_boundary_of_its_stiffness() {
+    for seed in 0..40 {
+        let mut numbers = Numbers::new(seed);
+        let [mass, damping, at, slope] = [[0.5, 9.0], [0.01, 0.5], [0.1, 0.8], [-0.2, 0.2]]
+            .map(|[from, to]| from + (to - from) * numbers.next());
+        let (stiffness, sign) = (10f64.powf(3.0 * numbers.next()), if seed % 2 == 0 { 1.0 } else { -1.0 });
+        let text = format!(
+            "[study]\nname = \"t\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n\
+             [parameters.p]\ndistribution = \"uniform\"\nfrom = 0.0\nto = 1.0\n\
+             [parameters.q]\ndistribution = \"uniform\"\nfrom = 0.0\nto = 1.0\n\
+             [[terms]]\nname = \"m\"\nmass = [[{mass}]]\nstiffness = [[{}]]\ndamping = [[{damping}]]\n\
+             [[terms]]\nname = \"p\"\ncoefficient = \"p\"\nstiffness = [[{}]]\n\
+             [[terms]]\nname = \"q\"\ncoefficient = \"q\"\nstiffness = [[{}]]\n",
+            sign * stiffness * at,
+            -sign * stiffness,
+            sign * stiffness * slope,
+        );
+        let brake = MatricesBrake::new(written(&text)).unwrap();
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        let map = stability_map(&study, 0, &[over("p", 0.0, 1.0), over("q", 0.0, 1.0)], &QrSolver, &()).unwrap();
+        // Unstable where sign (at + slope q - p) < 0: right of the line of one sign, left of it of the other.
+        let stable = if sign > 0.0 { at + 0.5 * slope } else { 1.0 - at - 0.5 * slope };
+        let inside = (0.0..=1.0).contains(&(at + slope));
+        let share = map.shares().get(&0).map_or(0.0, |share| share.0);
+        assert!(!inside || (share - stable).abs() < 0.01, "{seed}: {share} {stable}");
+        for point in map.curves.iter().flat_map(|curve| &curve.points) {
+            assert!((at + slope * point.at[1] - point.at[0]).abs() < 1e-9, "{seed}: {point:?}");
+        }
+        assert!(!map.curves.is_empty(), "{seed}");
+    }
+}
+
 /// Maps of systems of all kinds against spectra on a grid; how many were refused.
 fn map_all(seeds: std::ops::Range<u64>, across: usize, has_band: bool) -> usize {
     let mut refused = 0;
