@@ -20,8 +20,7 @@ use crate::Error;
 
 /// Length of a step, as a fraction of the range, that is not halved any more; chosen: the last bits.
 const SHORTEST: f64 = 1e-13;
-/// Error of a change that no smooth function gives, as a fraction of the range; chosen: an eigenvalue that is taken to be on the axis moves
-/// it so far.
+/// Least error of a change that no smooth function gives, as a fraction of the range; chosen.
 const LEAST_ERROR: f64 = 1e-10;
 /// Distance from a change at which the rate of a real eigenvalue is taken, as a fraction of the range; chosen.
 const NEXT_TO: f64 = 1e-5;
@@ -152,16 +151,25 @@ impl Along<'_> {
         Ok(changes)
     }
 
-    /// Distance from a change, as a fraction of the range, up to which a real eigenvalue is so small that it is taken for a rigid motion.
-    fn hidden(&self, change: &Change) -> Result<f64, Error> {
-        if change.of != ChangeOf::Divergence {
-            return Ok(0.0);
-        }
-        let side = if change.starts { NEXT_TO } else { -NEXT_TO };
-        let there = self.place((change.at + side).clamp(0.0, 1.0))?;
-        let growth = there.counted.divergence.iter().copied().fold(f64::INFINITY, f64::min);
-        let zone = self.rigid.max(f64::EPSILON * growth);
-        Ok(if growth.is_finite() { NEXT_TO * zone / growth } else { NEXT_TO })
+    /// Distance from a change between two places, as a fraction of the range, up to which a real eigenvalue is so small that it is taken for a rigid motion,
+    /// or a growing mode grows so little that it is taken to be on the axis.
+    fn hidden(&self, change: &Change, [a, b]: [&Place; 2]) -> Result<f64, Error> {
+        let (side, grown) = if change.starts { (NEXT_TO, b) } else { (-NEXT_TO, a) };
+        let there = || self.place((change.at + side).clamp(0.0, 1.0));
+        let growth_of = |place: &Place| {
+            let distance = |lambda: &&Complex<f64>| (lambda.im - change.lambda.im).abs();
+            let nearest = place.counted.flutter.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            nearest.map_or(f64::INFINITY, |lambda| self.threshold.margin(*lambda))
+        };
+        let (growth, zone) = match change.of {
+            ChangeOf::Divergence => {
+                let growth = there()?.counted.divergence.iter().copied().fold(f64::INFINITY, f64::min);
+                (growth, self.rigid.max(f64::EPSILON * growth))
+            }
+            ChangeOf::Flutter => (growth_of(&there()?), growth_of(grown)),
+            ChangeOf::Band | ChangeOf::Exchange => return Ok(0.0),
+        };
+        Ok(if growth.is_finite() { NEXT_TO * (zone / growth).min(1.0) } else { NEXT_TO })
     }
 
     /// Adds places where an eigenvalue may cross and come back between two of them.
@@ -231,7 +239,7 @@ impl Along<'_> {
         if b.at - a.at <= SHORTEST || middle <= a.at || middle >= b.at {
             let found = self.at_one_place([a, b]);
             for change in found {
-                let error = change.error.max(self.hidden(&change)?);
+                let error = change.error.max(self.hidden(&change, [a, b])?);
                 changes.found.push(Change { error, ..change });
             }
             return Ok(());

@@ -437,13 +437,43 @@ fn a_map_has_the_curves_on_which_flutter_becomes_divergence_and_two_modes_meet_o
     assert!(map.curves[0].points.iter().all(|point| (point.at[0] - 0.75).abs() < 1e-9 && point.omega > 1.0));
 }
 
+/// Where all damping vanishes at once growth is rounding before it is zero: the error says how far away that is.
+#[test]
+fn onsets_where_all_damping_vanishes_are_within_their_errors() {
+    let mut onsets = 0;
+    for seed in 0..20 {
+        let mut numbers = Numbers::new(seed);
+        let n = 2 + (numbers.next() * 4.0) as usize;
+        let (unit, at) = (DMatrix::<f64>::identity(n, n), 0.2 + 0.6 * numbers.next());
+        let [m, k, c] = [numbers.positive(n) + &unit, numbers.positive(n) * 9.0 + &unit, numbers.matrix(n, 0.4)];
+        let form = if seed % 2 == 0 { format!("abs(p-{at})") } else { format!("p-{at}") };
+        let text = format!(
+            "[study]\nname = \"t\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n\
+             [parameters.p]\ndistribution = \"uniform\"\nfrom = 0.0\nto = 1.0\n\
+             [[terms]]\nname = \"m\"\nmass = {}\nstiffness = {}\n\
+             [[terms]]\nname = \"c\"\ncoefficient = \"{form}\"\ndamping = {}\n",
+            text_of(&m),
+            text_of(&k),
+            text_of(&c),
+        );
+        let brake = MatricesBrake::new(written(&text)).unwrap();
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        let found = sweep(&study, 0, &over("p", 0.0, 1.0), &QrSolver, &()).unwrap();
+        for onset in found.onsets.iter().filter(|onset| (onset.at - at).abs() < 1e-5) {
+            assert!((onset.at - at).abs() <= 1.5 * onset.error && onset.error < 1e-6, "{seed}: {at} {onset:?}");
+            onsets += 1;
+        }
+    }
+    assert!(onsets > 20, "{onsets}");
+}
+
 /// The stiffness of a single degree of freedom vanishes as a whole on its boundary, to rounding or exactly.
 #[test]
 fn a_single_degree_of_freedom_has_the_straight_boundary_of_its_stiffness() {
     for seed in 0..40 {
         let mut numbers = Numbers::new(seed);
-        let [mass, damping, at, slope] = [[0.5, 9.0], [0.01, 0.5], [0.1, 0.8], [-0.2, 0.2]]
-            .map(|[from, to]| from + (to - from) * numbers.next());
+        let [mass, damping, at, slope] =
+            [[0.5, 9.0], [0.01, 0.5], [0.1, 0.8], [-0.2, 0.2]].map(|[from, to]| from + (to - from) * numbers.next());
         let (stiffness, sign) = (10f64.powf(3.0 * numbers.next()), if seed % 2 == 0 { 1.0 } else { -1.0 });
         let text = format!(
             "[study]\nname = \"t\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n\
