@@ -104,7 +104,7 @@ fn friction_across_the_sliding_is_refused() {
     let text =
         std::fs::read_to_string(case("paper.toml")).unwrap().replace("lateral = \"none\"", "lateral = \"vector\"");
     let brake = LatticeBrake::new(LatticeCase::parse(&case("paper.toml"), text).unwrap()).unwrap();
-    let error = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default()).unwrap_err().to_string();
+    let error = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap_err().to_string();
     assert_eq!(
         error,
         "friction across the sliding has no motion here, only a tangent; allowed: readings.lateral = \"none\""
@@ -119,7 +119,7 @@ fn hoffmann(change: impl Fn(String) -> String) -> MatricesBrake {
 /// The motions of Hoffmann's oscillator with a line of its contact changed.
 fn answer(change: impl Fn(String) -> String, options: &CycleOptions) -> Result<squeal::cycles::Cycles, String> {
     let brake = hoffmann(change);
-    cycles(&brake, &brake.plan.scenes[0], options).map_err(|error| error.to_string())
+    cycles(&brake, &brake.plan.scenes[0], options, &()).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -140,28 +140,28 @@ fn what_a_motion_needs_and_a_case_lacks_is_said_in_a_line() {
         move |text: String| text.lines().filter(|line| !line.starts_with(field)).collect::<Vec<_>>().join("\n")
     };
     for field in ["load =", "speed =", "stiffness = 1.33"] {
-        let error = answer(without(field), &CycleOptions::default()).unwrap_err();
+        let error = answer(without(field), &CycleOptions::default(), &()).unwrap_err();
         let name = field.split(' ').next().unwrap();
         assert!(error.contains(&format!("contacts \"belt\".{name}")) && error.contains("missing; allowed:"), "{error}");
     }
     let with = |from: &'static str, to: &'static str| move |text: String| text.replace(from, to);
-    let negative = answer(with("load = 1.0 ", "load = -1.0 "), &CycleOptions::default()).unwrap_err();
+    let negative = answer(with("load = 1.0 ", "load = -1.0 "), &CycleOptions::default(), &()).unwrap_err();
     assert!(negative.contains("-1") && negative.contains("allowed: a number > 0"), "{negative}");
-    let sloped = answer(with("load = 1.0 ", "slope = -0.1\nload = 1.0 "), &CycleOptions::default()).unwrap_err();
+    let sloped = answer(with("load = 1.0 ", "slope = -0.1\nload = 1.0 "), &CycleOptions::default(), &()).unwrap_err();
     assert!(
         sloped.contains("contacts \"belt\".slope = -0.1; allowed: mu alone: a slope or lag is the tangent"),
         "{sloped}"
     );
     let lagging = "lag = { decay = 2.0, drive = 0.1, force = 3.0 }\nload = 1.0 ";
-    let lagging = answer(with("load = 1.0 ", lagging), &CycleOptions::default()).unwrap_err();
+    let lagging = answer(with("load = 1.0 ", lagging), &CycleOptions::default(), &()).unwrap_err();
     assert!(lagging.contains("contacts \"belt\".lag.force = 3; allowed: mu alone"), "{lagging}");
-    let pulled = answer(with("mu = \"mu\"", "mu = \"-mu\""), &CycleOptions::default()).unwrap_err();
+    let pulled = answer(with("mu = \"mu\"", "mu = \"-mu\""), &CycleOptions::default(), &()).unwrap_err();
     assert!(pulled.contains("hoffmann.toml") && pulled.contains("contacts \"belt\".mu = -0.8; allowed: "), "{pulled}");
     // K without so stiff a spring would have a negative stiffness.
-    let soft =
-        answer(with("stiffness = 1.3333333333333333 ", "stiffness = 0.13 "), &CycleOptions::default()).unwrap_err();
+    let soft = answer(with("stiffness = 1.3333333333333333 ", "stiffness = 0.13 "), &CycleOptions::default(), &())
+        .unwrap_err();
     assert!(soft.contains("contact \"belt\": stiffness = 0.13; allowed: "), "{soft}");
-    let stable = answer(with("to = 1.1", "to = 0.7"), &CycleOptions::default()).unwrap_err();
+    let stable = answer(with("to = 1.1", "to = 0.7"), &CycleOptions::default(), &()).unwrap_err();
     assert!(stable.contains("no mode oscillates and grows"), "{stable}");
     for (options, expected) in [
         (CycleOptions { stick: 0.0, ..CycleOptions::default() }, "stick = 0; allowed: above 0 and below 1"),
