@@ -9,6 +9,7 @@ use brakes::LatticeBrake;
 use brakes::case::LatticeCase;
 use cea::{BatchSolver, QrSolver};
 use montecarlo::Progress;
+use squeal::cycles::{CycleOptions, cycles};
 use squeal::influence::influence;
 use squeal::screen::{ChangeKind, ScreenOptions, rank};
 use squeal::study::Study;
@@ -94,6 +95,10 @@ fn whatever_takes_long_can_be_cancelled() {
             ("a sweep", sweep(&study, 0, &both[0], &QrSolver, &after(evaluations)).map(drop).map_err(Into::into)),
             ("a map", stability_map(&study, 0, &both, &QrSolver, &after(evaluations)).map(drop).map_err(Into::into)),
             ("an influence", influence(&study, 0, 5000, None, &after(evaluations)).map(drop)),
+            (
+                "a motion",
+                cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &after(evaluations)).map(drop),
+            ),
             ("a ranking", rank(&brake, &options, &after(evaluations)).map(drop)),
         ];
         for (what, answer) in answers {

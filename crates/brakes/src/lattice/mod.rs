@@ -17,8 +17,9 @@ use osc_model::{
 use output::significant;
 use serde_json::{Value, json};
 use study::{
-    Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, NamedParameter, Origin, Parametrised, Place,
-    Plan, Scene, SceneKey, SceneLabels, SingleParameter, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
+    Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, Moves, NamedParameter, Origin, Parametrised,
+    Place, Plan, Scene, SceneKey, SceneLabels, SingleParameter, SlidingContacts, Symmetry, UncertainBrake,
+    WholeContact,
 };
 
 use crate::any::listed;
@@ -369,10 +370,12 @@ fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {
 }
 
 fn labels(case: &LatticeCase) -> SceneLabels {
+    let dofs = dof_names(case.lattice.grid.oscillators());
     SceneLabels {
         constraints: case.constraints.iter().map(|set| set.name.clone()).collect(),
         named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
-        dofs: dof_names(case.lattice.grid.oscillators()),
+        moves: vec![Moves::Along; dofs.len()],
+        dofs,
         ..friction_labels(&case.laws, &case.speeds, &case.panels, case.header.units)
     }
 }
