@@ -124,7 +124,7 @@ impl CycleArgs {
                     0,
                     over,
                     &options,
-                    [&Bar::of("parts of the sweep"), &Bar::of("parts of the branches")],
+                    [&Bar::of("steps of the sweep"), &Bar::of("steps of the branches")],
                 )?;
                 Ok((vec![branches.table()], branches.text()))
             })?,
