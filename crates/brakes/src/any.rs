@@ -64,9 +64,14 @@ pub trait CaseBrake: UncertainBrake {
     }
 }
 
-/// Medians of some parameters in words; factors of other numbers, which are 1 there, are left out.
+/// Medians of some parameters in words, without factors of other numbers, which are 1 there, and without those of single contacts that have
+/// the value of all.
 pub(crate) fn values_in_words(given: &[NamedParameter]) -> String {
-    let is_value = |p: &&NamedParameter| !p.unit.starts_with("times ");
+    let is_of_all = |p: &NamedParameter| {
+        let all = p.name.split_once('.').map(|(name, _)| name);
+        given.iter().any(|other| Some(other.name.as_str()) == all && other.median == p.median)
+    };
+    let is_value = |p: &&NamedParameter| !p.unit.starts_with("times ") && !is_of_all(p);
     let values: Vec<String> = given.iter().filter(is_value).map(|p| with_unit(&p.name, p.median, &p.unit)).collect();
     format!("median parameters{}{}", if values.is_empty() { "" } else { ": " }, values.join(", "))
 }

@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use brakes::case::{CaseFile, ChosenSpeed, LatticeCase, MatricesCase, SceneChoice};
 use brakes::{AnyBrake, LatticeBrake, MatricesBrake, Purpose};
 use cea::{Mode, Workspace};
 use cycle::{Motion, Settings, follow, measure, state_after};
+use montecarlo::Progress;
 use num_complex::Complex;
 use squeal::cycles::{CycleOptions, Start, cycles};
 use study::UncertainBrake;
@@ -140,28 +142,28 @@ fn what_a_motion_needs_and_a_case_lacks_is_said_in_a_line() {
         move |text: String| text.lines().filter(|line| !line.starts_with(field)).collect::<Vec<_>>().join("\n")
     };
     for field in ["load =", "speed =", "stiffness = 1.33"] {
-        let error = answer(without(field), &CycleOptions::default(), &()).unwrap_err();
+        let error = answer(without(field), &CycleOptions::default()).unwrap_err();
         let name = field.split(' ').next().unwrap();
         assert!(error.contains(&format!("contacts \"belt\".{name}")) && error.contains("missing; allowed:"), "{error}");
     }
     let with = |from: &'static str, to: &'static str| move |text: String| text.replace(from, to);
-    let negative = answer(with("load = 1.0 ", "load = -1.0 "), &CycleOptions::default(), &()).unwrap_err();
+    let negative = answer(with("load = 1.0 ", "load = -1.0 "), &CycleOptions::default()).unwrap_err();
     assert!(negative.contains("-1") && negative.contains("allowed: a number > 0"), "{negative}");
-    let sloped = answer(with("load = 1.0 ", "slope = -0.1\nload = 1.0 "), &CycleOptions::default(), &()).unwrap_err();
+    let sloped = answer(with("load = 1.0 ", "slope = -0.1\nload = 1.0 "), &CycleOptions::default()).unwrap_err();
     assert!(
         sloped.contains("contacts \"belt\".slope = -0.1; allowed: mu alone: a slope or lag is the tangent"),
         "{sloped}"
     );
     let lagging = "lag = { decay = 2.0, drive = 0.1, force = 3.0 }\nload = 1.0 ";
-    let lagging = answer(with("load = 1.0 ", lagging), &CycleOptions::default(), &()).unwrap_err();
+    let lagging = answer(with("load = 1.0 ", lagging), &CycleOptions::default()).unwrap_err();
     assert!(lagging.contains("contacts \"belt\".lag.force = 3; allowed: mu alone"), "{lagging}");
-    let pulled = answer(with("mu = \"mu\"", "mu = \"-mu\""), &CycleOptions::default(), &()).unwrap_err();
+    let pulled = answer(with("mu = \"mu\"", "mu = \"-mu\""), &CycleOptions::default()).unwrap_err();
     assert!(pulled.contains("hoffmann.toml") && pulled.contains("contacts \"belt\".mu = -0.8; allowed: "), "{pulled}");
     // K without so stiff a spring would have a negative stiffness.
-    let soft = answer(with("stiffness = 1.3333333333333333 ", "stiffness = 0.13 "), &CycleOptions::default(), &())
-        .unwrap_err();
+    let soft =
+        answer(with("stiffness = 1.3333333333333333 ", "stiffness = 0.13 "), &CycleOptions::default()).unwrap_err();
     assert!(soft.contains("contact \"belt\": stiffness = 0.13; allowed: "), "{soft}");
-    let stable = answer(with("to = 1.1", "to = 0.7"), &CycleOptions::default(), &()).unwrap_err();
+    let stable = answer(with("to = 1.1", "to = 0.7"), &CycleOptions::default()).unwrap_err();
     assert!(stable.contains("no mode oscillates and grows"), "{stable}");
     for (options, expected) in [
         (CycleOptions { stick: 0.0, ..CycleOptions::default() }, "stick = 0; allowed: above 0 and below 1"),
@@ -175,4 +177,29 @@ fn what_a_motion_needs_and_a_case_lacks_is_said_in_a_line() {
         let error = answer(|text| text, &options).unwrap_err();
         assert!(error.contains(expected), "{error}");
     }
+}
+
+/// What work says of its progress.
+#[derive(Default)]
+struct Counts {
+    total: AtomicU64,
+    done: AtomicU64,
+}
+
+impl Progress for Counts {
+    fn begin(&self, total: u64, done: u64) {
+        self.total.store(total, Ordering::Relaxed);
+        self.done.store(done, Ordering::Relaxed);
+    }
+    fn advance(&self, evaluations: u64) {
+        self.done.fetch_add(evaluations, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+}
+
+#[test]
+fn periods_are_told_as_they_pass_and_all_of_them_are_at_the_end() {
+    let (brake, counts) = (hoffmann(|text| text), Counts::default());
+    cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &counts).unwrap();
+    assert_eq!([&counts.total, &counts.done].map(|count| count.load(Ordering::Relaxed)), [1000, 1000]);
 }

@@ -118,6 +118,22 @@ fn options_that_do_not_fit_the_case() {
 }
 
 #[test]
+fn values_that_are_set_are_said_of_every_kind_of_brake() {
+    let folder = tempfile::tempdir().unwrap();
+    let lattice = folder.path().join("brake.toml");
+    std::fs::write(&lattice, SMALL).unwrap();
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/disc-pad/disc-pad.toml");
+    for (case, set) in [(&lattice, "friction.mu"), (&mesh, "friction.mu"), (&hoffmann(), "mu")] {
+        let set = format!("{set}=0.4321");
+        let said = |options: &[&str]| String::from_utf8(asked("cea", case, options).stdout).unwrap();
+        let words = said(&["--set", &set]);
+        assert!(words.lines().next().unwrap().contains("mu = 0.4321"), "{words}");
+        let json: Value = serde_json::from_str(&said(&["--set", &set, "--json"])).unwrap();
+        assert_eq!(json["scene"]["parameters"]["mu"].as_f64(), Some(0.4321), "{}", json["scene"]);
+    }
+}
+
+#[test]
 fn options_of_a_scene_are_heard_by_every_kind_of_brake() {
     let folder = tempfile::tempdir().unwrap();
     let lattice = folder.path().join("brake.toml");
