@@ -161,6 +161,10 @@ impl ScreenTally {
 
     /// Difference of a set to another one, `less`, in the number of unstable modes, on the same draws.
     pub fn difference(&self, plan: &Plan, set: usize, less: usize, samples: u64) -> Option<Estimate> {
+        if set == less {
+            // Nothing is drawn that could differ.
+            return Some(Estimate { value: 0.0, lower: 0.0, upper: 0.0 }).filter(|_| self.unstable[set].count() > 0);
+        }
         let ((by, most), (_, of_less)) = (size(plan, set), size(plan, less));
         difference(&self.drops[set][less], [(&self.unstable[set], most), (&self.unstable[less], of_less)], by, samples)
     }
