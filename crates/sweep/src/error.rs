@@ -21,7 +21,7 @@ pub enum Error {
         expected: usize,
     },
     /// An error at some values of the parameters.
-    #[error("{study}: {at}: {}", without_file(study, source))]
+    #[error("{study}: {at}: {}", without_file(source, study))]
     At {
         /// Path of the case file, or name of the study.
         study: String,
@@ -64,7 +64,7 @@ impl Error {
 }
 
 /// The words of an error without the file that it begins with, which is named before them already.
-fn without_file(study: &str, source: &Error) -> String {
+fn without_file(source: &Error, study: &str) -> String {
     let words = source.to_string();
     let rest = words.strip_prefix(study).and_then(|rest| rest.strip_prefix(": "));
     rest.map_or_else(|| words.clone(), str::to_owned)
