@@ -5,7 +5,7 @@ use montecarlo::Progress;
 use osc_model::Grid;
 use output::significant;
 use serde_json::{Map, Value, json};
-use study::{AnySample, Cost, Erased, IndependentBrake, Scene, UncertainBrake};
+use study::{AnySample, Cost, Erased, IndependentBrake, NamedParameter, Scene, UncertainBrake};
 use sweep::Over;
 
 use crate::case::CaseFile;
@@ -59,15 +59,21 @@ pub trait CaseBrake: UncertainBrake {
         let plan = self.plan();
         plan.scenes.first().map_or_else(String::new, |scene| {
             let given = self.parametrised().map_or_else(Vec::new, |of| of.parameters(scene));
-            let values = given.iter().map(|p| with_unit(&p.name, p.median, &p.unit)).collect::<Vec<_>>();
-            format!(
-                "{}; median parameters{}{}",
-                plan.describe(scene),
-                if values.is_empty() { "" } else { ": " },
-                values.join(", ")
-            )
+            format!("{}; {}", plan.describe(scene), values_in_words(&given))
         })
     }
+}
+
+/// Medians of some parameters in words, without factors of other numbers, which are 1 there, and without those of single contacts that have
+/// the value of all.
+pub(crate) fn values_in_words(given: &[NamedParameter]) -> String {
+    let is_of_all = |p: &NamedParameter| {
+        let all = p.name.split_once('.').map(|(name, _)| name);
+        given.iter().any(|other| Some(other.name.as_str()) == all && other.median == p.median)
+    };
+    let is_value = |p: &&NamedParameter| !p.unit.starts_with("times ") && !is_of_all(p);
+    let values: Vec<String> = given.iter().filter(is_value).map(|p| with_unit(&p.name, p.median, &p.unit)).collect();
+    format!("median parameters{}{}", if values.is_empty() { "" } else { ": " }, values.join(", "))
 }
 
 /// A number with its name and unit; one without a unit has "1" or nothing there.

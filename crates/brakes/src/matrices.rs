@@ -38,6 +38,7 @@ impl MatricesBrake {
             plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
         }
         plan.labels.dofs.clone_from(&case.dofs);
+        plan.labels.moves.clone_from(&case.moves);
         Ok(Self { case, plan })
     }
 

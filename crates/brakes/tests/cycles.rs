@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use brakes::case::{CaseFile, ChosenSpeed, LatticeCase, MatricesCase, SceneChoice};
 use brakes::{AnyBrake, LatticeBrake, MatricesBrake, Purpose};
 use cea::{Mode, Workspace};
 use cycle::{Motion, Settings, follow, measure, state_after};
+use montecarlo::Progress;
 use num_complex::Complex;
 use squeal::cycles::{CycleOptions, Start, cycles};
 use study::UncertainBrake;
@@ -104,7 +106,7 @@ fn friction_across_the_sliding_is_refused() {
     let text =
         std::fs::read_to_string(case("paper.toml")).unwrap().replace("lateral = \"none\"", "lateral = \"vector\"");
     let brake = LatticeBrake::new(LatticeCase::parse(&case("paper.toml"), text).unwrap()).unwrap();
-    let error = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default()).unwrap_err().to_string();
+    let error = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap_err().to_string();
     assert_eq!(
         error,
         "friction across the sliding has no motion here, only a tangent; allowed: readings.lateral = \"none\""
@@ -119,7 +121,7 @@ fn hoffmann(change: impl Fn(String) -> String) -> MatricesBrake {
 /// The motions of Hoffmann's oscillator with a line of its contact changed.
 fn answer(change: impl Fn(String) -> String, options: &CycleOptions) -> Result<squeal::cycles::Cycles, String> {
     let brake = hoffmann(change);
-    cycles(&brake, &brake.plan.scenes[0], options).map_err(|error| error.to_string())
+    cycles(&brake, &brake.plan.scenes[0], options, &()).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -175,4 +177,29 @@ fn what_a_motion_needs_and_a_case_lacks_is_said_in_a_line() {
         let error = answer(|text| text, &options).unwrap_err();
         assert!(error.contains(expected), "{error}");
     }
+}
+
+/// What work says of its progress.
+#[derive(Default)]
+struct Counts {
+    total: AtomicU64,
+    done: AtomicU64,
+}
+
+impl Progress for Counts {
+    fn begin(&self, total: u64, done: u64) {
+        self.total.store(total, Ordering::Relaxed);
+        self.done.store(done, Ordering::Relaxed);
+    }
+    fn advance(&self, evaluations: u64) {
+        self.done.fetch_add(evaluations, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+}
+
+#[test]
+fn periods_are_told_as_they_pass_and_all_of_them_are_at_the_end() {
+    let (brake, counts) = (hoffmann(|text| text), Counts::default());
+    cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &counts).unwrap();
+    assert_eq!([&counts.total, &counts.done].map(|count| count.load(Ordering::Relaxed)), [1000, 1000]);
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use case::{CaseFile, MatricesCase};
 use nalgebra::{DMatrix, dmatrix};
+use study::Moves;
 
 /// A folder with a matrix in every format that is written here in a few lines; the names of the files.
 fn written(folder: &Path, name: &str, matrix: &DMatrix<f64>) -> Vec<String> {
@@ -150,7 +151,10 @@ fn named_rows_meet_by_their_names_and_give_names() {
     write("K.mtx", "%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n4\n");
     let case = read(folder.path(), "\"M.inp\"", "\"K.inp\"", "").unwrap();
     assert_eq!(case.dofs, ["5.x", "7.z"]);
+    assert_eq!(case.moves, [Moves::Along; 2]);
     assert_eq!(case.system.terms()[0].matrices().k, dmatrix![0.0, 0.0; 0.0, 9.0]);
+    write("turns.inp", "7, 6, 7, 6, 2.0\n5, 1, 5, 1, 4.0\n");
+    assert_eq!(read(folder.path(), "\"turns.inp\"", "\"turns.inp\"", "").unwrap().moves, [Moves::Along, Moves::Turns]);
     let contact = "[[contacts]]\nname = \"c\"\nforce = { \"7.z\" = 1.0 }\nreading = { \"5.x\" = 2.0 }\nmu = 0.3\n";
     assert_eq!(read(folder.path(), "\"M.inp\"", "\"K.inp\"", contact).unwrap().gains.len(), 1);
     let term = |k: &str| format!("[[terms]]\nname = \"more\"\nstiffness = {k}\n");

@@ -10,6 +10,7 @@ use montecarlo::Progress;
 use squeal::RunProgress;
 
 use crate::log_lines::LogLines;
+use crate::terminal::note;
 
 /// Name of the things that a bar counts while a study is prepared, in the plural.
 pub(crate) const PREPARED: &str = "steps of preparation";
@@ -135,6 +136,13 @@ impl Progress for Bar {
         }
         if let Some(log) = &*self.log.lock().unwrap_or_else(PoisonError::into_inner) {
             log.lines.lock().unwrap_or_else(PoisonError::into_inner).done += evaluations;
+        }
+    }
+
+    fn tell(&self, news: &str) {
+        match self.bar.get() {
+            Some(bar) => bar.suspend(|| note(news)),
+            None => note(news),
         }
     }
 

@@ -147,7 +147,7 @@ impl CeaArgs {
                 .collect();
             let whole = diverging.whole.as_ref().map(|whole| pairs_of_numbers(whole));
             let mut all = json!({
-                "scene": heading,
+                "scene": brake.scene_json(),
                 "modes": list,
                 "diverging": whole,
                 "diverging_beyond": diverging.beyond,
@@ -310,7 +310,12 @@ fn table(rows: &[Row], real: &[RealRow], modes: &Modes, brake: &Brake) -> String
     if !modes.internal.is_empty() {
         text += &format!("\n{} bristle eigenvalues, which are no modes\n", modes.internal.len());
     }
-    text + "\ndamping ratio: -Re / |lambda|, negative where a mode grows; rank counts overdamped modes first, of equal frequencies the damped one\n"
+    text += "\ndamping ratio: -Re / |lambda|, negative where a mode grows; rank counts overdamped modes first, of equal frequencies the damped one\n";
+    if rows.iter().any(|row| row.shape.is_some()) {
+        text += "under a mode: its shape by body over its largest entry, whichever unit each has; then the work of each family of forces in a \
+                 period, over the largest net work of a body: it feeds where it is positive\n";
+    }
+    text
 }
 
 /// Shape and work of a mode, a line for each body. A shape with three components for each body is shown in full, others

@@ -114,12 +114,18 @@ impl CycleArgs {
         }
         let (tables, text): (Vec<Table>, String) = match &self.over {
             None => {
-                let cycles = cycles(brake, &plan.scenes[0], &options)?;
+                let cycles = cycles(brake, &plan.scenes[0], &options, &Bar::of("periods of the modes at most"))?;
                 (vec![cycles.table(), cycles.contacts_table()], cycles.text())
             }
             Some(over) => workers(None)?.install(|| -> Result<_, Error> {
                 let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
-                let branches = branches(&study, 0, over, &options, &Bar::of("parts of the sweep"))?;
+                let branches = branches(
+                    &study,
+                    0,
+                    over,
+                    &options,
+                    [&Bar::of("steps of the sweep"), &Bar::of("steps of the branches")],
+                )?;
                 Ok((vec![branches.table()], branches.text()))
             })?,
         };

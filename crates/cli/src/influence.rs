@@ -80,7 +80,12 @@ impl InfluenceArgs {
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];
-        let heading = format!("{}: {}; {draws} draws, seed {}", plan.name, plan.describe(scene), plan.seed);
+        let asked = match plan.samples {
+            few if few < draws => format!(" (not study.samples = {few}: an index needs {draws})"),
+            many if many > draws => format!(" (not study.samples = {many}: {draws} are the most)"),
+            _ => String::new(),
+        };
+        let heading = format!("{}: {}; {draws} draws{asked}, seed {}", plan.name, plan.describe(scene), plan.seed);
         let source = brake.mode_source();
         let doubt = divergence_doubt(plan, source.is_some(), source.and_then(|source| source.full_checks()));
         let warning = doubt.map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));

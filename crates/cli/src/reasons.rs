@@ -16,7 +16,8 @@ const MOST_IN_A_LINE: usize = 6;
 const LEAST_PART: f64 = 0.0005;
 /// Note on the columns of an answer, printed below the last one.
 const NOTE: &str = "\nholds to: change of the value up to which that of the growth is linear to a tenth; in parentheses where 1 % is beyond \
-     it\ngrowth of a family, contact, term or body: the part of the growth that the work of its forces makes; docs/why.md\n";
+     it\ngrowth of a family, contact, term or body: the part of the growth that the work of its forces makes; docs/why.md\nmass, \
+     damping or stiffness of a term: that matrix alone; a parameter takes along all that depends on it, as the friction that a contact spring brings\n";
 
 /// Answers for modes of a scene.
 #[derive(Default)]

@@ -48,13 +48,13 @@ pub struct ScreenArgs {
     /// Single changes of each kind to confirm; of each larger size one set is [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub confirm: Option<u64>,
-    /// Added mass, kg [default: 5 % of the place's own]
+    /// Added mass, kg; of a rotation kgm^2 [default: 5 % of the place's own]
     #[arg(long, value_name = "KG", allow_negative_numbers = true, value_parser = number)]
     pub mass: Option<f64>,
-    /// Added spring to ground, N/m [default: 5 % of the direction's own stiffness]
+    /// Added spring to ground, N/m; of a rotation Nm/rad [default: 5 % of the direction's own stiffness]
     #[arg(long, value_name = "N/m", allow_negative_numbers = true, value_parser = number)]
     pub spring: Option<f64>,
-    /// Added dashpot to ground, Ns/m [default: 1 % of critical damping of the direction by itself]
+    /// Added dashpot to ground, Ns/m; of a rotation Nms/rad [default: 1 % of critical damping of the direction by itself]
     #[arg(long, value_name = "Ns/m", allow_negative_numbers = true, value_parser = number)]
     pub dashpot: Option<f64>,
     /// Draws of the prediction [default: 8]
@@ -147,7 +147,8 @@ impl ScreenArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let ranking = workers(self.machine.threads)?.install(|| rank(brake, &options, &Bar::of("sets of changes")))?;
+        let ranking =
+            workers(self.machine.threads)?.install(|| rank(brake, &options, &Bar::of("combinations of changes")))?;
         let predicted = start.elapsed().as_secs_f64();
         let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
         let (preparation, evaluation) = (Bar::of(PREPARED), Bar::of(EVALUATED));

@@ -88,7 +88,7 @@ impl SweepArgs {
         let (found, modes) = pool.install(|| -> Result<(Found, Vec<BoundaryMode>), Error> {
             let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
             let found = match &self.over[..] {
-                [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &Bar::of("parts of the sweep"))?.into()),
+                [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &Bar::of("steps of the sweep"))?.into()),
                 [a, b] => {
                     let both = [a.clone(), b.clone()];
                     Found::Map(stability_map(&study, 0, &both, &QrSolver, &Bar::of("lines"))?.into())

@@ -62,7 +62,7 @@ pub enum ContactError {
     },
     /// Faces that are farther from each other than they may be.
     #[error(
-        "the faces do not meet: node {node} of the slave is {distance:e} from the nearest face of the master, of which at most {reach:e} is allowed"
+        "the faces do not meet: node {node} of the slave is {distance:.3e} from the nearest face of the master, in the unit of length of the mesh, of which at most {reach:.3e} is allowed"
     )]
     Apart {
         /// The number of the node of the slave next to the point.

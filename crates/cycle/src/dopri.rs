@@ -30,6 +30,9 @@ pub(crate) trait Flow {
 
     /// Scale of each of the first entries of x, of which the error is kept small; the others come along.
     fn scales(&self) -> &[f64];
+
+    /// Refuses to go on where work is to end.
+    fn go_on(&self) -> Result<(), Error>;
 }
 
 /// A motion at a time, and the way on from there.
@@ -66,8 +69,9 @@ impl<'a, F: Flow> Integrator<'a, F> {
     /// Goes one step, which ends at `until` at the latest or at the first switch. Returns the switch.
     ///
     /// # Errors
-    /// Numbers that are not finite, steps that vanish.
+    /// Numbers that are not finite, steps that vanish, work that is to end.
     pub fn step(&mut self, until: f64) -> Result<Option<usize>, Error> {
+        self.flow.go_on()?;
         let failed = |time, reason| Error::Motion { time, reason };
         loop {
             let rest = until - self.time;

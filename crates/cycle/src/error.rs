@@ -55,6 +55,9 @@ pub enum Error {
         /// Relative residual at its end.
         residual: f64,
     },
+    /// Work that was stopped by [`ContactSystem::until`](crate::ContactSystem::until).
+    #[error("stopped")]
+    Stopped,
     /// A system of `linsys`.
     #[error(transparent)]
     System(#[from] linsys::LinsysError),

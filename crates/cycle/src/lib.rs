@@ -29,7 +29,7 @@ pub use error::Error;
 pub use friction::{Bristled, ContactFriction, Smoothed};
 pub use harmonic_balance::{Balance, BalancedCycle};
 pub use measure::{Measures, Shares, history, measure};
-pub use motion::{Motion, Settings, follow, state_after};
+pub use motion::{Motion, Settings, follow, follow_telling, state_after};
 pub use shooting::{Cycle, shoot};
 pub use system::{ContactSystem, Part};
 

@@ -81,6 +81,10 @@ impl Flow for Measured<'_> {
     fn scales(&self) -> &[f64] {
         &self.scales
     }
+
+    fn go_on(&self) -> Result<(), Error> {
+        self.system.go_on()
+    }
 }
 
 /// Goes through a period of a cycle and measures it.

@@ -76,6 +76,10 @@ impl Flow for Crossing<'_> {
     fn scales(&self) -> &[f64] {
         self.scales
     }
+
+    fn go_on(&self) -> Result<(), Error> {
+        self.system.go_on()
+    }
 }
 
 /// Follows the motion from a state to what it becomes. `omega`, rad/s, and `shape` are of a mode that it may swing in: they scale it, and its
@@ -90,6 +94,21 @@ pub fn follow(
     shape: &[Complex<f64>],
     settings: &Settings,
 ) -> Result<Motion, Error> {
+    follow_telling(system, start, omega, shape, settings, &mut || ())
+}
+
+/// Follows the motion as [`follow`], and calls `each_period` after each period of the mode, at most [`Settings::most_periods`] times.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_telling(
+    system: &ContactSystem,
+    start: Vec<f64>,
+    omega: f64,
+    shape: &[Complex<f64>],
+    settings: &Settings,
+    each_period: &mut dyn FnMut(),
+) -> Result<Motion, Error> {
     check(system, &start, omega, settings)?;
     let scales = system.scales(omega);
     let section = section(system, shape);
@@ -99,8 +118,13 @@ pub fn follow(
     let until = settings.most_periods as f64 * period;
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
     let (mut next_try, mut largest) = (0, amplitude(&motion.x, &scales));
+    let mut told = 0;
     while motion.time < until {
         let switch = motion.step(until)?;
+        while told < settings.most_periods && (told + 1) as f64 * period <= motion.time {
+            each_period();
+            told += 1;
+        }
         let size = amplitude(&motion.x, &scales);
         largest = size.max(largest);
         if size > UNBOUNDED {

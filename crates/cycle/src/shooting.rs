@@ -75,6 +75,10 @@ impl Flow for Variation<'_> {
     fn scales(&self) -> &[f64] {
         self.scales
     }
+
+    fn go_on(&self) -> Result<(), Error> {
+        self.system.go_on()
+    }
 }
 
 /// State after a period, and its derivative by the state at the begin.

@@ -1,5 +1,8 @@
 //! The equations of motion of a structure with contacts, and their tangent.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use num_complex::Complex;
@@ -42,6 +45,8 @@ pub struct ContactSystem {
     /// `M^-1 c_i` and `M^-1 b_i`, n by n.
     normal: DMatrix<f64>,
     sliding: DMatrix<f64>,
+    /// Flag that ends all work with the system.
+    stop: Option<Arc<AtomicBool>>,
 }
 
 /// Forces of a contact in a state of motion, with their derivatives.
@@ -112,7 +117,21 @@ impl ContactSystem {
         let rows =
             (0..order).flat_map(|i| k.row(i).iter().chain(c.row(i).iter()).copied().collect::<Vec<_>>()).collect();
         let steady = contacts.iter().map(SlidingContact::steady).collect();
-        Ok(Self { parts, structure, contacts, steady, bristles, dimension, rows, normal, sliding })
+        Ok(Self { parts, structure, contacts, steady, bristles, dimension, rows, normal, sliding, stop: None })
+    }
+
+    /// The system, all work with which ends with [`Error::Stopped`] soon after `stop` is set.
+    #[must_use]
+    pub fn until(self, stop: Arc<AtomicBool>) -> Self {
+        Self { stop: Some(stop), ..self }
+    }
+
+    /// Refuses to go on where work is to end.
+    pub(crate) fn go_on(&self) -> Result<(), Error> {
+        match &self.stop {
+            Some(stop) if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
+            _ => Ok(()),
+        }
     }
 
     /// n, the number of degrees of freedom.

@@ -16,6 +16,16 @@ pub struct Bounds {
     pub greatest: f64,
     /// Largest distance of a value that was not seen beyond those seen, where at least one of these was not zero.
     pub step: f64,
+    /// Least and greatest value that was not seen, where all that were seen are zero.
+    pub unseen: [f64; 2],
+}
+
+impl Bounds {
+    /// Bounds of a count, 0 to `greatest`, of which nothing else is known.
+    #[must_use]
+    pub fn of_count(greatest: f64, step: f64) -> Self {
+        Self { least: 0.0, greatest, step, unseen: [0.0, greatest] }
+    }
 }
 
 /// Count, sum and sum of squares of integers, the number of those that are not zero, and the extremes. Kept exactly, as those of
@@ -74,11 +84,22 @@ impl BoundedMean {
         self.values.mean()
     }
 
+    /// Least and greatest value that one more may have.
+    pub(crate) fn one_more(&self, Bounds { least, greatest, step, unseen }: Bounds) -> [f64; 2] {
+        match self.nonzero {
+            0 => unseen,
+            _ => {
+                let [low, high] = [self.least.min(0), self.greatest.max(0)].map(f64::from);
+                [(low - step).max(least), (high + step).min(greatest)]
+            }
+        }
+    }
+
     /// A confidence interval for the expectation, within the bounds; all of them without values. The widest of three at each end:
     ///
     /// - Student's, [`IntegerMean::interval`];
     /// - for what is rare: the limit of Clopper and Pearson of the part p that is not zero, times the mean of those that are not
-    ///   with one value more, that lies `step` beyond the extreme seen, at the bound where none was seen;
+    ///   with one value more, that lies `step` beyond the extreme seen, at `unseen` where none was seen;
     /// - where all values are equal: `mean + q (x - mean)`, in which x is that value more and q the limit of the part that was not
     ///   seen, `1 - tail^(1/n)`.
     ///
@@ -87,19 +108,12 @@ impl BoundedMean {
     /// beyond all others. `docs/uncertainty.md` has the numbers.
     #[must_use]
     pub fn interval(&self, bounds: Bounds, confidence: Confidence) -> Interval {
-        let Bounds { least, greatest, step } = bounds;
+        let Bounds { least, greatest, .. } = bounds;
         let (count, tail) = (self.count(), confidence.tail());
         let Some(mean) = self.mean() else { return Interval { lower: least, upper: greatest } };
         let student = self.values.interval(confidence);
         let student = student.unwrap_or(Interval { lower: f64::NEG_INFINITY, upper: f64::INFINITY });
-        // One more value, at either end.
-        let (low, high) = match self.nonzero {
-            0 => (least, greatest),
-            _ => (
-                (f64::from(self.least.min(0)) - step).max(least),
-                (f64::from(self.greatest.max(0)) + step).min(greatest),
-            ),
-        };
+        let [low, high] = self.one_more(bounds);
         let (nonzero, sum) = (self.nonzero, self.values.sum() as f64);
         let of_nonzero = [low, high].map(|one_more| (sum + one_more) / (nonzero + 1) as f64);
         let (rarely, often) = (exact_lower_limit(nonzero, count, tail), exact_upper_limit(nonzero, count, tail));
@@ -130,7 +144,7 @@ mod tests {
 
     /// Bounds of a number of unstable modes: 0 to `greatest`.
     fn counts(greatest: f64) -> Bounds {
-        Bounds { least: 0.0, greatest, step: 1.0 }
+        Bounds::of_count(greatest, 1.0)
     }
 
     fn of(values: &[i32]) -> BoundedMean {
@@ -148,7 +162,7 @@ mod tests {
         // 0 of 5: at most 52.2 % (Clopper and Pearson), of a yes or no and of twenty modes.
         assert_relative_eq!(limits(&[0; 5], 1.0).upper, 0.521_824, epsilon = 1e-6);
         assert_relative_eq!(limits(&[0; 5], 20.0).upper, 20.0 * 0.521_824, epsilon = 1e-5);
-        let difference = Bounds { least: -2.0, greatest: 2.0, step: 1.0 };
+        let difference = Bounds { least: -2.0, greatest: 2.0, step: 1.0, unseen: [-2.0, 2.0] };
         let none = of(&[0; 5]).interval(difference, Confidence::P95);
         assert_relative_eq!(none.upper, 2.0 * 0.521_824, epsilon = 1e-5);
         assert_eq!(none.lower, -none.upper);

@@ -11,6 +11,8 @@ pub trait Progress: Sync {
     fn advance(&self, evaluations: u64);
     /// Called once when the run has ended, with or without an error.
     fn end(&self);
+    /// Called where work goes another way than it seemed to: `news` says why, in a sentence.
+    fn tell(&self, _news: &str) {}
     /// True if whoever is told wants the run to end now: asked between evaluations, and by a run ten times a second.
     fn is_cancelled(&self) -> bool {
         false

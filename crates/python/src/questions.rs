@@ -183,7 +183,9 @@ pub(crate) fn sweep(
                     let both = [a.clone(), b.clone()];
                     Found::Map(stability_map(&study, 0, &both, &QrSolver, &*watch.stage("lines"))?.into())
                 }
-                one => Found::Branches(over_one(&study, 0, &one[0], &QrSolver, &*watch.stage("sectors"))?.into()),
+                one => Found::Branches(
+                    over_one(&study, 0, &one[0], &QrSolver, &*watch.stage("steps of the sweep"))?.into(),
+                ),
             })
         })?;
         Ok((tables(found.tables()), found.json().to_string(), found.text()))
@@ -241,7 +243,7 @@ pub(crate) fn screen(
     let source = brake.source.clone();
     away(py, Ends::Itself, progress.as_ref(), move |watch| {
         let brake = source.brake(Purpose::Screen, threads, watch)?;
-        let ranking = workers(threads)?.install(|| rank(&brake, &options, &*watch.stage("sets of changes")))?;
+        let ranking = workers(threads)?.install(|| rank(&brake, &options, &*watch.stage("combinations of changes")))?;
         let (preparation, evaluation) = (watch.stage(PREPARED), watch.stage(EVALUATED));
         let how =
             Confirmation::new(brake.plan().samples).with_threads(threads).with_progress(&*preparation, &*evaluation);

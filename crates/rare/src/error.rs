@@ -18,8 +18,8 @@ pub enum Error {
     },
     /// A system that fails where all inputs have their medians.
     #[error(
-        "a mode of {:.6} Hz is unstable with all inputs at their medians, with a growth of {growth:.4} 1/s: that is not rare; allowed: a \
-         system that is stable at its medians; plain samples say how often this one is unstable",
+        "a mode of {:.6} Hz is unstable with all inputs at their medians, with a growth of {growth:.4} 1/s: that is not rare; allowed: \
+         medians at which nothing is unstable; plain samples say how often anything is",
         omega / TAU
     )]
     NotRare {

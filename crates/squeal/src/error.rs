@@ -17,9 +17,11 @@ pub enum Error {
     Estimator(Box<study::estimators::EstimatorError>),
     /// A scene in which nothing is drawn.
     #[error(
-        "{scene}: nothing is drawn in this scene; allowed: a brake that names what it draws, with one distribution that is not constant"
+        "{study}: {scene}: nothing is drawn in this scene; allowed: a brake that names what it draws, with one distribution that is not constant"
     )]
     NoInputs {
+        /// Path of the case file, or name of the study.
+        study: String,
         /// Constraints, law, contacts and speed.
         scene: String,
     },
@@ -40,9 +42,17 @@ pub enum Error {
     /// The motion after the onset.
     #[error(transparent)]
     Cycle(#[from] cycle::Error),
-    /// The probability of squeal that is rare.
+    /// Options of the probability of squeal that is rare.
     #[error(transparent)]
     Rare(#[from] ::rare::Error),
+    /// The probability of squeal that is rare, of a study.
+    #[error("{study}: {source}")]
+    RareOf {
+        /// Path of the case file, or name of the study.
+        study: String,
+        /// Cause.
+        source: ::rare::Error,
+    },
     /// A probability that is larger than a bound which is certified.
     #[error(
         "the probability is {lower:.2e} or more by samples and {bound:.2e} or less by the certificate of stability: one of them is wrong; allowed: \

@@ -9,11 +9,42 @@ use brakes::LatticeBrake;
 use brakes::case::LatticeCase;
 use cea::{BatchSolver, QrSolver};
 use montecarlo::Progress;
+use squeal::cycles::{CycleOptions, cycles};
 use squeal::influence::influence;
 use squeal::screen::{ChangeKind, ScreenOptions, rank};
 use squeal::study::Study;
 use squeal::sweep::{Over, stability_map, sweep};
 use squeal::{RunOptions, RunProgress, run_study_with};
+
+/// Steps that were foreseen and that were made.
+#[derive(Default)]
+struct Counts([AtomicI64; 2]);
+
+impl Progress for Counts {
+    fn begin(&self, total: u64, done: u64) {
+        self.0[0].store(total as i64, Ordering::Relaxed);
+        self.0[1].store(done as i64, Ordering::Relaxed);
+    }
+    fn advance(&self, evaluations: u64) {
+        self.0[1].fetch_add(evaluations as i64, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+}
+
+#[test]
+fn what_is_foreseen_is_what_is_done() {
+    let brake = brake(8);
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let (swept, ranked) = (Counts::default(), Counts::default());
+    sweep(&study, 0, &Over { name: "mu".into(), from: 0.0, to: 1.3 }, &QrSolver, &swept).unwrap();
+    let mut options = ScreenOptions::default();
+    (options.kinds, options.draws) = (vec![ChangeKind::Constraint, ChangeKind::Contact], 2);
+    rank(&brake, &options, &ranked).unwrap();
+    for counts in [swept, ranked] {
+        let [total, done] = counts.0.map(AtomicI64::into_inner);
+        assert!(total > 1 && done == total, "{done} of {total}");
+    }
+}
 
 /// Whoever has enough after so many evaluations.
 struct Until(AtomicI64);
@@ -94,6 +125,10 @@ fn whatever_takes_long_can_be_cancelled() {
             ("a sweep", sweep(&study, 0, &both[0], &QrSolver, &after(evaluations)).map(drop).map_err(Into::into)),
             ("a map", stability_map(&study, 0, &both, &QrSolver, &after(evaluations)).map(drop).map_err(Into::into)),
             ("an influence", influence(&study, 0, 5000, None, &after(evaluations)).map(drop)),
+            (
+                "a motion",
+                cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &after(evaluations)).map(drop),
+            ),
             ("a ranking", rank(&brake, &options, &after(evaluations)).map(drop)),
         ];
         for (what, answer) in answers {

@@ -1,6 +1,7 @@
 //! The capability of a brake that can be modified: contacts as wholes, places where something can be attached, symmetries.
 
 use linsys::SecondOrder;
+use serde::{Deserialize, Serialize};
 
 use crate::{Error, Plan, Scene};
 
@@ -48,14 +49,28 @@ pub struct Direction {
     pub parts: Vec<Vec<(usize, f64)>>,
     /// Own mass and stiffness of the direction, to which the size of an attachment is in proportion.
     pub own: OwnSize,
+    /// Kind of the motion, on which the units of attachments depend.
+    pub moves: Moves,
+}
+
+/// Kind of the motion of a degree of freedom.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Moves {
+    /// A displacement along a line.
+    Along,
+    /// A rotation.
+    Turns,
+    /// Either, or an amplitude of something else: whoever made the brake does not say.
+    #[default]
+    Unknown,
 }
 
 /// Own mass and stiffness of a [`Direction`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnSize {
-    /// Mass, kg.
+    /// Mass, kg; of a rotation the moment of inertia, kg m^2.
     pub mass: f64,
-    /// Stiffness, N/m.
+    /// Stiffness, N/m; of a rotation Nm/rad.
     pub stiffness: f64,
 }
 

@@ -10,7 +10,7 @@ use num_complex::Complex;
 use osc_model::Brake;
 use serde::{Deserialize, Serialize};
 
-use super::{Contradiction, Measured, ModeLabel, Units};
+use super::{Contradiction, Measured, ModeLabel, Moves, Units};
 
 /// Key that tells scenes apart: indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -106,6 +106,8 @@ pub struct SceneLabels {
     pub named_at: String,
     /// Names of the degrees of freedom, held ones too; those without a name are called by their number, from 1.
     pub dofs: Vec<String>,
+    /// Kinds of their motions, in the same order; those without one are [`Moves::Unknown`].
+    pub moves: Vec<Moves>,
 }
 
 impl SceneLabels {
@@ -117,6 +119,11 @@ impl SceneLabels {
     /// Name of the degree of freedom `index`, from 0; its number, from 1, where it has none.
     pub fn dof(&self, index: usize) -> String {
         self.dofs.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
+    }
+
+    /// Kind of the motion of the degree of freedom `index`, from 0.
+    pub fn moves(&self, index: usize) -> Moves {
+        self.moves.get(index).copied().unwrap_or_default()
     }
 
     /// Constraints, law and speed of a scene or panel: the first columns of tables.

@@ -21,8 +21,10 @@ pub enum Error {
         expected: usize,
     },
     /// An error at some values of the parameters.
-    #[error("{at}: {source}")]
+    #[error("{study}: {at}: {}", without_file(source, study))]
     At {
+        /// Path of the case file, or name of the study.
+        study: String,
         /// Parameters with the values, or the range, at which the sweep failed.
         at: String,
         /// Cause.
@@ -56,9 +58,16 @@ impl Error {
     }
 
     /// The error with the place in a sweep where it happened; the end of cancelled work as it is.
-    pub(crate) fn in_sweep(self, at: impl FnOnce() -> String) -> Self {
-        if self.is_cancelled() { self } else { Self::At { at: at(), source: Box::new(self) } }
+    pub(crate) fn in_sweep(self, plan: &study::Plan, at: impl FnOnce() -> String) -> Self {
+        if self.is_cancelled() { self } else { Self::At { study: plan.source(), at: at(), source: Box::new(self) } }
     }
+}
+
+/// The words of an error without the file that it begins with, which is named before them already.
+fn without_file(source: &Error, study: &str) -> String {
+    let words = source.to_string();
+    let rest = words.strip_prefix(study).and_then(|rest| rest.strip_prefix(": "));
+    rest.map_or_else(|| words.clone(), str::to_owned)
 }
 
 study::from_errors!(

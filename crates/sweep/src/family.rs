@@ -160,7 +160,8 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     /// An error of the brake with the values of the swept parameters at which it happened.
     fn at_values(&self, source: study::Error, values: &[f64]) -> Error {
         let named = || self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name));
-        Error::from(source).in_sweep(|| named().collect::<Vec<_>>().join(", "))
+        Error::from(source)
+            .in_sweep(self.study.plan(), || format!("swept to {}", named().collect::<Vec<_>>().join(", ")))
     }
 
     /// True if divergence counts: of a reduced brake nothing is known that does not oscillate.

@@ -98,12 +98,13 @@ pub fn stability_map<B: UncertainBrake>(
     let mut along = opens_along(&family)?;
     // Contact points that open keep no symmetry.
     let mut parts = if along.is_some() { vec![family.whole()] } else { family.parts()? };
-    let at = || format!("sweep over {} and {}", over[0], over[1]);
+    let in_words = |source: Error| source.in_sweep(study.plan(), || format!("sweep over {} and {}", over[0], over[1]));
     let middle = parts.iter().map(|part| part.system(&[0.5, 0.5])).collect::<Result<Vec<_>, Error>>()?;
     let is_small = middle.iter().all(|system| 2 * system.order() + system.states() <= SMALL);
     let mut evaluations = Evaluations::default();
-    let mut contradicted: Option<(Region, usize)> = None;
-    for grid in GRIDS.into_iter().take(if is_small { GRIDS.len() } else { 2 }) {
+    let mut grids = GRIDS.into_iter().skip(1).take(if is_small { GRIDS.len() } else { 1 });
+    let mut grid = GRIDS[0];
+    loop {
         let followed = match along {
             Some(_) => None,
             None => {
@@ -112,7 +113,7 @@ pub fn stability_map<B: UncertainBrake>(
                 let of_part = |part: &Part<'_, B>| of_part(part, grid, progress);
                 let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
                 progress.end();
-                Some(found.map_err(|source| source.in_sweep(at))?)
+                Some(found.map_err(in_words)?)
             }
         };
         let mut map = match followed {
@@ -123,12 +124,13 @@ pub fn stability_map<B: UncertainBrake>(
                     evaluations += part.evaluations;
                 }
                 if along.is_none() {
+                    progress.tell("the boundary runs along an end of the band: lines are swept in place of curves");
                     (along, parts) = (Some(0), vec![family.whole()]);
                 }
                 progress.begin((2 * grid + 1) as u64, 0);
                 let found = lines(&parts[0], along.unwrap_or(0), 2 * grid + 1, progress);
                 progress.end();
-                by_lines(&family, found.map_err(|source| source.in_sweep(at))?, grid)
+                by_lines(&family, found.map_err(in_words)?, grid)
             }
         };
         let mut checks = map.regions.clone();
@@ -140,15 +142,20 @@ pub fn stability_map<B: UncertainBrake>(
         map.evaluations.spectra += (parts.len() * checks.len()) as u64;
         map.evaluations += evaluations;
         evaluations = map.evaluations;
-        contradicted = checks.into_iter().zip(counts).find(|(place, count)| place.unstable != *count);
-        if contradicted.is_none() {
+        let Some((place, found)) = checks.into_iter().zip(counts).find(|(place, count)| place.unstable != *count)
+        else {
             return Ok(map);
-        }
+        };
+        let [x, y] = [0, 1].map(|axis| format!("{} = {}", over[axis].name, family.parameters[axis].at(place.at[axis])));
+        let source = Error::MapContradicted { at: format!("{x}, {y}"), found, expected: place.unstable };
+        let Some(finer) = grids.next() else { return Err(in_words(source)) };
+        progress.tell(&format!(
+            "at {x}, {y} a spectrum has {found} unstable modes and the map {}: a curve is missing, and lines are refined from {grid} intervals to \
+             {finer}",
+            place.unstable
+        ));
+        grid = finer;
     }
-    let (place, found) = contradicted.unwrap_or((Region { unstable: 0, share: 0.0, at: [0.0; 2] }, 0));
-    let [x, y] = [0, 1].map(|axis| format!("{} = {}", over[axis].name, family.parameters[axis].at(place.at[axis])));
-    let source = Error::MapContradicted { at: format!("{x}, {y}"), found, expected: place.unstable };
-    Err(source.in_sweep(at))
 }
 
 /// The map of lines between openings, not checked yet.

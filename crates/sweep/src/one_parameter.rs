@@ -8,7 +8,7 @@ use study::{Study, UncertainBrake};
 use super::family::{Family, Part};
 use super::openings::{OPENING_STEPS, openings};
 use super::parameter::Over;
-use super::part_sweep::{Entry, of_part};
+use super::part_sweep::{Entry, STEPS_OF_PART, of_part};
 use super::pieces::piecewise;
 use super::remembered::Remembered;
 use super::results::{Miscount, Sweep};
@@ -28,7 +28,7 @@ pub fn sweep<B: UncertainBrake>(
     let remembered = Remembered::new(solver);
     let family = Family::new(study, scene, std::slice::from_ref(over), solver, progress)?;
     let parameter = family.parameters[0].clone();
-    let in_words = |source: Error| source.in_sweep(|| format!("sweep over {over}"));
+    let in_words = |source: Error| source.in_sweep(study.plan(), || format!("sweep over {over}"));
     let median = parameter.part(parameter.median);
     let opened = match family.contact_points()[..] {
         [] => Vec::new(),
@@ -39,12 +39,8 @@ pub fn sweep<B: UncertainBrake>(
     };
     let (mut sweep, parts) = if opened.is_empty() {
         let parts = family.parts()?;
-        progress.begin(parts.len() as u64, 0);
-        let of_part = |part: &Part<'_, B>| {
-            let found = of_part(part, &parameter, &Entry::Medians);
-            progress.advance(1);
-            Ok(found?.sweep)
-        };
+        progress.begin(parts.len() as u64 * STEPS_OF_PART, 0);
+        let of_part = |part: &Part<'_, B>| Ok(of_part(part, &parameter, &Entry::Medians)?.sweep);
         let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
         progress.end();
         let empty = Sweep::empty(parameter, study.plan().threshold);

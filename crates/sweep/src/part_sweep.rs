@@ -49,6 +49,9 @@ pub(super) struct PartSweep<'a> {
     pub spectra: KeptSpectra<'a, MakeSystem<'a>>,
 }
 
+/// Steps of progress of the sweep of a part: branches, coalescences, changes, and these changes to full accuracy.
+pub(super) const STEPS_OF_PART: u64 = 4;
+
 /// The sweep of a part; `parameter` has the range of the part.
 ///
 /// # Errors
@@ -69,6 +72,8 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     let steps = steps(part)?;
     let first = (FIRST_STEPS as f64 * share).ceil() as usize;
     let locus = part.studied(root_locus_in_steps(&mut branches, [0.0, 1.0], first, SHORTEST_LOCUS_STEP)?);
+    let done = || part.family.progress.advance(1);
+    done();
     let places = places(&locus);
     let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
     let (of_modes, named_at) = match entry {
@@ -81,8 +86,10 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
     let names = branch_names(&mut branches, &locus, &of_modes, named_at)?;
     let farthest = if share < 1.0 { (FARTHEST / share).min(FARTHEST_OF_PIECE) } else { FARTHEST };
     let coalescences = coalescences(&mut branches, &locus, &names, farthest)?;
+    done();
     let Changes { found: changes, unresolved, marginal, beside, ends, spectra } =
         along.changes(steps_of_piece(steps, share), &between_meetings(&coalescences))?;
+    done();
     let mut evaluations = Evaluations::default();
     let mut found = Vec::new();
     for change in changes.into_iter().filter(|change| part.counts(change)) {
@@ -154,6 +161,7 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
         shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
         ..Sweep::empty(parameter.clone(), threshold)
     };
+    done();
     Ok(PartSweep { sweep, names, spectra: branches })
 }
 

@@ -15,7 +15,7 @@ use super::joint::{Edge, Joint, Links};
 use super::names::{Names, names_at};
 use super::openings::{OpeningAt, TOGETHER};
 use super::parameter::SweptParameter;
-use super::part_sweep::{Entry, PartSweep, of_part};
+use super::part_sweep::{Entry, PartSweep, STEPS_OF_PART, of_part};
 use super::results::Sweep;
 use crate::Error;
 
@@ -55,7 +55,7 @@ pub(super) fn piecewise<B: UncertainBrake>(family: &Family<'_, B>, openings: &[O
         (from - parameter.median).max(parameter.median - to)
     };
     let first = (0..pieces.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
-    family.progress.begin(pieces.len() as u64, 0);
+    family.progress.begin(pieces.len() as u64 * STEPS_OF_PART, 0);
     let found = brake.all(first);
     family.progress.end();
     brake.joined(family, openings, found?)
@@ -204,7 +204,9 @@ impl<B: UncertainBrake> Pieces<'_, B> {
                 }
             }
         }
-        part.family.progress.advance(1);
+        if sweep.is_none() {
+            part.family.progress.advance(STEPS_OF_PART);
+        }
         Ok(OnPiece { sweep, edges, names })
     }
 

@@ -4,11 +4,12 @@
 
 use std::f64::consts::PI;
 use std::path::Path;
+use std::sync::Mutex;
 
 use brakes::MatricesBrake;
 use brakes::case::{CaseFile, Law, MatricesCase};
 use cea::{EigenSolver, QrSolver, Workspace};
-use montecarlo::Distribution;
+use montecarlo::{Distribution, Progress};
 use study::{Parametrised, Study, UncertainBrake};
 use sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
 
@@ -128,13 +129,35 @@ fn a_closed_boundary_is_found_and_followed_to_its_beginning() {
     assert!((inside.share - PI * radius * radius).abs() < 1e-3, "{inside:?}");
 }
 
+/// What is told while work lasts.
+#[derive(Default)]
+struct News(Mutex<Vec<String>>);
+
+impl Progress for News {
+    fn begin(&self, _: u64, _: u64) {}
+    fn advance(&self, _: u64) {}
+    fn end(&self) {}
+    fn tell(&self, news: &str) {
+        self.0.lock().unwrap().push(news.to_owned());
+    }
+}
+
 #[test]
 fn a_closed_boundary_between_all_lines_is_found_by_a_check_inside_or_beyond_the_stated_limit() {
     // The lines are 1/8 apart: the centre is at 0.44 of both ranges, between those at 0.375 and 0.5. Checks are 1/24 apart.
     for (radius, from, found) in [(0.03, 0.06, (1, 16)), (0.003, 0.08, (0, 8))] {
         let brake = MatricesBrake::new(circle(radius)).unwrap();
-        let map = mapped(&brake, &[over("p", from, from + 1.0), over("q", from - 0.1, from + 0.9)]);
+        let (asked, news) = ([over("p", from, from + 1.0), over("q", from - 0.1, from + 0.9)], News::default());
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        let map = stability_map(&study, 0, &asked, &QrSolver, &news).unwrap();
         assert_eq!((map.curves.len(), map.grid), found);
+        let news = news.0.into_inner().unwrap();
+        assert_eq!(news.len(), usize::from(map.grid > 8), "{news:?}");
+        let is_said = |news: &String| {
+            news.contains("1 unstable modes and the map 0: a curve is missing")
+                && news.contains("from 8 intervals to 16")
+        };
+        assert!(news.iter().all(is_said), "{news:?}");
     }
 }
 

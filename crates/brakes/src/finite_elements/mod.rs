@@ -513,8 +513,4 @@ impl CaseBrake for FiniteElementBrake {
     fn finite_elements(&self) -> Option<&FiniteElementBrake> {
         Some(self)
     }
-
-    fn medians_in_words(&self) -> String {
-        format!("{}; median parameters", self.plan.describe(&self.plan.scenes[0]))
-    }
 }

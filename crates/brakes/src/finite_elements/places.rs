@@ -2,7 +2,7 @@
 
 use formats::Dof;
 use nalgebra::{DMatrix, DVector};
-use study::{Direction, OwnSize, Place, Scene, WholeContact};
+use study::{Direction, Moves, OwnSize, Place, Scene, WholeContact};
 
 use super::FiniteElementBrake;
 use super::points::{all_patches, naming_point, of_brake};
@@ -62,6 +62,7 @@ pub(super) fn places(brake: &FiniteElementBrake, constraints: usize) -> Result<V
                 dof: None,
                 parts: parts(&of_rows),
                 own: OwnSize { mass: own(&mass, &mean), stiffness: own(&stiffness, &mean) },
+                moves: Moves::Along,
             }
         })
     };

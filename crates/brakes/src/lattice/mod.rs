@@ -15,13 +15,14 @@ use osc_model::{
     Reversal, Sliding,
 };
 use output::significant;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use study::{
-    Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, NamedParameter, Origin, Parametrised, Place,
-    Plan, Scene, SceneKey, SceneLabels, SingleParameter, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
+    Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, Moves, NamedParameter, Origin, Parametrised,
+    Place, Plan, Scene, SceneKey, SceneLabels, SingleParameter, SlidingContacts, Symmetry, UncertainBrake,
+    WholeContact,
 };
 
-use crate::any::listed;
+use crate::any::{listed, values_in_words};
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::labels::friction_labels;
 use crate::{CaseBrake, Error};
@@ -369,10 +370,12 @@ fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {
 }
 
 fn labels(case: &LatticeCase) -> SceneLabels {
+    let dofs = dof_names(case.lattice.grid.oscillators());
     SceneLabels {
         constraints: case.constraints.iter().map(|set| set.name.clone()).collect(),
         named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
-        dofs: dof_names(case.lattice.grid.oscillators()),
+        moves: vec![Moves::Along; dofs.len()],
+        dofs,
         ..friction_labels(&case.laws, &case.speeds, &case.panels, case.header.units)
     }
 }
@@ -405,16 +408,20 @@ impl CaseBrake for LatticeBrake {
         let scene = &self.plan.scenes[0];
         let (law, contacts) = (self.law(scene.key), self.lattice(scene).arrangement());
         let speed = self.case.speeds[scene.key.speed.unwrap_or(0)].quantile(0.5);
-        format!("{law} friction at {} m/s, in contact: {contacts}; median parameters", significant(speed, 4))
+        let values = values_in_words(&Parametrised::parameters(self, scene));
+        format!("{law} friction at {} m/s, in contact: {contacts}; {values}", significant(speed, 4))
     }
 
     fn scene_json(&self) -> Value {
         let scene = &self.plan.scenes[0];
         let contacts = self.lattice(scene).arrangement().in_contact();
+        let given = Parametrised::parameters(self, scene).into_iter();
+        let parameters: Map<String, Value> = given.map(|p| (p.name, json!(p.median))).collect();
         json!({
             "law": self.law(scene.key).name(),
             "contact": contacts.iter().map(|i| i + 1).collect::<Vec<_>>(),
             "speed": self.case.speeds[scene.key.speed.unwrap_or(0)].quantile(0.5),
+            "parameters": parameters,
         })
     }
 }

@@ -69,8 +69,7 @@ impl Draft {
     /// Number of lines with something to be filled in.
     #[must_use]
     pub fn waiting(&self) -> usize {
-        let fields = self.text.lines().filter_map(|line| line.strip_prefix('#')).filter(|line| !line.starts_with(' '));
-        fields.filter(|line| line.split('#').next().is_some_and(|field| field.contains('?'))).count()
+        waiting(&self.text)
     }
 
     /// The draft of a case file at `case`, which need not exist.
@@ -104,6 +103,12 @@ impl Draft {
         }
         Err(refused.unwrap_or_else(|| check.value("brake.mesh", files.mesh.display(), "a mesh with its matrices")))
     }
+}
+
+/// Number of lines of a case file with a field that is commented out and has a `?` to be filled in.
+pub(super) fn waiting(text: &str) -> usize {
+    let fields = text.lines().filter_map(|line| line.strip_prefix('#')).filter(|line| !line.starts_with(' '));
+    fields.filter(|line| line.split('#').next().is_some_and(|field| field.contains('?'))).count()
 }
 
 /// True if the case was refused because nothing says whether a one-sided matrix is a triangle of a symmetric one or a whole unsymmetric one.

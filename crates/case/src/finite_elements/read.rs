@@ -6,6 +6,7 @@ use formats::{Limits, read_deck};
 use sparse::SparseAffineSystem;
 
 use super::contacts::{GivenContacts, read_contact};
+use super::draft::waiting;
 use super::faces::Solids;
 use super::missing::MissingRows;
 use super::names_on_mesh::NamesOnMesh;
@@ -127,6 +128,15 @@ impl FiniteElementCase {
         let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;
         for missing in missing_rows.iter().filter(|missing| missing.field.starts_with("contact.")) {
             check.note(missing.to_string());
+        }
+        if contact.is_none() {
+            let waits = match waiting(&header.text) {
+                0 => String::new(),
+                lines => format!("; lines that wait for a number in place of ?: {lines}"),
+            };
+            check.note(format!(
+                "no [[contact]] is given, and so no friction: nothing can squeal but by what the matrices have in them{waits}"
+            ));
         }
         header.notes = check.notes();
         Ok(Self {

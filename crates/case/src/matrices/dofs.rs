@@ -1,6 +1,7 @@
 //! Degrees of freedom by name.
 
 use formats::Dof;
+use study::Moves;
 
 use super::schema::Dofs;
 use crate::CaseError;
@@ -13,6 +14,16 @@ const MOST_NAMES_LISTED: usize = 12;
 pub(super) struct DofNames<'a> {
     check: &'a Check<'a>,
     names: Vec<String>,
+    moves: Vec<Moves>,
+}
+
+/// Kind of the motion of a row that a file names: directions 1 to 3 are displacements, 4 to 6 rotations.
+fn moves_of(dof: &Dof) -> Moves {
+    match dof.direction {
+        1..=3 => Moves::Along,
+        4..=6 => Moves::Turns,
+        _ => Moves::Unknown,
+    }
 }
 
 impl<'a> DofNames<'a> {
@@ -32,7 +43,11 @@ impl<'a> DofNames<'a> {
         if let Some(rows) = rows {
             // Of a list that numbers its rows the numbers are the names.
             let name = |dof: &Dof| if dof.direction == 0 { dof.node.to_string() } else { dof.to_string() };
-            return Ok(Self { check, names: rows.iter().map(name).collect() });
+            return Ok(Self {
+                check,
+                names: rows.iter().map(name).collect(),
+                moves: rows.iter().map(moves_of).collect(),
+            });
         }
         let names = given.unwrap_or_else(|| (1..=order).map(|number| number.to_string()).collect());
         if names.len() != order {
@@ -44,7 +59,13 @@ impl<'a> DofNames<'a> {
         if let Some(name) = names.iter().find(|name| name.is_empty() || !name.chars().all(is_plain)) {
             return Err(check.value("brake.dofs", format!("{name:?}"), "letters, digits and _"));
         }
-        Ok(Self { check, names })
+        let moves = vec![Moves::Unknown; order];
+        Ok(Self { check, names, moves })
+    }
+
+    /// Kinds of the motions of all degrees of freedom: unknown where the case names them, and no file.
+    pub fn moves(&self) -> &[Moves] {
+        &self.moves
     }
 
     /// Names of all degrees of freedom, in the order of rows and columns.

@@ -13,6 +13,7 @@ mod terms;
 
 use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
+use study::Moves;
 
 use super::check::{Check, field};
 use super::{CaseError, CaseHeader, Correlation, Expression, TakenMatrix};
@@ -28,6 +29,8 @@ pub struct MatricesCase {
     pub correlation: Option<Correlation>,
     /// Names of the degrees of freedom, in the order of rows and columns.
     pub dofs: Vec<String>,
+    /// Kinds of their motions, as far as the files of the matrices say them.
+    pub moves: Vec<Moves>,
     /// Terms and channels over all degrees of freedom.
     pub system: AffineSystem,
     /// How each matrix was taken.

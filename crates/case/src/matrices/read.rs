@@ -107,6 +107,7 @@ impl MatricesCase {
             gains,
             bodies: groups(&check, &dofs, bodies)?,
             constraints,
+            moves: dofs.moves().to_vec(),
             dofs: dofs.into_names(),
             parameters,
         };

@@ -198,3 +198,11 @@ fn a_case_without_a_median_equilibrium_leaves_no_folder() {
     let text = replaced(&text, "mean = 0.60", "mean = 6.0");
     said(text, &["median", "oscillator", "lifts off", "allowed: > 0"]);
 }
+
+#[test]
+fn what_a_sweep_cannot_be_at_is_refused_with_the_file_first_and_once() {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/two-by-two.toml");
+    let output = squeal().arg("sweep").arg(&case).args(["--law", "lugre", "--over", "mu_k=0.1:0.6"]).output().unwrap();
+    let line = refusal(&output, &["two-by-two.toml: swept to mu_k = 0.6: mu_s = 0.55; allowed: >= mu_k"]);
+    assert_eq!(line.matches("two-by-two.toml").count(), 1, "{line}");
+}

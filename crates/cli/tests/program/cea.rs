@@ -118,6 +118,21 @@ fn options_that_do_not_fit_the_case() {
 }
 
 #[test]
+fn values_that_are_set_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let lattice = folder.path().join("brake.toml");
+    std::fs::write(&lattice, SMALL).unwrap();
+    for (case, set) in [(&lattice, "mu"), (&hoffmann(), "mu")] {
+        let set = format!("{set}=0.4321");
+        let said = |options: &[&str]| String::from_utf8(asked("cea", case, options).stdout).unwrap();
+        let words = said(&["--set", &set]);
+        assert!(words.lines().next().unwrap().contains("mu = 0.4321"), "{words}");
+        let json: Value = serde_json::from_str(&said(&["--set", &set, "--json"])).unwrap();
+        assert_eq!(json["scene"]["parameters"]["mu"].as_f64(), Some(0.4321), "{}", json["scene"]);
+    }
+}
+
+#[test]
 fn options_of_a_scene_are_heard_by_every_kind_of_brake() {
     let folder = tempfile::tempdir().unwrap();
     let lattice = folder.path().join("brake.toml");
@@ -136,6 +151,7 @@ fn options_of_a_scene_are_heard_by_every_kind_of_brake() {
         for value in options.chunks(2).map(|option| option[1].replace(',', " ")) {
             assert!(asked.contains(&value), "{value}: {asked}");
         }
+        assert!(first.contains("; median parameters: ") && first.contains("mu = "), "{first}");
         assert!(!first.contains("lugre") && !first.contains("0.5 m/s"), "{first}");
     }
     // Nothing of them means anything where friction is given as matrices.

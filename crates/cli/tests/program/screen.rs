@@ -48,6 +48,21 @@ fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
 }
 
 #[test]
+fn sizes_have_no_unit_where_nobody_says_what_turns_and_the_counts_of_sets_are_told_apart() {
+    let words = answer("screen", &hoffmann(), &["--kinds", "spring", "--samples", "20"]);
+    assert!(
+        !words.contains("N/m") && words.contains("sizes without a unit are in those of the case's matrices"),
+        "{words}"
+    );
+    assert!(words.contains("for each of 3 sets of changes, of 6 combinations"), "{words}");
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, SMALL).unwrap();
+    let words = answer("screen", &case, &["--kinds", "spring", "--up-to", "1", "--draws", "2"]);
+    assert!(words.contains(" N/m") && !words.contains("without a unit"), "{words}");
+}
+
+#[test]
 fn json_has_what_the_words_say() {
     let options = ["--kinds", "constraint,contact", "--up-to", "1", "--samples", "200"];
     let words = answer("screen", &hoffmann(), &options);

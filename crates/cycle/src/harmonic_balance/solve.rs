@@ -37,6 +37,7 @@ pub(crate) fn solve<E: From<Error>>(
         let size = unknowns.len() - 2;
         let (omega, parameter) = (unknowns[size] * omega_scale, unknowns[size + 1] * parameter_scale);
         let system = system_at(parameter)?;
+        system.go_on()?;
         let equations = Equations::new(balance, &system, omega_scale, shape);
         let series = unknowns.rows(0, size).into_owned();
         let (residual, jacobian) = equations.residual(&series, omega, true)?;

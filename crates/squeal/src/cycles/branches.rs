@@ -1,14 +1,17 @@
 //! Cycles over a parameter, from each onset that a sweep finds.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use cea::{QrSolver, Workspace, right_vector};
 use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Measures, NearMode, Reach, measure};
 use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
 
-use super::{CycleOptions, TOLERANCE, checked, contacts_of};
+use super::{CycleOptions, TOLERANCE, checked, contacts_of, stopped};
 use crate::Error;
-use crate::sweep::{ChangeOf, Over, SweptParameter, sweep};
+use crate::sweep::{ChangeOf, Over, SweepOnset, SweptParameter, sweep};
 
 /// Longest step along a branch, in amplitudes of the first kink; chosen: some 20 points between an onset and the end of a range.
 const LONGEST_STEP: f64 = 0.3;
@@ -61,7 +64,8 @@ pub struct BranchCycle {
     pub in_time: Option<(Cycle, Measures)>,
 }
 
-/// Branches of cycles of a scene over one parameter, from each onset of an oscillating mode in its range.
+/// Branches of cycles of a scene over one parameter, from each onset of an oscillating mode in its range. The progress of the sweep counts its
+/// parts, that of the cycles two for each branch: its balance, and its motions in time.
 ///
 /// # Errors
 /// As [`cycles`](super::cycles()) and [`sweep`](fn@sweep); a range without an onset.
@@ -70,25 +74,25 @@ pub fn branches<B: UncertainBrake>(
     scene: usize,
     over: &Over,
     options: &CycleOptions,
-    progress: &dyn Progress,
+    [of_sweep, progress]: [&dyn Progress; 2],
 ) -> Result<Branches, Error> {
     let brake = study.brake();
     let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
     let key = &plan.scenes[scene];
-    let found = sweep(study, scene, over, &QrSolver, progress)?;
+    let found = sweep(study, scene, over, &QrSolver, of_sweep)?;
     let parameter = found.parameter;
     let of_cea = |at: f64| match brake.parametrised() {
         Some(parametrised) => Ok(parametrised.system_with(key, &[(parameter.place, at)])?),
         None => Err(Error::NotGiven { capability: "parametrised", needed_by: "cycles over a parameter" }),
     };
-    let system_at = |at: f64| -> Result<ContactSystem, Error> {
-        Ok(contacts.contact_system(key, &[(parameter.place, at)], options.stick)?)
-    };
     let bodies: Vec<_> = plan.brake(key).bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect();
     // A mode that jumps over the threshold at an opening has no motion of small amplitude there.
-    let onsets = found.onsets.iter().filter(|onset| onset.of == ChangeOf::Flutter && onset.jump.is_none());
-    let mut branches = Vec::new();
-    for onset in onsets {
+    let onsets: Vec<_> =
+        found.onsets.iter().filter(|onset| onset.of == ChangeOf::Flutter && onset.jump.is_none()).collect();
+    let branch = |onset: &SweepOnset, stop: &Arc<AtomicBool>| -> Result<Branch, Error> {
+        let system_at = |at: f64| -> Result<ContactSystem, Error> {
+            Ok(contacts.contact_system(key, &[(parameter.place, at)], options.stick)?.until(Arc::clone(stop)))
+        };
         let of_cea = of_cea(onset.at)?;
         let system = system_at(onset.at)?;
         system.check_tangent(&of_cea, onset.omega)?;
@@ -107,15 +111,25 @@ pub fn branches<B: UncertainBrake>(
                 in_time: in_time(&balance, &system_at(at)?, &point.cycle, mode),
             })
         };
-        branches.push(Branch {
+        progress.advance(1);
+        let cycles = points.iter().map(cycle).collect::<Result<_, Error>>()?;
+        progress.advance(1);
+        Ok(Branch {
             mode: onset.mode.clone(),
             onset: onset.at,
             onset_hz: onset.omega / std::f64::consts::TAU,
-            cycles: points.iter().map(cycle).collect::<Result<_, Error>>()?,
+            cycles,
             end,
             bodies: bodies.clone(),
-        });
-    }
+        })
+    };
+    // Each is followed in harmonic balance, and then its points in time.
+    progress.begin(2 * onsets.len() as u64, 0);
+    let branches = stopped::when_cancelled(progress, |stop| {
+        onsets.into_iter().map(|onset| branch(onset, &stop)).collect::<Result<Vec<_>, _>>()
+    });
+    progress.end();
+    let branches = branches?;
     let growing_at_start = found.unstable_at_start - found.diverging_at_start;
     if branches.is_empty() && (growing_at_start > 0 || !found.unresolved.is_empty()) {
         let near = |(from, to): &(f64, f64)| format!("; from {from} to {to} one may be, or not");

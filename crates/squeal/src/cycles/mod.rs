@@ -5,12 +5,14 @@
 
 mod branches;
 mod starts;
+mod stopped;
 mod tables;
 
 pub use branches::{Branch, BranchCycle, Branches, branches};
 
 use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdicts_beyond};
-use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow, history, measure};
+use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow_telling, history, measure};
+use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use study::{Scene, SlidingContacts, UncertainBrake};
@@ -129,12 +131,18 @@ pub(crate) fn checked(options: &CycleOptions) -> Result<Balance, Error> {
     Ok(Balance::new(options.harmonics, options.samples)?)
 }
 
-/// The motions after the onset in a scene at its medians.
+/// The motions after the onset in a scene at its medians. Progress counts periods of the modes that are followed, up to those after which a
+/// motion is not periodic; what ends earlier has them all.
 ///
 /// # Errors
 /// A brake that does not give its contacts, options that are not allowed, a tangent that is not that of the analysis, a scene without an
-/// unstable mode, a mode that is not unstable.
-pub fn cycles<B: UncertainBrake>(brake: &B, scene: &Scene, options: &CycleOptions) -> Result<Cycles, Error> {
+/// unstable mode, a mode that is not unstable; work that is cancelled.
+pub fn cycles<B: UncertainBrake>(
+    brake: &B,
+    scene: &Scene,
+    options: &CycleOptions,
+    progress: &dyn Progress,
+) -> Result<Cycles, Error> {
     let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
     let system = contacts.contact_system(scene, &[], options.stick)?;
     let of_cea = brake.system(scene, &brake.median())?;
@@ -160,8 +168,15 @@ pub fn cycles<B: UncertainBrake>(brake: &B, scene: &Scene, options: &CycleOption
             })
             .collect(),
     };
-    let motions = starts.into_par_iter().map(|(name, mode, start)| motion_of(&system, &balance, mode, start, name));
-    let motions = motions.collect::<Result<_, _>>()?;
+    let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
+    progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
+    let motions = stopped::when_cancelled(progress, |stop| {
+        let system = system.clone().until(stop);
+        let motion = |(name, mode, start)| motion_of(&system, &balance, &settings, (mode, start), name, progress);
+        starts.into_par_iter().map(motion).collect::<Result<_, _>>()
+    });
+    progress.end();
+    let motions = motions?;
     let brake = plan.brake(scene);
     Ok(Cycles {
         tangent_deviation,
@@ -194,13 +209,21 @@ pub(crate) fn growing_modes<B: UncertainBrake>(brake: &B, scene: &Scene) -> Resu
 fn motion_of(
     system: &ContactSystem,
     balance: &Balance,
-    mode: &GrowingMode,
-    start: Vec<f64>,
+    settings: &Settings,
+    (mode, start): (&GrowingMode, Vec<f64>),
     name: String,
+    progress: &dyn Progress,
 ) -> Result<MotionOfMode, Error> {
     let (omega, shape) = (mode.lambda.im, &mode.shape[..]);
-    let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
-    let motion = follow(system, start, omega, shape, &settings)?;
+    let mut periods = 0;
+    // The last period is over when all is known of the motion.
+    let mut tell = || {
+        if periods + 1 < settings.most_periods as u64 {
+            periods += 1;
+            progress.advance(1);
+        }
+    };
+    let motion = follow_telling(system, start, omega, shape, settings, &mut tell)?;
     let cycle: Option<&Cycle> = match &motion {
         Motion::Cycle(cycle) => Some(cycle),
         _ => None,
@@ -209,5 +232,6 @@ fn motion_of(
     let history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
     let balanced = cycle.and_then(|cycle| balance.near(system, cycle, TOLERANCE).ok());
     let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
+    progress.advance(settings.most_periods as u64 - periods);
     Ok(MotionOfMode { start: name, lambda: mode.lambda, motion, measures, history, balanced_hz })
 }

@@ -85,7 +85,7 @@ pub fn influence<B: UncertainBrake>(
     let drawn = brake.drawn_inputs().ok_or(Error::NotGiven { capability: "drawn_inputs()", needed_by: "influence" })?;
     let inputs = drawn.inputs(of_scene);
     if inputs.is_empty() {
-        return Err(Error::NoInputs { scene: plan.describe(of_scene) });
+        return Err(Error::NoInputs { study: plan.source(), scene: plan.describe(of_scene) });
     }
     if let (Some(correlated), Some(rows)) = (inputs.iter().find(|input| input.is_correlated), rows) {
         let allowed = format!("inputs that are independent; {} is correlated with others", correlated.name);

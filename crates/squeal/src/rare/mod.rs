@@ -104,7 +104,7 @@ pub fn rare<B: UncertainBrake>(
     let drawn = brake.drawn_inputs().ok_or(capability)?;
     let inputs = drawn.inputs(of_scene);
     if inputs.is_empty() {
-        return Err(Error::NoInputs { scene: plan.describe(of_scene) });
+        return Err(Error::NoInputs { study: plan.source(), scene: plan.describe(of_scene) });
     }
     if let Some(discrete) = inputs.iter().find(|input| input.has_atoms) {
         let (value, allowed) = ("discrete".into(), "distributions that are continuous".into());
@@ -114,7 +114,11 @@ pub fn rare<B: UncertainBrake>(
     let state = SceneState::new(study, of_scene, drawn, &solver, progress);
     progress.begin(options.budget, 0);
     let bound = bound::certified(brake, of_scene, drawn, &study.certificates()[of_scene.configuration]);
-    let found = estimate(&state, options)?;
+    let of_study = |error| match error {
+        Error::Rare(source) => Error::RareOf { study: plan.source(), source },
+        other => other,
+    };
+    let found = estimate(&state, options).map_err(of_study)?;
     let design_points = found.design_points.iter().map(|point| likely_squeal(&state, &inputs, point));
     let design_points = design_points.collect::<Result<Vec<_>, Error>>()?;
     let points: Vec<&[f64]> = found.witnesses.iter().map(|witness| &witness.point[..]).collect();

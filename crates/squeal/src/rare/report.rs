@@ -4,7 +4,7 @@ use ::rare::Probability;
 use output::Table;
 use study::{ModeLabel, Plan, Scene, SceneLabels};
 
-use super::{LikelySqueal, Rare};
+use super::{LikelySqueal, ModeProbability, Rare};
 
 /// Most inputs of a likely brake that are named in words, and most brakes; chosen: a line, and a screen.
 const MOST_NAMED: [usize; 2] = [6, 5];
@@ -46,6 +46,13 @@ impl Rare {
                 open => format!("; another {open:.1e} may be it, as its name is open"),
             };
             text += &format!("  {}: {}{open}\n", of_label(mode.mode), in_words(&mode.probability));
+        }
+        let is_lower = |mode: &ModeProbability| {
+            let Probability { value, standard_error, lower, .. } = mode.probability;
+            lower < value - 4.0 * standard_error && lower < 0.95 * value
+        };
+        if self.modes.iter().any(is_lower) {
+            text += "  the lower end of a mode is that of a count of the lines that have seen it, however sure the mean of these is\n";
         }
         text += &format!(
             "  by {} lines; of {} points elsewhere {} squeal, and none that was followed contradicts what is known; {:.1e} of the upper end is not proven\n",

@@ -3,7 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use montecarlo::{BoundedMean, Bounds, Confidence, LabelTally, Proportion, Summary, quantile};
+use montecarlo::{
+    BoundedMean, Bounds, Confidence, CountDifference, CountedSide, LabelTally, Proportion, Summary, quantile,
+};
 use study::{
     Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally,
     ThirdOctave, UncertainBrake, origin_of_set,
@@ -317,7 +319,7 @@ impl Results {
         let (solved, arrangements) = (&self.summary.tally.panels[at], panel.arrangements as f64);
         solved.mean()?;
         let most = self.most_unstable(panel) * arrangements;
-        let bounds = Bounds { least: 0.0, greatest: most, step: arrangements };
+        let bounds = Bounds::of_count(most, arrangements);
         let failed = self.summary.samples.saturating_sub(solved.count());
         let [least, most] = [0, most as i32].map(|of_failed| solved.and(of_failed, failed));
         let [lower, upper] = [least, most].map(|mean| mean.interval(bounds, Confidence::P95));
@@ -341,26 +343,24 @@ impl Results {
         let of_kind = move |(comparison, _): &(&Comparison, &BoundedMean)| comparison.kind == kind;
         self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(move |(comparison, mean)| {
             let (more, fewer) = (&self.panels[comparison.more], &self.panels[comparison.fewer]);
-            (more, fewer, self.difference(more, fewer, mean, confidence))
+            (more, fewer, self.difference(comparison, mean, confidence))
         })
     }
 
     /// Difference of two panels per analysis, from that of the samples solved in both; in a sample that failed it may be any.
-    fn difference(
-        &self,
-        more: &Panel,
-        fewer: &Panel,
-        solved: &BoundedMean,
-        confidence: Confidence,
-    ) -> Option<Estimate> {
-        let by = (more.arrangements * fewer.arrangements) as f64;
-        let value = solved.mean()? / by;
-        let [least, greatest] = [-self.most_unstable(fewer) * by, self.most_unstable(more) * by];
-        let bounds = Bounds { least, greatest, step: by };
-        let failed = self.summary.samples.saturating_sub(solved.count());
-        let [lower, upper] =
-            [least, greatest].map(|of_failed| solved.and(of_failed as i32, failed).interval(bounds, confidence));
-        Some(Estimate { value, lower: lower.lower / by, upper: upper.upper / by })
+    fn difference(&self, of: &Comparison, differences: &BoundedMean, confidence: Confidence) -> Option<Estimate> {
+        let arrangements = |panel: usize| self.panels[panel].arrangements as f64;
+        let failed = |solved: &BoundedMean| self.summary.samples.saturating_sub(solved.count());
+        let side = |panel: usize, other: usize| {
+            let (counts, step) = (&self.summary.tally.panels[panel], arrangements(panel));
+            let greatest = self.most_unstable(&self.panels[panel]) * step;
+            CountedSide { counts, failed: failed(counts), greatest, step, times: arrangements(other) }
+        };
+        let (more, fewer) = (side(of.more, of.fewer), side(of.fewer, of.more));
+        let by = arrangements(of.more) * arrangements(of.fewer);
+        let value = differences.mean()? / by;
+        let limits = CountDifference { differences, failed: failed(differences), more, fewer }.interval(confidence);
+        Some(Estimate { value, lower: limits.lower / by, upper: limits.upper / by })
     }
 
     /// Words for a panel in claims and summaries; of a brake without contacts their number is left out.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use study::{
-    Direction, Modifiable, ModifiablePlan, OwnSize, Place, Plan, Symmetry, UncertainBrake, Units, origin_of_set,
+    Direction, Modifiable, ModifiablePlan, Moves, OwnSize, Place, Plan, Symmetry, UncertainBrake, Units, origin_of_set,
 };
 
 use super::change::{Attached, Change};
@@ -43,13 +43,16 @@ impl ChangeKind {
         }
     }
 
-    /// Unit of the size of a change; empty where it has none.
-    pub fn unit(self, units: Units) -> &'static str {
-        match self {
-            Self::Mass => units.of("kg"),
-            Self::Spring => units.of("N/m"),
-            Self::Dashpot => units.of("Ns/m"),
-            Self::Constraint | Self::Contact => "",
+    /// Unit of the size of a change at a place that moves so; empty where it has none, or the brake does not say which.
+    pub fn unit(self, moves: Moves, units: Units) -> &'static str {
+        match (self, moves) {
+            (Self::Mass, Moves::Along) => units.of("kg"),
+            (Self::Mass, Moves::Turns) => units.of("kgm^2"),
+            (Self::Spring, Moves::Along) => units.of("N/m"),
+            (Self::Spring, Moves::Turns) => units.of("Nm/rad"),
+            (Self::Dashpot, Moves::Along) => units.of("Ns/m"),
+            (Self::Dashpot, Moves::Turns) => units.of("Nms/rad"),
+            (Self::Mass | Self::Spring | Self::Dashpot, Moves::Unknown) | (Self::Constraint | Self::Contact, _) => "",
         }
     }
 
@@ -68,7 +71,7 @@ impl ChangeKind {
 /// Sizes of masses, springs and dashpots.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sizes {
-    /// Mass, kg; `None`: [`Sizes::PART`] times the place's own mass, the least of those of its directions.
+    /// Mass, kg, or in the units of a case that does not say how its degrees of freedom move; `None`: [`Sizes::PART`] times the place's own mass, the least of those of its directions.
     pub mass: Option<f64>,
     /// Stiffness of a spring, N/m; `None`: [`Sizes::PART`] times the direction's own stiffness.
     pub spring: Option<f64>,
@@ -115,6 +118,8 @@ pub struct SingleChange {
     pub name: String,
     /// Change at the place.
     pub change: Change,
+    /// Kind of the motion of the place.
+    pub moves: Moves,
 }
 
 impl SingleChange {
@@ -218,10 +223,12 @@ impl Candidates {
         of.iter().map(|&single| self.singles[single].name.as_str()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Sizes of those of some single changes that have one, in the order of `of`; of equal sizes one after another only the first is kept, so that
-    /// it is one number where all are equal.
-    pub fn sizes(&self, of: &[usize]) -> Vec<f64> {
-        let mut sizes: Vec<f64> = of.iter().filter_map(|&single| self.singles[single].size()).collect();
+    /// Sizes of those of some single changes that have one, with their units, in the order of `of`; of equal ones one after another only the
+    /// first is kept, so that it is one where all are equal.
+    pub fn sizes(&self, of: &[usize], units: Units) -> Vec<(f64, &'static str)> {
+        let singles = of.iter().map(|&single| &self.singles[single]);
+        let size = |single: &SingleChange| Some((single.size()?, self.kind.unit(single.moves, units)));
+        let mut sizes: Vec<(f64, &'static str)> = singles.filter_map(size).collect();
         sizes.dedup();
         sizes
     }
@@ -229,29 +236,36 @@ impl Candidates {
 
 /// Changes of a kind at a place: a mass in all its directions, a spring, dashpot or constraint in each of them.
 fn attached(kind: ChangeKind, place: &Place, sizes: &Sizes) -> Vec<SingleChange> {
-    let single = |name: &str, what: Attached, size: f64, along: Vec<Vec<(usize, f64)>>| {
+    let single = |name: &str, moves: Moves, what: Attached, size: f64, along: Vec<Vec<(usize, f64)>>| {
         // A direction without mass or stiffness of its own gets nothing in proportion to it.
         let change = Change::Attach { what, size, along };
-        (size.is_finite() && size > 0.0).then(|| SingleChange { name: name.into(), change })
+        (size.is_finite() && size > 0.0).then(|| SingleChange { name: name.into(), change, moves })
     };
     match kind {
         ChangeKind::Mass => {
             let along = place.directions.iter().flat_map(|direction| direction.parts.clone()).collect();
-            single(&place.name, Attached::Mass, sizes.mass(place), along).into_iter().collect()
+            single(&place.name, moves_of(place), Attached::Mass, sizes.mass(place), along).into_iter().collect()
         }
         ChangeKind::Contact => Vec::new(),
         _ => {
             let of_direction = |direction: &Direction| {
-                let Direction { name, dof, parts, own } = direction;
+                let &Direction { ref name, dof, ref parts, own, moves } = direction;
                 match kind {
-                    ChangeKind::Spring => single(name, Attached::Spring, sizes.spring(*own), parts.clone()),
-                    ChangeKind::Dashpot => single(name, Attached::Dashpot, sizes.dashpot(*own), parts.clone()),
-                    _ => dof.map(|dof| SingleChange { name: name.clone(), change: Change::Hold { dof } }),
+                    ChangeKind::Spring => single(name, moves, Attached::Spring, sizes.spring(own), parts.clone()),
+                    ChangeKind::Dashpot => single(name, moves, Attached::Dashpot, sizes.dashpot(own), parts.clone()),
+                    _ => dof.map(|dof| SingleChange { name: name.clone(), change: Change::Hold { dof }, moves }),
                 }
             };
             place.directions.iter().filter_map(of_direction).collect()
         }
     }
+}
+
+/// Kind of the motion of a place: that of its directions, where it is one.
+fn moves_of(place: &Place) -> Moves {
+    let mut moves = place.directions.iter().map(|direction| direction.moves);
+    let first = moves.next().unwrap_or_default();
+    if moves.all(|other| other == first) { first } else { Moves::Unknown }
 }
 
 /// Changes that take out one contact: a change for each contact that is closed in any scene of a set of constraints, ascending by number.
@@ -265,7 +279,7 @@ fn contacts(plan: &Plan, modifiable: &dyn Modifiable, constraints: usize) -> Vec
         }
     }
     found.sort();
-    let single = |(contact, name)| SingleChange { name, change: Change::TakeOut { contact } };
+    let single = |(contact, name)| SingleChange { name, change: Change::TakeOut { contact }, moves: Moves::Unknown };
     found.into_iter().map(single).collect()
 }
 
@@ -282,6 +296,7 @@ fn degrees_of_freedom(plan: &Plan, constraints: usize) -> Result<Vec<Place>, Err
         dof: Some(free[at]),
         parts: vec![vec![(free[at], 1.0)]],
         own: OwnSize { mass: structure.m[(at, at)], stiffness: structure.k[(at, at)] },
+        moves: plan.labels.moves(free[at]),
     };
     let mut places: Vec<(usize, Place)> = Vec::new();
     let mut is_taken = vec![false; free.len()];

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use montecarlo::{BoundedMean, Bounds, Confidence, Failures, Merge, Runs, Tally, wilson};
+use montecarlo::{BoundedMean, Bounds, Confidence, CountDifference, CountedSide, Failures, Merge, Runs, Tally, wilson};
 use serde::{Deserialize, Serialize};
 use study::{Plan, Scene, Study, UncertainBrake};
 
@@ -141,18 +141,17 @@ impl ScreenTally {
                 let limits = |hits: u64| wilson(hits, samples, Confidence::P95).ok();
                 Estimate { value, lower: limits(hits)?.lower, upper: limits(hits + failed)?.upper }
             }
-            false => estimate(squealing, by, [0.0, 1.0], failed)?,
+            false => estimate(squealing, by, 1.0, failed)?,
         };
-        let (of_unchanged, fewer) = (size(plan, 0).1, &self.drops[0][set]);
         Some(Confirmed {
-            unstable: estimate(&self.unstable[set], by, [0.0, most], failed)?,
-            drop: estimate(fewer, by, [-most, of_unchanged], samples.saturating_sub(fewer.count()))?,
+            unstable: estimate(&self.unstable[set], by, most, failed)?,
+            drop: self.difference(plan, 0, set, samples)?,
             squealing,
-            squealing_drop: estimate(
+            squealing_drop: difference(
                 &self.squeal_drops[0][set],
+                [(&self.squealing[0], 1.0), (&self.squealing[set], 1.0)],
                 by,
-                [-1.0, 1.0],
-                samples.saturating_sub(self.squeal_drops[0][set].count()),
+                samples,
             )?,
             undecided: self.undecided[set],
             divergent: self.divergent[set],
@@ -162,9 +161,12 @@ impl ScreenTally {
 
     /// Difference of a set to another one, `less`, in the number of unstable modes, on the same draws.
     pub fn difference(&self, plan: &Plan, set: usize, less: usize, samples: u64) -> Option<Estimate> {
+        if set == less {
+            // Nothing is drawn that could differ.
+            return Some(Estimate { value: 0.0, lower: 0.0, upper: 0.0 }).filter(|_| self.unstable[set].count() > 0);
+        }
         let ((by, most), (_, of_less)) = (size(plan, set), size(plan, less));
-        let drops = &self.drops[set][less];
-        estimate(drops, by, [-of_less, most], samples.saturating_sub(drops.count()))
+        difference(&self.drops[set][less], [(&self.unstable[set], most), (&self.unstable[less], of_less)], by, samples)
     }
 }
 
@@ -175,12 +177,28 @@ fn size(plan: &Plan, set: usize) -> (f64, f64) {
     (of_set().map(|scene| analyses(plan, scene)).sum::<usize>() as f64, modes as f64)
 }
 
-/// Mean of one analysis, from sums over the analyses of samples that were solved, within the bounds that it has; `failed` samples
-/// may be at either of them.
-fn estimate(sums: &BoundedMean, by: f64, [least, greatest]: [f64; 2], failed: u64) -> Option<Estimate> {
-    let bounds = Bounds { least: least * by, greatest: greatest * by, step: by };
+/// Mean of one analysis, from sums over the analyses of samples that were solved, of counts of at most `greatest` in one; in `failed`
+/// samples it may be anything.
+fn estimate(sums: &BoundedMean, by: f64, greatest: f64, failed: u64) -> Option<Estimate> {
+    let bounds = Bounds::of_count(greatest * by, by);
     let value = sums.mean()? / by;
-    let [lower, upper] = [bounds.least, bounds.greatest]
-        .map(|of_failed| sums.and(of_failed as i32, failed).interval(bounds, Confidence::P95));
+    let [lower, upper] =
+        [0.0, bounds.greatest].map(|of_failed| sums.and(of_failed as i32, failed).interval(bounds, Confidence::P95));
     Some(Estimate { value, lower: lower.lower / by, upper: upper.upper / by })
+}
+
+/// Mean difference of one analysis, from sums over the analyses of samples that were solved, and the sums of which it is the difference with
+/// the largest count of each in one analysis.
+fn difference(differences: &BoundedMean, sides: [(&BoundedMean, f64); 2], by: f64, samples: u64) -> Option<Estimate> {
+    let failed = |sums: &BoundedMean| samples.saturating_sub(sums.count());
+    let [more, fewer] = sides.map(|(counts, greatest)| CountedSide {
+        counts,
+        failed: failed(counts),
+        greatest: greatest * by,
+        step: by,
+        times: 1.0,
+    });
+    let value = differences.mean()? / by;
+    let limits = CountDifference { differences, failed: failed(differences), more, fewer }.interval(Confidence::P95);
+    Some(Estimate { value, lower: limits.lower / by, upper: limits.upper / by })
 }

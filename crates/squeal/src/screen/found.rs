@@ -22,10 +22,8 @@ pub struct ScreenedSet {
     pub places: String,
     /// Number of single changes; of a set of constraints the number of degrees of freedom that it holds beyond those of the brake as it is, 0 where it holds fewer.
     pub count: usize,
-    /// Unit of the sizes; empty where there are none.
-    pub unit: &'static str,
-    /// Sizes, in that unit; consecutive equal ones are given once, so not one for each place.
-    pub sizes: Vec<f64>,
+    /// Sizes with their units; consecutive equal ones are given once, so not one for each place. A unit is empty where the brake does not say which it is.
+    pub sizes: Vec<(f64, &'static str)>,
     /// Predicted mean number of unstable modes per analysis and sum of their growth rates, 1/s; `None` of the case's other sets of constraints.
     pub prediction: Option<Prediction>,
     /// Changes of the set.
@@ -50,6 +48,8 @@ pub struct Screen {
     pub failed: Vec<(String, String)>,
     /// Number of sets of changes that were predicted.
     pub predicted_sets: u64,
+    /// Number of combinations of changes that these sets are; some make the same set.
+    pub combinations: u64,
     /// Number of spectra for each of these sets.
     pub analyses_per_set: u64,
     /// Number of draws of the prediction.
@@ -74,15 +74,46 @@ impl ScreenedSet {
 
     /// Words for the changes, for people.
     pub fn name(&self) -> String {
+        let with_unit = |number: String, unit: &str| if unit.is_empty() { number } else { format!("{number} {unit}") };
+        let units = self.units();
         let sizes = match (self.kind, self.sizes.as_slice()) {
-            (Some(_), [size]) => format!(", {size:.3e} {}", self.unit),
+            (Some(_), [(size, unit)]) => with_unit(format!(", {size:.3e}"), unit),
+            (Some(_), [_, ..]) if units.len() == 1 => {
+                let sizes = self.sizes.iter().map(|(size, _)| *size);
+                let (least, most) = sizes.fold((f64::INFINITY, 0.0), |(a, b), s| (s.min(a), s.max(b)));
+                with_unit(format!(", {least:.3e} to {most:.3e}"), units[0])
+            }
             (Some(_), [_, ..]) => {
-                let (least, most) = self.sizes.iter().fold((f64::INFINITY, 0.0), |(a, b), &s| (s.min(a), s.max(b)));
-                format!(", {least:.3e} to {most:.3e} {}", self.unit)
+                let sizes = self.sizes.iter().map(|(size, unit)| with_unit(format!("{size:.3e}"), unit));
+                format!(", {}", sizes.collect::<Vec<_>>().join(" and "))
             }
             _ => String::new(),
         };
         format!("{}{sizes}", self.places)
+    }
+
+    /// Units of its sizes, each once.
+    fn units(&self) -> Vec<&'static str> {
+        let mut units: Vec<&'static str> = Vec::new();
+        for (_, unit) in &self.sizes {
+            if !units.contains(unit) {
+                units.push(unit);
+            }
+        }
+        units
+    }
+
+    /// Unit of its sizes, or of each of them where they differ, for tables.
+    fn unit(&self) -> String {
+        match self.units().as_slice() {
+            &[unit] => unit.to_owned(),
+            _ => self.sizes.iter().map(|(_, unit)| *unit).collect::<Vec<_>>().join(" "),
+        }
+    }
+
+    /// True if it has a size whose unit the brake does not say.
+    fn lacks_unit(&self) -> bool {
+        self.sizes.iter().any(|(_, unit)| unit.is_empty())
     }
 }
 
@@ -147,13 +178,13 @@ impl Screen {
 
     fn row(&self, set: &ScreenedSet) -> Vec<String> {
         let text = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-        let sizes: Vec<String> = set.sizes.iter().map(f64::to_string).collect();
+        let sizes: Vec<String> = set.sizes.iter().map(|(size, _)| size.to_string()).collect();
         let mut row = vec![
             set.kind.map_or("set of constraints", ChangeKind::name).to_owned(),
             set.places.clone(),
             set.count.to_string(),
             sizes.join(" "),
-            set.unit.to_owned(),
+            set.unit(),
             text(set.prediction.map(|prediction| prediction.unstable)),
             text(set.predicted_drop(&self.unchanged)),
             text(set.prediction.map(|prediction| prediction.growth)),
@@ -181,8 +212,8 @@ impl Screen {
                     "kind": set.kind,
                     "places": set.places,
                     "count": set.count,
-                    "sizes": set.sizes,
-                    "unit": set.kind.map(|_| set.unit),
+                    "sizes": set.sizes.iter().map(|(size, _)| size).collect::<Vec<_>>(),
+                    "unit": set.kind.map(|_| set.unit()),
                     "predicted": set.prediction,
                     "predicted_drop": set.predicted_drop(&self.unchanged),
                     "confirmed": set.confirmed,
@@ -290,6 +321,9 @@ impl Screen {
         if self.predicted_sets == 0 {
             text += "no change of the kinds that are asked for has a place in this brake; the sets of constraints of the case alone are compared\n";
         }
+        if self.sets.iter().any(ScreenedSet::lacks_unit) {
+            text += "sizes without a unit are in those of the case's matrices: it does not say which degrees of freedom turn\n";
+        }
         text + &self.rests_on().join("\n") + "\n"
     }
 
@@ -297,8 +331,13 @@ impl Screen {
     pub fn rests_on(&self) -> [String; 2] {
         let meaning = "drop: unstable modes fewer in one analysis, on average over all arrangements, laws and speed ranges; 95 % limits";
         let counts = format!(
-            "predicted by {} spectra for each of {} sets of changes, {} draws; confirmed with {} other draws in {} scenes",
-            self.analyses_per_set, self.predicted_sets, self.prediction_draws, self.samples, self.scenes
+            "predicted by {} spectra for each of {} sets of changes, of {} combinations; {} draws; confirmed with {} other draws in {} scenes",
+            self.analyses_per_set,
+            self.predicted_sets,
+            self.combinations,
+            self.prediction_draws,
+            self.samples,
+            self.scenes
         );
         [meaning.into(), counts]
     }

@@ -14,7 +14,7 @@ use super::found::{Screen, ScreenedSet};
 use super::growing::growing_modes;
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
-use super::search::{KindRanking, Ranked, most_sets, search};
+use super::search::{KindRanking, Ranked, combinations, search};
 use crate::Error;
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
@@ -74,7 +74,7 @@ pub struct Ranking {
     pub draws: u64,
 }
 
-/// Ranks the changes of a brake. Progress advances by one for each set of changes.
+/// Ranks the changes of a brake. Progress counts combinations of changes; one that makes a set that is known already costs nothing.
 ///
 /// # Errors
 /// A draw without an operating point; a brake that cannot be analysed without changes.
@@ -82,7 +82,7 @@ pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dy
     let ScreenOptions { constraints, kinds, sizes, up_to, draws, .. } = options;
     let probes = Probes::new(brake, *constraints, *draws)?;
     let candidates = Candidates::all(brake, *constraints, kinds, sizes)?;
-    progress.begin(candidates.iter().map(|of_kind| most_sets(of_kind, *up_to)).sum(), 0);
+    progress.begin(candidates.iter().map(|of_kind| combinations(of_kind, *up_to)).sum(), 0);
     let unchanged = probes.prediction(&[])?;
     let of_kind = |candidates| search(candidates, &probes, *up_to, progress);
     let kinds = candidates.into_iter().map(of_kind).collect();
@@ -190,6 +190,7 @@ pub fn confirm<B: UncertainBrake>(
         unchanged: ranking.unchanged,
         failed: ranking.kinds.iter().flat_map(|of_kind| of_kind.failed.clone()).collect(),
         predicted_sets: ranking.kinds.iter().map(|of_kind| of_kind.sets).sum(),
+        combinations: ranking.kinds.iter().map(|of_kind| of_kind.combinations).sum(),
         analyses_per_set: ranking.analyses_per_set,
         prediction_draws: ranking.draws,
         samples: how.samples,
@@ -208,7 +209,6 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
     for (place, of) in [options.constraints].into_iter().chain(others).enumerate() {
         sets.push(ScreenedSet {
             kind: None,
-            unit: "",
             places: names[of].clone(),
             count: held(brake, of).saturating_sub(held(brake, options.constraints)),
             sizes: Vec::new(),
@@ -226,9 +226,8 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
             confirmed += usize::from(is_confirmed);
             sets.push(ScreenedSet {
                 kind: Some(candidates.kind),
-                unit: candidates.kind.unit(plan.units),
                 count: ranked.singles.len(),
-                sizes: candidates.sizes(&ranked.singles),
+                sizes: candidates.sizes(&ranked.singles, plan.units),
                 prediction: Some(ranked.prediction),
                 changes: ChangeSet {
                     name: format!("{} {places}", candidates.kind.name()),

@@ -31,10 +31,12 @@ pub struct KindRanking {
     pub failed: Vec<(String, String)>,
     /// Number of sets of changes analysed.
     pub sets: u64,
+    /// Number of combinations of changes that made these sets, some of them the same ones.
+    pub combinations: u64,
 }
 
-/// Number of sets that a search has at most, for its progress.
-pub(super) fn most_sets(candidates: &Candidates, up_to: usize) -> u64 {
+/// Number of combinations of changes that a search makes: each group by itself, and with both best sets of each size that leaves room for it.
+pub(super) fn combinations(candidates: &Candidates, up_to: usize) -> u64 {
     let groups = candidates.groups.iter().filter(|group| group.len() <= up_to);
     groups.map(|group| 1 + 2 * (up_to - group.len()) as u64).sum()
 }
@@ -50,18 +52,23 @@ pub(super) fn search(
 ) -> KindRanking {
     let mut known: HashMap<Vec<usize>, Option<Prediction>> = HashMap::new();
     let mut ranking = KindRanking {
-        candidates,
         singles: Vec::new(),
         best: Vec::new(),
         symmetric: Vec::new(),
         failed: Vec::new(),
         sets: 0,
+        combinations: combinations(&candidates, up_to),
+        candidates,
     };
+    let mut done = 0;
     for size in 1..=up_to {
         let sets = ranking.sets_of(size);
         let new: Vec<Vec<usize>> = sets.iter().filter(|set| !known.contains_key(*set)).cloned().collect();
         let changes: Vec<_> = new.iter().map(|set| ranking.candidates.changes(set)).collect();
         ranking.sets += new.len() as u64;
+        let until_now = combinations(&ranking.candidates, size);
+        let known_already = (until_now - done).saturating_sub(new.len() as u64);
+        done = until_now;
         for (set, found) in new.into_iter().zip(probes.predictions(&changes, progress)) {
             let prediction = match found {
                 Ok(prediction) => Some(prediction),
@@ -72,6 +79,7 @@ pub(super) fn search(
             };
             known.insert(set, prediction);
         }
+        progress.advance(known_already);
         let analysed = sets.into_iter().filter_map(|singles| {
             let prediction = known.get(&singles).copied().flatten()?;
             Some(Ranked { singles, prediction })
@@ -86,6 +94,7 @@ pub(super) fn search(
             ranking.singles = analysed;
         }
     }
+    progress.advance(ranking.combinations - done);
     ranking
 }
 

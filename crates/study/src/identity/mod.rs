@@ -162,6 +162,9 @@ impl<'a> Parts<'a> {
     }
 }
 
+/// Part of a study that keeps its samples.
+const KEPT: (&str, &str) = ("samples", "kept");
+
 /// Difference of a folder that holds the study `found` from the study `wanted`, for a message that begins with "holds".
 pub fn difference(found: &str, wanted: &str) -> String {
     let (Some(wanted), true) = (Parts::of(wanted), found.starts_with('"')) else { return found.to_owned() };
@@ -187,12 +190,18 @@ pub fn difference(found: &str, wanted: &str) -> String {
                 ));
             }
             Some(&(_, _, other)) => differing.push(format!("{key} {other}, not {key} {value}")),
+            None if (key, value) == KEPT => {
+                differing.push("no samples kept (this run keeps them: without --keep-samples it is that study)".into())
+            }
             None => differing.push(format!("no {key}")),
         }
     }
     let beside = parts.iter().filter(|part| in_wanted(part.0).is_none());
-    differing
-        .extend(beside.map(|&(key, is_digest, value)| if is_digest { key.into() } else { format!("{key} {value}") }));
+    differing.extend(beside.map(|&(key, is_digest, value)| match (key, value) {
+        KEPT => "samples kept (with --keep-samples it is that study)".to_owned(),
+        _ if is_digest => key.to_owned(),
+        _ => format!("{key} {value}"),
+    }));
     format!("the study {name} with {}", differing.join(" and "))
 }
 
@@ -226,7 +235,10 @@ mod tests {
             (line("c", 1.0, 7), "the study \"c\", not \"a b\""),
             (line("a b", 2.0, 7), "the study \"a b\" with other terms"),
             (line("a b", 2.0, 8), "the study \"a b\" with other terms and seed 8, not seed 7"),
-            (format!("{own} samples=kept"), "the study \"a b\" with samples kept"),
+            (
+                format!("{own} samples=kept"),
+                "the study \"a b\" with samples kept (with --keep-samples it is that study)",
+            ),
             ("other files".into(), "other files"),
             (
                 "\"a b\" 0123456789abcdef seed 7 format 6".into(),
@@ -236,7 +248,10 @@ mod tests {
         ] {
             assert_eq!(difference(&found, &own), said);
         }
-        assert_eq!(difference(&own, &format!("{own} samples=kept")), "the study \"a b\" with no samples");
+        assert_eq!(
+            difference(&own, &format!("{own} samples=kept")),
+            "the study \"a b\" with no samples kept (this run keeps them: without --keep-samples it is that study)"
+        );
     }
 
     #[test]
