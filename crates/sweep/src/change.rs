@@ -52,6 +52,11 @@ impl ChangeOf {
     }
 }
 
+/// Difference of the number of unstable modes beyond a change from that before it, of one that `starts` an unstable mode or ends one.
+pub(super) fn by(starts: bool) -> i64 {
+    if starts { 1 } else { -1 }
+}
+
 /// A change of the number of unstable modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Change {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use study::UncertainBrake;
 use tracking::{Branches, Onset};
 
-use super::change::ChangeOf;
+use super::change::{ChangeOf, by};
 use super::family::Part;
 use super::measure::Measure;
 use crate::Error;
@@ -49,7 +49,7 @@ impl SweepOnset {
     /// Difference of the number of unstable modes beyond the onset from that before it.
     #[must_use]
     pub fn by(&self) -> i64 {
-        if self.starts { 1 } else { -1 }
+        by(self.starts)
     }
 }
 
