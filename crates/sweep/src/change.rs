@@ -97,6 +97,18 @@ impl<'a> Along<'a> {
         self.band.is_none_or(|Band { studied: [from, to], .. }| (from..=to).contains(&lambda.im))
     }
 
+    /// Growing modes at a place that are studied, rad/s, the least first by a function of them.
+    pub fn growing(&self, place: &Place, value: impl Fn(Complex<f64>) -> f64) -> Vec<Complex<f64>> {
+        let mut all: Vec<_> = place.counted.flutter.iter().copied().filter(|l| self.is_studied(*l)).collect();
+        all.sort_by(|a, b| value(*a).total_cmp(&value(*b)));
+        all
+    }
+
+    /// Growing modes at a place that are studied, rad/s, those that are nearest to the threshold first.
+    pub fn nearest_to_threshold(&self, place: &Place) -> Vec<Complex<f64>> {
+        self.growing(place, |lambda| self.threshold.margin(lambda))
+    }
+
     /// The distance of a growing mode from the end of the band that is nearest to its frequency; `None` without a band.
     pub fn nearest_end(&self, lambda: Complex<f64>) -> Option<Measure> {
         self.band.map(|Band { studied: [from, to], .. }| match (lambda.im - from).abs() < (lambda.im - to).abs() {
