@@ -22,6 +22,7 @@
 //! declares).
 
 mod abaqus;
+mod arrays;
 mod builder;
 mod bytes;
 mod coordinates;
