@@ -1,9 +1,7 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
-use std::iter::repeat_n;
 use std::sync::{Mutex, OnceLock};
 
-use cea::{ROUNDED_DATA, Threshold, Verdict, real_count};
 use linsys::{AffineSystem, DofMap, OperatingPoint};
 use montecarlo::Progress;
 use nalgebra::DMatrix;
@@ -13,7 +11,7 @@ use reduction::{
     CoarseBasis, Combinations, Compared, Options, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast,
     within,
 };
-use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
+use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::divergence::Responses;
 use super::points::{all_patches, naming_point, of_brake};
@@ -26,9 +24,6 @@ use crate::prepared::Pieces;
 
 /// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
 const BEYOND: f64 = 1.5;
-/// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
-/// motions.
-const SLOWEST: f64 = 1e-3;
 /// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
 pub const BESIDE: f64 = 1.05;
 /// Error, relative to |lambda|, that eigenvalues may have on a smaller basis within that of a set, as it is estimated; chosen: a third of what that of a set
@@ -261,37 +256,6 @@ pub(super) fn modes_beside(
     let rectangle = rectangle(case);
     let [low, high] = rectangle.im;
     modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
-}
-
-/// Smallest growth that is looked for as divergence of a case, 1/s.
-pub(super) fn slowest_divergence(case: &FiniteElementCase) -> f64 {
-    SLOWEST * rectangle(case).im[0]
-}
-
-/// Eigenvalues that surely are beyond a threshold and grow faster than they oscillate in a whole brake, 1/s, Im >= 0, by ascending growth:
-/// divergence, whatever the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
-/// zero, to the highest in size. `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
-pub(super) fn diverging(
-    case: &FiniteElementCase,
-    system: &SparseSecondOrder,
-    threshold: &Threshold,
-) -> Option<Vec<Complex<f64>>> {
-    let [_, highest] = rectangle(case).im;
-    let from = threshold.growth_above().max(slowest_divergence(case));
-    let right = Rectangle { re: [from, from + highest], im: [0.0, highest] };
-    let found = eigenpairs_in(system, &right, &sparse::Options::default(), &mut |_| {}).ok()?;
-    let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);
-    let fast: Vec<Eigenpair> = found.pairs.into_iter().filter(is_fast).collect();
-    let verdict = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound);
-    let grows = |pair: &&Eigenpair| verdict(pair) == Verdict::Unstable;
-    let of = |pair: &Eigenpair| match real_count(pair.lambda) {
-        0 => repeat_n(pair.lambda, 1),
-        count => repeat_n(pair.lambda.re.into(), count),
-    };
-    let mut growing: Vec<Complex<f64>> = fast.iter().filter(grows).flat_map(of).collect();
-    growing.sort_by(|a, b| a.re.total_cmp(&b.re));
-    let is_open = |pair: &Eigenpair| matches!(verdict(pair), Verdict::Undecided { .. });
-    (!growing.is_empty() || !fast.iter().any(is_open)).then_some(growing)
 }
 
 fn modes_in(
