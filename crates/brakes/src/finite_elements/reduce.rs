@@ -9,7 +9,7 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use reduction::{
     CoarseBasis, Combinations, Compared, Options, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast,
-    within,
+    largest_residual, within,
 };
 use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
@@ -32,7 +32,7 @@ const WITHIN: f64 = 3e-7;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
-pub(super) const NEXT_TO_AXIS: f64 = 0.02;
+const NEXT_TO_AXIS: f64 = 0.02;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
 const RUNGS: usize = 6;
 const MEASURED_POINTS: u64 = 6;
@@ -308,6 +308,11 @@ fn modes_at_medians(
     whole_modes(case, &set.system.assemble(&at)?, reduced)
 }
 
+/// True of an eigenvalue so near the imaginary axis that an error may change its verdict.
+pub(super) fn is_next_to_axis(lambda: Complex<f64>) -> bool {
+    lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm()
+}
+
 /// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
 /// both has such a mode and the other has none. With it the largest residual of these modes.
 fn held_out<'a>(
@@ -317,8 +322,7 @@ fn held_out<'a>(
 ) -> Result<(f64, f64), Error> {
     let rectangle = rectangle(case);
     let is_next_to = |lambda: &&Complex<f64>| {
-        let size = lambda.norm();
-        lambda.re.abs() <= NEXT_TO_AXIS * size && rectangle.contains_to_the_right(**lambda, -AT_BORDER * size)
+        is_next_to_axis(**lambda) && rectangle.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm())
     };
     let next_to = |of: &[Complex<f64>]| of.iter().filter(is_next_to).copied().collect::<Vec<_>>();
     let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
@@ -326,8 +330,7 @@ fn held_out<'a>(
         let Some(part) = part(&drawn.closed) else { return Ok((1.0, residual)) };
         let found = part.reduced.modes(&drawn.at)?;
         let of_these = found.lambdas.iter().zip(&found.residuals).filter(|(lambda, _)| is_next_to(lambda));
-        let worse = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
-        residual = of_these.map(|(_, &own)| own).fold(residual, worse);
+        residual = largest_residual(of_these.map(|(_, &own)| own).chain([residual]));
         let reduced = found.lambdas;
         let [of_whole, of_reduced] =
             [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others.clone()));
@@ -398,8 +401,7 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
         let first = origin.within.basis.columns(0, columns).into_owned();
         let reduced = set.reduced_within(&first, case)?;
         let found = points.iter().map(|at| reduced.modes(at)).collect::<Result<Vec<_>, _>>()?;
-        let worse = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
-        let residual = found.iter().map(ReducedModes::largest_residual).fold(0.0, worse);
+        let residual = largest_residual(found.iter().map(ReducedModes::largest_residual));
         let first = found.into_iter().next().map_or(Vec::new(), |found| found.lambdas);
         Ok(Rung { columns, residual, first })
     };
