@@ -8,7 +8,9 @@ mod parameters;
 mod places;
 mod points;
 mod reduce;
+mod samples;
 mod set_basis;
+mod sliding;
 mod swept;
 mod training;
 mod whole;
@@ -279,7 +281,7 @@ impl FiniteElementBrake {
     }
 
     fn law_and_speed(&self, scene: &Scene, sample: &FiniteElementSample) -> Option<(Law, f64)> {
-        points::law_and_speed(&self.case, self.scene_of(scene).state, sample)
+        samples::law_and_speed(&self.case, self.scene_of(scene).state, sample)
     }
 
     fn scene_of(&self, scene: &Scene) -> SceneOf<'_> {
@@ -313,11 +315,11 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn draw(&self, rng: &mut StreamRng) -> Result<FiniteElementSample, study::Error> {
-        Ok(points::draw(&self.case, rng)?)
+        Ok(samples::draw(&self.case, rng)?)
     }
 
     fn median(&self) -> FiniteElementSample {
-        points::median(&self.case)
+        samples::median(&self.case)
     }
 
     fn operating_point(&self, scene: &Scene, sample: &FiniteElementSample) -> Result<OperatingPoint, study::Error> {
@@ -377,7 +379,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
                 .drawn(scene)
                 .map(|drawn| DrawnFriction { correlation: None, ..drawn }.sample(self.drawn_contacts(), uniform)),
         };
-        points::correlated(&self.case, sample)
+        samples::correlated(&self.case, sample)
     }
 
     /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn, none acts across the sliding and no point opens.
