@@ -108,12 +108,10 @@ impl Prepared {
     }
 
     /// True if there may be pieces of a case: a file was given, or its brake has a folder.
-    ///
-    /// # Errors
-    /// A file that was given and that is of another brake, another program or another rounding.
-    pub fn is_begun(&self, case: &FiniteElementCase) -> Result<bool, Error> {
-        let pieces = self.of(case)?;
-        Ok(self.given.is_some() || pieces.folder.is_some_and(|folder| folder.is_dir()))
+    #[must_use]
+    pub fn is_begun(&self, case: &FiniteElementCase) -> bool {
+        let has_folder = || self.pieces(case, &made_by(case)).folder.is_some_and(|folder| folder.is_dir());
+        self.given.is_some() || self.folder.is_some() && has_folder()
     }
 
     /// The pieces that were asked for so far.
@@ -147,29 +145,37 @@ impl Prepared {
             return Ok(Pieces { all: self, key: None, folder: None, about: String::new() });
         }
         let made = made_by(case);
-        if let Some(Given { path, made: found, brake, .. }) = &self.given {
+        if self.given.is_some() || self.collected.is_some() {
             let wanted = case.brake_identity();
-            if *found != made {
-                return Err(Error::PreparedElsewhere { path: path.clone(), found: found.clone(), expected: made });
+            if let Some(Given { path, made: found, brake, .. }) = &self.given {
+                if *found != made {
+                    return Err(Error::PreparedElsewhere { path: path.clone(), found: found.clone(), expected: made });
+                }
+                if *brake != wanted {
+                    return Err(Error::PreparedOther { path: path.clone(), found: difference(brake, &wanted) });
+                }
             }
-            if *brake != wanted {
-                return Err(Error::PreparedOther { path: path.clone(), found: difference(brake, &wanted) });
+            if let Some(collected) = &self.collected {
+                let mut collected = locked(collected);
+                (collected.made, collected.brake) = (made.clone(), wanted);
             }
         }
-        if let Some(collected) = &self.collected {
-            let mut collected = locked(collected);
-            (collected.made, collected.brake) = (made.clone(), case.brake_identity());
+        let pieces = self.pieces(case, &made);
+        if let Some(folder) = pieces.folder.as_ref().filter(|folder| folder.is_dir()) {
+            // A folder that cannot be written is still one to read from.
+            let _ = fs::write(folder.join(OF_BRAKE), &pieces.about);
         }
+        Ok(pieces)
+    }
+
+    /// The pieces of a case by a program and a rounding.
+    fn pieces(&self, case: &FiniteElementCase, made: &str) -> Pieces<'_> {
         let about = format!("{made}\n{}\n", case.prepared_identity());
         let key = digest(format!("{}\n{about}", FILE.version).as_bytes());
         // Of programs with one commit a folder keeps each for itself: they may be builds of what was not committed.
         let of_build = digest(format!("{}{}", hexadecimal(&key), this_build()).as_bytes());
         let folder = self.folder.as_ref().map(|folder| folder.join(&hexadecimal(&of_build)[..16]));
-        if let Some(folder) = folder.as_ref().filter(|folder| folder.is_dir()) {
-            // A folder that cannot be written is still one to read from.
-            let _ = fs::write(folder.join(OF_BRAKE), &about);
-        }
-        Ok(Pieces { all: self, key: Some(key), folder, about })
+        Pieces { all: self, key: Some(key), folder, about }
     }
 }
 

@@ -37,8 +37,8 @@ pub(super) fn of_pieces(
 ) -> Result<AnyBrake, Error> {
     if let Some(cost) = brakes::cost_of_making(&case) {
         cost.check(&case.header().source(), memory.budget())?;
-        let is_begun = if let CaseFile::FiniteElements(case) = &case { prepared.is_begun(case)? } else { true };
-        if cost.seconds > ANNOUNCED && !is_begun {
+        let is_begun = || if let CaseFile::FiniteElements(case) = &case { prepared.is_begun(case) } else { true };
+        if cost.seconds > ANNOUNCED && !is_begun() {
             let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
             note(&format!("bases for {} degrees of freedom: roughly {time} of processor time, {memory}", cost.order));
         }

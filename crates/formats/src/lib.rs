@@ -7,7 +7,7 @@
 //! | [`read_one`], [`split_name`] | one matrix of `FILE` or `FILE:NAME` |
 //! | [`Symmetry`], [`Stored`], [`Doubt`] | storage of a matrix, whole or a triangle: as the caller knows it, as it was taken, what is odd in that |
 //! | [`Matrix`] | a matrix, a triangle mirrored: entries, [`Dof`] of each row, compressed columns of [`nalgebra_sparse`], dense |
-//! | [`on_common_rows`], [`common_labels`], [`Matrix::on`] | matrices of one model on the same rows |
+//! | [`on_common_rows`], [`common_labels`], [`Matrix::on`] | matrices of one model on the same rows; [`own_rows_in_words`]: what one alone has |
 //! | [`Limits`], [`Options`] | bounds on sizes, and with them a listener to progress |
 //! | [`read_market`] | Matrix Market alone |
 //! | [`read_deck`] | nodes, elements and node sets of an Abaqus or CalculiX input deck |
@@ -22,6 +22,7 @@
 //! declares).
 
 mod abaqus;
+mod arrays;
 mod builder;
 mod bytes;
 mod coordinates;
@@ -69,7 +70,7 @@ pub use matrix::{Kind, Matrix, common_labels};
 pub use mesh::{Cell, CellKind, Mesh, MeshField, ModeShape, Node};
 pub use problem::Problem;
 pub use read::{File, Wanted, read, read_bytes, read_labels, read_one, read_with, split_name};
-pub use rows::on_common_rows;
+pub use rows::{on_common_rows, own_rows_in_words};
 pub use surface::Surface;
 pub use symmetry::{Doubt, KnownBy, Stored, Symmetry};
 pub use unv::write_unv;

@@ -6,10 +6,9 @@ use std::fmt;
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 
-use crate::builder::{Builder, Head, Stated};
 use crate::entry::Entry;
 use crate::symmetry::{Doubt, KnownBy, Stored};
-use crate::{Dof, FormatsError, Limits, Problem};
+use crate::{Dof, FormatsError};
 
 /// Role of a matrix in `M u'' + C u' + K u = f`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,38 +55,6 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// The matrix of an array, which says as little as one in a file whether it is a triangle: [`Matrix::with_symmetry`] decides.
-    ///
-    /// # Errors
-    /// [`Problem::Value`] for an entry that is not finite; [`Problem::Limit`] for more entries than [`Limits::default`] has.
-    pub fn of_array(name: &str, array: &DMatrix<f64>) -> Result<Self, Problem> {
-        let rows = array.nrows().max(1);
-        let entries = array.iter().enumerate().map(|(at, &value)| (at % rows, at / rows, value));
-        Self::of_entries(name, array.shape(), entries)
-    }
-
-    /// The matrix of compressed columns, as [`Matrix::of_array`].
-    ///
-    /// # Errors
-    /// As [`Matrix::of_array`].
-    pub fn of_sparse(name: &str, matrix: &CscMatrix<f64>) -> Result<Self, Problem> {
-        let entries = matrix.triplet_iter().map(|(row, column, &value)| (row, column, value));
-        Self::of_entries(name, (matrix.nrows(), matrix.ncols()), entries)
-    }
-
-    /// The matrix of entries (row, column, value), from 0 and within the shape.
-    fn of_entries(
-        name: &str,
-        shape: (usize, usize),
-        entries: impl IntoIterator<Item = (usize, usize, f64)>,
-    ) -> Result<Self, Problem> {
-        let mut builder = Builder::new(&Limits::default());
-        for (row, column, value) in entries.into_iter().filter(|(.., value)| *value != 0.0) {
-            builder.push(row, column, value)?;
-        }
-        builder.finish(Stated::Array, Head::unlabelled(name, None, shape))
-    }
-
     /// The name in the file; of a file that names nothing, that of its kind or `matrix`.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -24,15 +24,10 @@ pub fn on_common_rows(all: &mut [&mut Matrix]) -> Result<(), (usize, FormatsErro
         if let Some(at) = all.iter().position(|matrix| matrix.row_labels.is_none()) {
             return Err((at, FormatsError::Unlabelled { matrix: all[at].name.clone() }));
         }
-        let rows: Vec<HashSet<&Dof>> =
-            named.iter().map(|matrix| matrix.row_labels.iter().flatten().collect()).collect();
-        let is_apart = |at: usize| {
-            let mut others = rows.iter().enumerate().filter(|(other, _)| *other != at);
-            others.all(|(_, other)| other.is_disjoint(&rows[at]))
-        };
-        if let Some(at) = (0..rows.len()).find(|&at| is_apart(at)) {
-            let row = rows[at].iter().min().map_or_else(String::new, |row| row.to_string());
-            return Err((at, FormatsError::Apart { matrix: all[at].name.clone(), rows: rows[at].len(), row }));
+        let rows = row_sets(&named);
+        if let Some((at, own)) = own_rows(&rows).enumerate().find(|(at, own)| own.len() == rows[*at].len()) {
+            let row = own.iter().min().map_or_else(String::new, |row| row.to_string());
+            return Err((at, FormatsError::Apart { matrix: all[at].name.clone(), rows: own.len(), row }));
         }
         let labels = common_labels(named).map_err(|error| (0, error))?;
         for (at, matrix) in all.iter_mut().enumerate() {
@@ -45,6 +40,37 @@ pub fn on_common_rows(all: &mut [&mut Matrix]) -> Result<(), (usize, FormatsErro
         (matrix.rows, matrix.columns) = (largest, largest);
     }
     Ok(())
+}
+
+/// Words, for each of the matrices of one model, on the rows that it alone has; `None` where it has none, or another matrix does not name its rows.
+#[must_use]
+pub fn own_rows_in_words(all: &[&Matrix]) -> Vec<Option<String>> {
+    let rows = row_sets(all);
+    let words = |(at, own): (usize, Vec<&Dof>)| {
+        let mut others = rows.iter().enumerate().filter(|(other, _)| *other != at);
+        let (first, count) = (own.iter().min()?, rows[at].len());
+        if others.any(|(_, other)| other.is_empty()) {
+            return None;
+        }
+        Some(match own.len() {
+            1 => format!("1 of its {count} rows is in no other matrix: {first}"),
+            own => format!("{own} of its {count} rows are in no other matrix: {first} and others"),
+        })
+    };
+    own_rows(&rows).enumerate().map(words).collect()
+}
+
+/// The rows of each matrix, as far as it names them.
+fn row_sets<'a>(all: &[&'a Matrix]) -> Vec<HashSet<&'a Dof>> {
+    all.iter().map(|matrix| matrix.row_labels.iter().flatten().collect()).collect()
+}
+
+/// The rows of each matrix that no other one has.
+fn own_rows<'a>(rows: &[HashSet<&'a Dof>]) -> impl Iterator<Item = Vec<&'a Dof>> {
+    (0..rows.len()).map(|at| {
+        let others = || rows.iter().enumerate().filter(|(other, _)| *other != at);
+        rows[at].iter().copied().filter(|row| !others().any(|(_, other)| other.contains(row))).collect()
+    })
 }
 
 impl Matrix {

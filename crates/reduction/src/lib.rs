@@ -52,7 +52,7 @@ pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
 pub use modal::real_modes;
 pub use options::Options;
-pub use reduced::{Reduced, ReducedModes, grows_too_fast};
+pub use reduced::{Reduced, ReducedModes, grows_too_fast, largest_residual};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use residual::Combinations;
 pub use route::{Route, RouteCounts};

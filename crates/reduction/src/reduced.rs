@@ -326,8 +326,12 @@ impl ReducedModes {
     /// The largest residual, zero where there is no mode, not a number where one is not.
     #[must_use]
     pub fn largest_residual(&self) -> f64 {
-        self.residuals
-            .iter()
-            .fold(0.0, |largest, &residual| if residual > largest || residual.is_nan() { residual } else { largest })
+        largest_residual(self.residuals.iter().copied())
     }
+}
+
+/// Largest of some residuals: zero of none, not a number where one is not.
+pub fn largest_residual(residuals: impl IntoIterator<Item = f64>) -> f64 {
+    let larger = |largest: f64, own: f64| if largest.is_nan() || own <= largest { largest } else { own };
+    residuals.into_iter().fold(0.0, larger)
 }

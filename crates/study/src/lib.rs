@@ -28,6 +28,7 @@ mod kept_samples;
 mod measured;
 pub mod memory;
 mod mode_label;
+mod mode_naming;
 mod mode_source;
 mod modifiable;
 mod named_shapes;
@@ -36,6 +37,8 @@ mod net_work;
 mod parametrised;
 mod plan;
 mod reference;
+mod scene;
+mod scene_tally;
 mod scratch;
 mod sector_modes;
 mod secular_equations;
@@ -45,6 +48,7 @@ mod strength;
 mod tally;
 mod third_octave;
 mod units;
+mod unstable_names;
 
 pub use brake::UncertainBrake;
 pub use certificate::Certificate;
@@ -63,26 +67,26 @@ pub use independent::{Drawn, IndependentBrake};
 pub use kept_samples::{KeptMode, KeptSample, KeptSamples};
 pub use measured::{Measured, MeasuredFrequency};
 pub use mode_label::ModeLabel;
+pub use mode_naming::{ModeIdentity, ModeNaming};
 pub use mode_source::{BandMode, Bridge, CoarsePath, ModeResidual, ModeSource, WholeEigenvalue};
 pub use modifiable::{Direction, Modifiable, ModifiablePlan, Moves, OwnSize, Place, Symmetry, WholeContact};
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use parametrised::{NamedParameter, Parametrised};
-pub use plan::{
-    Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels,
-    SpeedLabel, StudySource,
-};
+pub use plan::{Configuration, Origin, Plan, StudySource};
 pub use reference::Reference;
+pub use scene::{LawLabel, PanelLabel, Scene, SceneKey, SceneLabels, SpeedLabel};
+pub use scene_tally::SceneTally;
 pub use scratch::{Scratch, Spent, timed};
 pub use sector_modes::check_range;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub use set_links::{SetLinks, origin_of_set, set_links};
 pub use sliding_contacts::SlidingContacts;
 pub use strength::Strength;
-pub(crate) use tally::unstable_names;
-pub use tally::{SceneTally, StudyTally, TwiceNamedTally};
+pub use tally::{StudyTally, TwiceNamedTally};
 pub use third_octave::{InThirdOctave, ThirdOctave};
 pub use units::Units;
+pub(crate) use unstable_names::unstable_names;
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

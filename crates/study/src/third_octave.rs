@@ -25,16 +25,15 @@ impl ThirdOctave {
         Self::of_hertz(omega / TAU)
     }
 
-    /// The number.
+    /// The third octave so many below it.
     #[must_use]
-    pub fn number(self) -> i32 {
-        self.0
+    pub fn below(self, count: u16) -> Self {
+        Self(self.0 - i32::from(count))
     }
 
-    /// The third octave of a number.
-    #[must_use]
-    pub fn new(number: i32) -> Self {
-        Self(number)
+    /// All third octaves from this one up to `last`, with it; none where that is below.
+    pub fn up_to(self, last: Self) -> impl Iterator<Item = Self> {
+        (self.0..=last.0).map(Self)
     }
 
     /// The nominal middle, Hz.

@@ -52,6 +52,11 @@ impl ChangeOf {
     }
 }
 
+/// Difference of the number of unstable modes beyond a change from that before it, of one that `starts` an unstable mode or ends one.
+pub(super) fn by(starts: bool) -> i64 {
+    if starts { 1 } else { -1 }
+}
+
 /// A change of the number of unstable modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Change {
@@ -90,6 +95,18 @@ impl<'a> Along<'a> {
     /// True if a mode with this eigenvalue, rad/s, is studied.
     pub fn is_studied(&self, lambda: Complex<f64>) -> bool {
         self.band.is_none_or(|Band { studied: [from, to], .. }| (from..=to).contains(&lambda.im))
+    }
+
+    /// Growing modes at a place that are studied, rad/s, the least first by a function of them.
+    pub fn growing(&self, place: &Place, value: impl Fn(Complex<f64>) -> f64) -> Vec<Complex<f64>> {
+        let mut all: Vec<_> = place.counted.flutter.iter().copied().filter(|l| self.is_studied(*l)).collect();
+        all.sort_by(|a, b| value(*a).total_cmp(&value(*b)));
+        all
+    }
+
+    /// Growing modes at a place that are studied, rad/s, those that are nearest to the threshold first.
+    pub fn nearest_to_threshold(&self, place: &Place) -> Vec<Complex<f64>> {
+        self.growing(place, |lambda| self.threshold.margin(lambda))
     }
 
     /// The distance of a growing mode from the end of the band that is nearest to its frequency; `None` without a band.

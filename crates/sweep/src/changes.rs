@@ -255,32 +255,26 @@ impl Along<'_> {
         let [mut flutter, mut beside, mut divergence] = self.difference([a, b]);
         let (at, error) = (0.5 * (a.at + b.at), (b.at - a.at).max(LEAST_ERROR));
         let mut found = Vec::new();
-        let more = |starts: bool| if starts { &b.counted } else { &a.counted };
+        let more = |starts: bool| if starts { b } else { a };
         let mut add = |of: ChangeOf, starts: bool, lambda: Complex<f64>| {
             found.push(Change { at, error, lambda, of, starts, is_double: of == ChangeOf::Exchange });
         };
         while flutter * divergence < 0 && divergence.abs() >= 2 {
             let starts = divergence > 0;
             // The pair that has the least frequency is the one that became real.
-            let lambda = more(!starts).flutter.first().map_or(0.0, |lambda| lambda.re);
+            let lambda = more(!starts).counted.flutter.first().map_or(0.0, |lambda| lambda.re);
             add(ChangeOf::Exchange, starts, Complex::from(lambda));
             (flutter, divergence) = (flutter + divergence.signum(), divergence - 2 * divergence.signum());
         }
-        let growing = &more(flutter > 0).flutter;
-        let nearest_by = |value: &dyn Fn(Complex<f64>) -> f64| {
-            let mut all: Vec<_> = growing.iter().copied().filter(|l| self.is_studied(*l)).collect();
-            all.sort_by(|a, b| value(*a).total_cmp(&value(*b)));
-            all
-        };
+        let growing = more(flutter > 0);
         let to_end = |lambda| self.nearest_end(lambda).map_or(f64::INFINITY, |end| end.value(lambda));
-        let mut at_end = nearest_by(&to_end).into_iter();
+        let mut at_end = self.growing(growing, to_end).into_iter();
         while flutter * beside < 0 {
             let Some(lambda) = at_end.next() else { break };
             add(ChangeOf::Band, flutter > 0, lambda);
             (flutter, beside) = (flutter - flutter.signum(), beside - beside.signum());
         }
-        let nearest = nearest_by(&|lambda| self.threshold.margin(lambda));
-        for lambda in nearest.into_iter().take(flutter.unsigned_abs() as usize) {
+        for lambda in self.nearest_to_threshold(growing).into_iter().take(flutter.unsigned_abs() as usize) {
             add(ChangeOf::Flutter, flutter > 0, Complex::new(0.0, lambda.im));
         }
         for _ in 0..divergence.unsigned_abs() {

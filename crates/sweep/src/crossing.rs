@@ -70,11 +70,7 @@ pub(super) fn crossing(
             }
         }
         ChangeOf::Flutter => {
-            let margin = |lambda: &Complex<f64>| along.threshold.margin(*lambda);
-            let studied = more.counted.flutter.iter().filter(|lambda| along.is_studied(**lambda));
-            let Some(&growing) = studied.min_by(|x, y| margin(x).total_cmp(&margin(y))) else {
-                return Ok((None, 0));
-            };
+            let Some(&growing) = along.nearest_to_threshold(more).first() else { return Ok((None, 0)) };
             let distance = |lambda: &&Complex<f64>| (**lambda - growing).norm();
             let nearest =
                 |list: &[Complex<f64>]| list.iter().min_by(|x, y| distance(x).total_cmp(&distance(y))).copied();

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use study::UncertainBrake;
 
-use super::change::{Along, ChangeOf};
+use super::change::{Along, ChangeOf, by};
 use super::family::{Evaluations, Family, Part};
 use super::openings::openings;
 use super::part_sweep::steps_of_piece;
@@ -184,7 +184,7 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, along: usize, fixed: f64) -> R
         }
         let inside = found.found.iter().filter(|change| part.counts(change)).map(|change| {
             let omega = if change.of.oscillates() { change.lambda.im } else { 0.0 };
-            (place(change.at.clamp(0.0, 1.0)), if change.starts { 1 } else { -1 }, omega, Some(change.of))
+            (place(change.at.clamp(0.0, 1.0)), by(change.starts), omega, Some(change.of))
         });
         let first = line.changes.len();
         line.changes.extend(inside);

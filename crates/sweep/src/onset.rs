@@ -5,7 +5,7 @@ use serde::Serialize;
 use study::UncertainBrake;
 use tracking::{Branches, Onset};
 
-use super::change::ChangeOf;
+use super::change::{ChangeOf, by};
 use super::family::Part;
 use super::measure::Measure;
 use crate::Error;
@@ -49,7 +49,7 @@ impl SweepOnset {
     /// Difference of the number of unstable modes beyond the onset from that before it.
     #[must_use]
     pub fn by(&self) -> i64 {
-        if self.starts { 1 } else { -1 }
+        by(self.starts)
     }
 }
 
@@ -59,8 +59,8 @@ pub(super) enum WholeOnset {
     NotReduced,
     /// The onset, with the number of eigenvalues of the full model that it took.
     Found(Onset, u64),
-    /// The onset of the full model was not found.
-    NotFound,
+    /// The onset of the full model was not found; with the assumed error of that of the reduced brake, in fractions of the range.
+    NotFound { error: f64 },
 }
 
 impl WholeOnset {
@@ -79,7 +79,9 @@ impl WholeOnset {
             Err(Error::Study(study::Error::WholeEigenvalue(_) | study::Error::Cea(_))) => Ok(None),
             found => found.map(Some),
         };
-        let Some(first) = whole(onset.at, there)? else { return Ok(Self::NotFound) };
+        let Some(first) = whole(onset.at, there)? else {
+            return Self::not_found(part, onset, (measure, there), reduced);
+        };
         let Some(mut found) = first else { return Ok(Self::NotReduced) };
         let rate = reduced.refined(onset.at, there)?.rate;
         let (mut at, mut slope) = (onset.at, measure.rate(found.lambda, rate));
@@ -101,21 +103,17 @@ impl WholeOnset {
             }
             (at, found) = (at + step, next);
         }
-        Ok(Self::NotFound)
+        Self::not_found(part, onset, (measure, there), reduced)
     }
-}
 
-/// Assumed error of an onset of a reduced brake, in fractions of the range: that of the eigenvalue, by the speed at which it crosses, in the function that
-/// is zero there; `there` is the eigenvalue.
-///
-/// # Errors
-/// Those of the branches.
-pub(super) fn error_of_reduced<B: UncertainBrake>(
-    part: &Part<'_, B>,
-    onset: &Onset,
-    (measure, there): (Measure, Complex<f64>),
-    reduced: &mut impl Branches<Error = Error>,
-) -> Result<f64, Error> {
-    let rate = measure.rate(there, reduced.refined(onset.at, there)?.rate);
-    Ok(onset.error + part.relative_error() * there.norm() / rate.abs())
+    /// Not found, with the assumed error of the reduced one: that of the eigenvalue, by the speed at which it crosses, in the function that is zero there.
+    fn not_found<B: UncertainBrake>(
+        part: &Part<'_, B>,
+        onset: &Onset,
+        (measure, there): (Measure, Complex<f64>),
+        reduced: &mut impl Branches<Error = Error>,
+    ) -> Result<Self, Error> {
+        let rate = measure.rate(there, reduced.refined(onset.at, there)?.rate);
+        Ok(Self::NotFound { error: onset.error + part.relative_error() * there.norm() / rate.abs() })
+    }
 }

@@ -10,7 +10,7 @@ use study::UncertainBrake;
 use tracking::{Branches, follow_branch};
 
 use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, KnownPoint, Tracer, passes};
-use super::change::{Along, Change, ChangeOf};
+use super::change::{Along, Change, ChangeOf, by};
 use super::changes::Changes;
 use super::curve_point::{CurvePoint, PointOf};
 use super::divergence::{DIVERGENCE, EXCHANGE};
@@ -83,7 +83,7 @@ pub(super) fn of_part<B: UncertainBrake>(
         map.unresolved += unresolved;
         map.evaluations += evaluations;
         if line.axis == 0 && line.at == 0.0 {
-            let changes = met.iter().map(|met| (met.at, if met.starts { 1 } else { -1 }));
+            let changes = met.iter().map(|met| (met.at, by(met.starts)));
             map.on_left = (unstable_at_start as i64, changes.collect());
         }
         map.meets_band |= met.iter().any(|met| met.of == ChangeOf::Band);

@@ -10,7 +10,7 @@ use super::coalescence::{Candidate, Coalescence, FARTHEST, add, candidates, sett
 use super::divergence::DIVERGENCE;
 use super::family::{DIFFERENCE, Evaluations, Line, MakeSystem, Part, SHORTEST_LOCUS_STEP};
 use super::names::{Names, carry, in_words, names_at};
-use super::onset::{SweepOnset, WholeOnset, error_of_reduced};
+use super::onset::{SweepOnset, WholeOnset};
 use super::parameter::SweptParameter;
 use super::results::{NamedBranch, Sweep};
 use crate::Error;
@@ -96,8 +96,7 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
         let Change { at, error, lambda, of, starts, .. } = change;
         let omega = if of.oscillates() { lambda.im } else { 0.0 };
         let reduced = Onset { at, error, omega, destabilises: starts };
-        let crossed = along.crossed(&change);
-        let whole = match crossed {
+        let whole = match along.crossed(&change) {
             Some(crossed) => WholeOnset::near(part, &reduced, crossed, &mut branches)?,
             None => WholeOnset::NotReduced,
         };
@@ -107,13 +106,7 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
                 evaluations.whole += solved;
                 (onset, Some(parameter.at(onset.at) - parameter.at(reduced.at)), false)
             }
-            WholeOnset::NotFound => {
-                let error = match crossed {
-                    Some(crossed) => error_of_reduced(part, &reduced, crossed, &mut branches)?,
-                    None => error,
-                };
-                (Onset { error, ..reduced }, None, true)
-            }
+            WholeOnset::NotFound { error } => (Onset { error, ..reduced }, None, true),
         };
         let mode = match of {
             ChangeOf::Divergence => DIVERGENCE.to_owned(),

@@ -6,21 +6,25 @@
 //! readings r_i. These are smooth in s to the right of the band, so that those at a few real numbers hold them between.
 
 use std::f64::consts::TAU;
+use std::iter::repeat_n;
 
-use cea::{EigenSolver, QrSolver, Spectrum, Workspace, right_vector};
+use cea::{EigenSolver, QrSolver, ROUNDED_DATA, Spectrum, Threshold, Verdict, Workspace, real_count, right_vector};
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use reduction::{grows_too_fast, shape_directions};
-use sparse::{Problem, SparseAffineSystem, SparseSecondOrder, eigenpair_near};
+use sparse::{Eigenpair, Problem, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpair_near, eigenpairs_in};
 use study::{ModeSource, Scene};
 
 use super::points::{all_patches, naming_point, of_brake};
-use super::reduce;
+use super::training::rectangle;
 use super::{Diverging, FiniteElementBrake};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
+/// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
+/// motions.
+const SLOWEST: f64 = 1e-3;
 /// Real numbers at which responses are taken, over 2 pi times the highest frequency of the band; chosen: growth of cases/disc-pad reaches 170 times that.
 const SHIFTS: [f64; 4] = [1.5, 8.0, 50.0, 400.0];
 /// Most contacts at which forces act, thinned evenly; chosen: where single points of a face
@@ -84,6 +88,33 @@ fn in_whole(
     Ok(Some(found.is_ok_and(|pair| passes(pair.lambda))))
 }
 
+/// Smallest growth that is looked for as divergence of a case, 1/s.
+fn slowest_divergence(case: &FiniteElementCase) -> f64 {
+    SLOWEST * rectangle(case).im[0]
+}
+
+/// Eigenvalues that surely are beyond a threshold and grow faster than they oscillate in a whole brake, 1/s, Im >= 0, by ascending growth:
+/// divergence, whatever the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
+/// zero, to the highest in size. `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
+fn diverging(case: &FiniteElementCase, system: &SparseSecondOrder, threshold: &Threshold) -> Option<Vec<Complex<f64>>> {
+    let [_, highest] = rectangle(case).im;
+    let from = threshold.growth_above().max(slowest_divergence(case));
+    let right = Rectangle { re: [from, from + highest], im: [0.0, highest] };
+    let found = eigenpairs_in(system, &right, &sparse::Options::default(), &mut |_| {}).ok()?;
+    let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);
+    let fast: Vec<Eigenpair> = found.pairs.into_iter().filter(is_fast).collect();
+    let verdict = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound);
+    let grows = |pair: &&Eigenpair| verdict(pair) == Verdict::Unstable;
+    let of = |pair: &Eigenpair| match real_count(pair.lambda) {
+        0 => repeat_n(pair.lambda, 1),
+        count => repeat_n(pair.lambda.re.into(), count),
+    };
+    let mut growing: Vec<Complex<f64>> = fast.iter().filter(grows).flat_map(of).collect();
+    growing.sort_by(|a, b| a.re.total_cmp(&b.re));
+    let is_open = |pair: &Eigenpair| matches!(verdict(pair), Verdict::Undecided { .. });
+    (!growing.is_empty() || !fast.iter().any(is_open)).then_some(growing)
+}
+
 /// 2 pi times the highest frequency of the band, rad/s.
 fn highest(case: &FiniteElementCase) -> f64 {
     TAU * case.reduction.frequencies[1]
@@ -98,12 +129,12 @@ impl FiniteElementBrake {
     pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Diverging, Error> {
         let set = &self.sets[self.part(scene).set];
         let system = set.system.assemble(at)?;
-        let whole = reduce::diverging(&self.case, &system, &self.plan.threshold);
+        let whole = diverging(&self.case, &system, &self.plan.threshold);
         let (end, error) = (highest(&self.case), self.relative_error(scene));
         let is_fast = |lambda: Complex<f64>| {
             lambda.im >= 0.0
                 && grows_too_fast(lambda)
-                && lambda.norm() > reduce::slowest_divergence(&self.case)
+                && lambda.norm() > slowest_divergence(&self.case)
                 && self.plan.threshold.margin(lambda) > error * lambda.norm()
         };
         let is_beyond = |lambda: Complex<f64>| is_fast(lambda) && lambda.norm() > end;

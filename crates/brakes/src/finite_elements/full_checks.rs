@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use reduction::{Compared, compared};
 use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, wider};
 
-use super::reduce::{NEXT_TO_AXIS, Trained, modes_beside};
+use super::reduce::{Trained, is_next_to_axis, modes_beside};
 use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
 use super::{Bases, FiniteElementBrake};
 use crate::bits::{Bits as _, bits, put_list};
@@ -119,7 +119,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let surely_wanted = |lambda: &&Complex<f64>| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm());
     let count = |of: &[Complex<f64>]| of.iter().filter(surely_wanted).count() as u64;
     let Compared { distance, missed, left, pairs } = compared(&whole, reduced);
-    let next_to_axis = pairs.iter().filter(|[of_whole, _]| of_whole.re.abs() <= NEXT_TO_AXIS * of_whole.norm());
+    let next_to_axis = pairs.iter().filter(|[of_whole, _]| is_next_to_axis(*of_whole));
     let distances = next_to_axis.map(|[of_whole, of_reduced]| (of_whole - of_reduced).norm() / of_whole.norm());
     let off = distances.reduce(f64::max).filter(|&distance| distance > brake.relative_error(scene));
     // What samples count, which is found in another way.

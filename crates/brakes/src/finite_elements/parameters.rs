@@ -4,7 +4,9 @@ use linsys::OperatingPoint;
 use study::NamedParameter;
 
 use super::FiniteElementSample;
-use super::points::{self, Scales, State};
+use super::points;
+use super::samples::{self, State};
+use super::sliding::Scales;
 use crate::Error;
 use crate::LatticeSample;
 use crate::case::{FiniteElementCase, Law, PatchContact};
@@ -41,9 +43,9 @@ struct Values {
 }
 
 fn medians(scene: &SceneOf<'_>) -> Values {
-    let sample = points::median(scene.case);
+    let sample = samples::median(scene.case);
     let patches = scene.case.contact.as_ref().map_or(0, |contact| contact.patches.len());
-    let friction = points::law_and_speed(scene.case, scene.state, &sample);
+    let friction = samples::law_and_speed(scene.case, scene.state, &sample);
     Values { friction, sample, load: 1.0, stiffness: vec![1.0; patches] }
 }
 

@@ -1,9 +1,7 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
-use std::iter::repeat_n;
 use std::sync::{Mutex, OnceLock};
 
-use cea::{ROUNDED_DATA, Threshold, Verdict, real_count};
 use linsys::{AffineSystem, DofMap, OperatingPoint};
 use montecarlo::Progress;
 use nalgebra::DMatrix;
@@ -11,9 +9,9 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use reduction::{
     CoarseBasis, Combinations, Compared, Options, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast,
-    within,
+    largest_residual, within,
 };
-use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
+use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::divergence::Responses;
 use super::points::{all_patches, naming_point, of_brake};
@@ -26,9 +24,6 @@ use crate::prepared::Pieces;
 
 /// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
 const BEYOND: f64 = 1.5;
-/// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
-/// motions.
-const SLOWEST: f64 = 1e-3;
 /// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
 pub const BESIDE: f64 = 1.05;
 /// Error, relative to |lambda|, that eigenvalues may have on a smaller basis within that of a set, as it is estimated; chosen: a third of what that of a set
@@ -37,7 +32,7 @@ const WITHIN: f64 = 3e-7;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
-pub(super) const NEXT_TO_AXIS: f64 = 0.02;
+const NEXT_TO_AXIS: f64 = 0.02;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
 const RUNGS: usize = 6;
 const MEASURED_POINTS: u64 = 6;
@@ -263,37 +258,6 @@ pub(super) fn modes_beside(
     modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
 }
 
-/// Smallest growth that is looked for as divergence of a case, 1/s.
-pub(super) fn slowest_divergence(case: &FiniteElementCase) -> f64 {
-    SLOWEST * rectangle(case).im[0]
-}
-
-/// Eigenvalues that surely are beyond a threshold and grow faster than they oscillate in a whole brake, 1/s, Im >= 0, by ascending growth:
-/// divergence, whatever the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
-/// zero, to the highest in size. `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
-pub(super) fn diverging(
-    case: &FiniteElementCase,
-    system: &SparseSecondOrder,
-    threshold: &Threshold,
-) -> Option<Vec<Complex<f64>>> {
-    let [_, highest] = rectangle(case).im;
-    let from = threshold.growth_above().max(slowest_divergence(case));
-    let right = Rectangle { re: [from, from + highest], im: [0.0, highest] };
-    let found = eigenpairs_in(system, &right, &sparse::Options::default(), &mut |_| {}).ok()?;
-    let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);
-    let fast: Vec<Eigenpair> = found.pairs.into_iter().filter(is_fast).collect();
-    let verdict = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound);
-    let grows = |pair: &&Eigenpair| verdict(pair) == Verdict::Unstable;
-    let of = |pair: &Eigenpair| match real_count(pair.lambda) {
-        0 => repeat_n(pair.lambda, 1),
-        count => repeat_n(pair.lambda.re.into(), count),
-    };
-    let mut growing: Vec<Complex<f64>> = fast.iter().filter(grows).flat_map(of).collect();
-    growing.sort_by(|a, b| a.re.total_cmp(&b.re));
-    let is_open = |pair: &Eigenpair| matches!(verdict(pair), Verdict::Undecided { .. });
-    (!growing.is_empty() || !fast.iter().any(is_open)).then_some(growing)
-}
-
 fn modes_in(
     system: &SparseSecondOrder,
     mut rectangle: Rectangle,
@@ -344,6 +308,11 @@ fn modes_at_medians(
     whole_modes(case, &set.system.assemble(&at)?, reduced)
 }
 
+/// True of an eigenvalue so near the imaginary axis that an error may change its verdict.
+pub(super) fn is_next_to_axis(lambda: Complex<f64>) -> bool {
+    lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm()
+}
+
 /// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
 /// both has such a mode and the other has none. With it the largest residual of these modes.
 fn held_out<'a>(
@@ -353,8 +322,7 @@ fn held_out<'a>(
 ) -> Result<(f64, f64), Error> {
     let rectangle = rectangle(case);
     let is_next_to = |lambda: &&Complex<f64>| {
-        let size = lambda.norm();
-        lambda.re.abs() <= NEXT_TO_AXIS * size && rectangle.contains_to_the_right(**lambda, -AT_BORDER * size)
+        is_next_to_axis(**lambda) && rectangle.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm())
     };
     let next_to = |of: &[Complex<f64>]| of.iter().filter(is_next_to).copied().collect::<Vec<_>>();
     let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
@@ -362,8 +330,7 @@ fn held_out<'a>(
         let Some(part) = part(&drawn.closed) else { return Ok((1.0, residual)) };
         let found = part.reduced.modes(&drawn.at)?;
         let of_these = found.lambdas.iter().zip(&found.residuals).filter(|(lambda, _)| is_next_to(lambda));
-        let worse = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
-        residual = of_these.map(|(_, &own)| own).fold(residual, worse);
+        residual = largest_residual(of_these.map(|(_, &own)| own).chain([residual]));
         let reduced = found.lambdas;
         let [of_whole, of_reduced] =
             [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others.clone()));
@@ -434,8 +401,7 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
         let first = origin.within.basis.columns(0, columns).into_owned();
         let reduced = set.reduced_within(&first, case)?;
         let found = points.iter().map(|at| reduced.modes(at)).collect::<Result<Vec<_>, _>>()?;
-        let worse = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
-        let residual = found.iter().map(ReducedModes::largest_residual).fold(0.0, worse);
+        let residual = largest_residual(found.iter().map(ReducedModes::largest_residual));
         let first = found.into_iter().next().map_or(Vec::new(), |found| found.lambdas);
         Ok(Rung { columns, residual, first })
     };

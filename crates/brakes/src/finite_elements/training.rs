@@ -7,7 +7,8 @@ use montecarlo::stream;
 use osc_model::ContactArrangement;
 use sparse::Rectangle;
 
-use super::points::{State, at_medians, draw, law_and_speed, of_brake, scene_point, speeds_of};
+use super::points::{at_medians, of_brake, scene_point, speeds_of};
+use super::samples::{State, draw, law_and_speed};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law, ReductionGoal};
 

@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
 use super::FixedDofs;
+use super::elsewhere::{Places, on, sum};
 use crate::CaseError;
 use crate::check::{Check, field};
 
@@ -28,14 +29,14 @@ const MOST_COMPARED: usize = 150;
 /// ```
 ///
 /// so that each mode loses what it would. What that is not is said: how far all eigenvalues are from those of the complex stiffness, without
-/// friction and with each set of constraints, and what modes lose `elsewhere`, in words with coefficients, as the dashpots stay those of the medians.
+/// friction and with each set of constraints, and what modes lose at other places, as the dashpots stay those of the medians.
 ///
 /// # Errors
 /// A loss factor that is negative or not finite, of a term whose stiffness is not symmetric, of a structure that has no real modes.
 pub(super) fn add_losses(
     check: &Check<'_>,
     terms: &mut [Term],
-    (coefficients, elsewhere): (&[f64], &[(String, Vec<f64>)]),
+    places: &Places,
     losses: &[Option<f64>],
     constraints: &[FixedDofs],
 ) -> Result<(), CaseError> {
@@ -43,12 +44,9 @@ pub(super) fn add_losses(
         return Ok(());
     }
     let order = terms.first().map_or(0, Term::order);
-    let sum = |of: fn(&SecondOrder) -> &DMatrix<f64>, terms: &[Term], factors: &[f64]| {
-        let zero = DMatrix::zeros(order, order);
-        terms.iter().zip(factors).fold(zero, |sum, (term, theta)| sum + of(term.matrices()) * *theta)
-    };
-    let (m, k) = (sum(|of| &of.m, terms, coefficients), sum(|of| &of.k, terms, coefficients));
-    let given = sum(|of| &of.c, terms, coefficients);
+    let coefficients = &places.at_medians[..];
+    let (m, k) = (sum(order, |of| &of.m, terms, coefficients), sum(order, |of| &of.k, terms, coefficients));
+    let given = sum(order, |of| &of.c, terms, coefficients);
     let modes = RealModes::new(&m, &k);
     let mut dashpots = vec![None; terms.len()];
     for ((term, loss), dashpot) in terms.iter_mut().zip(losses).zip(&mut dashpots) {
@@ -81,57 +79,28 @@ pub(super) fn add_losses(
         *term = Term::new(term.name.clone(), term.family.clone(), matrices).map_err(check.system(&key))?;
     }
     let factors: Vec<f64> = coefficients.iter().zip(losses).map(|(theta, loss)| theta * loss.unwrap_or(0.0)).collect();
-    let (c, lost) = (sum(|of| &of.c, terms, coefficients), sum(|of| &of.k, terms, &factors));
+    let (c, lost) = (sum(order, |of| &of.c, terms, coefficients), sum(order, |of| &of.k, terms, &factors));
     for set in constraints {
         let free: Vec<usize> = (0..order).filter(|row| !set.fixed.contains(row)).collect();
-        let on = |a: &DMatrix<f64>| a.select_rows(&free).select_columns(&free);
+        let on = |a: &DMatrix<f64>| on(&free, a);
         let real = || eigenvalues(&on(&m), &on(&c), &on(&k).map(Complex::from));
         let lossy = || eigenvalues(&on(&m), &on(&given), &on(&k).zip_map(&on(&lost), Complex::new));
         let words = match free.len() <= MOST_COMPARED {
             false => format!("how near they are is not looked at beyond {MOST_COMPARED} degrees of freedom"),
-            true => real().zip(lossy()).map_or(
-                "how near they are is not known, as M is singular or eigenvalues were not found".into(),
-                distances,
-            ),
+            true => {
+                let here = real().zip(lossy()).map_or(
+                    "how near they are is not known, as M is singular or eigenvalues were not found".into(),
+                    distances,
+                );
+                here + &places.elsewhere_in_words((terms, losses), &dashpots, &free)
+            }
         };
-        let mut worst: Option<(f64, &str)> = None;
-        for (place, theta) in elsewhere.iter().filter(|_| free.len() <= MOST_COMPARED) {
-            let of = |matrix: fn(&SecondOrder) -> &DMatrix<f64>, factors: &[f64]| on(&sum(matrix, terms, factors));
-            let lossy: Vec<f64> = theta.iter().zip(losses).map(|(theta, loss)| theta * loss.unwrap_or(0.0)).collect();
-            let damping = dashpots.iter().zip(theta).filter_map(|(dashpot, theta)| Some(dashpot.as_ref()? * *theta));
-            let damping = on(&damping.fold(DMatrix::zeros(order, order), |sum, own| sum + own));
-            let off =
-                off_by_first_order([&of(|of| &of.m, theta), &of(|of| &of.k, theta)], &damping, &of(|of| &of.k, &lossy));
-            worst = worst.into_iter().chain(off.map(|off| (off, place.as_str()))).max_by(|a, b| a.0.total_cmp(&b.0));
-        }
-        let elsewhere = worst.map_or_else(String::new, |(off, place)| {
-            format!(
-                "; draws and sweeps keep these dashpots: at the 5 and 95 % quantiles of each parameter alone, what a mode loses is off by up to {off:.1e} \
-                 of itself ({place})"
-            )
-        });
         check.note(format!(
-            "loss factors are dashpots that have them in each mode of the structure at the medians; without friction, constraints {:?}: {words}{elsewhere}",
+            "loss factors are dashpots that have them in each mode of the structure at the medians; without friction, constraints {:?}: {words}",
             set.name
         ));
     }
     Ok(())
-}
-
-/// Largest part, over the real modes of M and K, by which the loss of dashpots differs from that of the imaginary stiffness, to first order; of modes
-/// that lose less than a millionth of what the most lossy one does nothing is asked. `None` without real modes.
-fn off_by_first_order([m, k]: [&DMatrix<f64>; 2], damping: &DMatrix<f64>, lossy: &DMatrix<f64>) -> Option<f64> {
-    let modes = RealModes::new(m, k).ok()?;
-    let pairs: Vec<[f64; 2]> = modes
-        .shapes
-        .column_iter()
-        .zip(&modes.omega_squared)
-        .filter(|(_, square)| **square > 0.0)
-        .map(|(shape, square)| [shape.dot(&(damping * shape)), shape.dot(&(lossy * shape)) / square.sqrt()])
-        .collect();
-    let largest = pairs.iter().fold(0.0, |largest: f64, [_, exact]| largest.max(*exact));
-    let losing = pairs.into_iter().filter(|[_, exact]| *exact > 1e-6 * largest);
-    losing.map(|[dashpots, exact]| (dashpots / exact - 1.0).abs()).reduce(f64::max)
 }
 
 /// Eigenvalues of `lambda^2 M + lambda C + K` with Im lambda > 0; `None` where M is singular or they are not found.

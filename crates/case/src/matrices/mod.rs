@@ -4,6 +4,7 @@
 mod brake;
 mod contacts;
 mod dofs;
+mod elsewhere;
 pub(super) mod formulas;
 mod loss;
 mod motion;

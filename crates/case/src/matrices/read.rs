@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
+use super::elsewhere::Places;
 use super::formulas::Formulas;
 use super::loss::add_losses;
 use super::schema::{self, MatricesFile};
@@ -17,7 +18,7 @@ use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
 use crate::held::held_rows;
-use crate::{CaseError, Expression, is_parameter_name};
+use crate::{CaseError, is_parameter_name};
 
 impl MatricesCase {
     /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
@@ -64,36 +65,8 @@ impl MatricesCase {
         let constraints = constraint_sets(&check, &dofs, constraints)?;
         refuse_held(&check, &dofs, &terms, &constraints)?;
         if losses.iter().any(Option::is_some) {
-            let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
-            let value = |term: &Term, own: &Expression, values: &[f64]| {
-                let named = |source| CaseError::Expression {
-                    path: path.to_owned(),
-                    field: field("terms", &term.name, "coefficient"),
-                    source: Box::new(source),
-                };
-                own.value(values).map_err(named)
-            };
-            let at = |values: &[f64]| {
-                terms
-                    .iter()
-                    .zip(&coefficients)
-                    .map(|(term, own)| value(term, own, values))
-                    .collect::<Result<Vec<_>, _>>()
-            };
-            let at_medians = at(&medians)?;
-            let mut elsewhere = Vec::new();
-            for (place, Parameter { name, distribution, .. }) in parameters.iter().enumerate() {
-                for quantile in
-                    [0.05, 0.95].map(|part| distribution.quantile(part)).into_iter().filter(|q| *q != medians[place])
-                {
-                    let mut values = medians.clone();
-                    values[place] = quantile;
-                    // An expression may have no value there.
-                    elsewhere
-                        .extend(at(&values).ok().map(|coefficients| (format!("{name} = {quantile:.4}"), coefficients)));
-                }
-            }
-            add_losses(&check, &mut terms, (&at_medians, &elsewhere), &losses, &constraints)?;
+            let places = Places::new(&check, &parameters, &terms, &coefficients)?;
+            add_losses(&check, &mut terms, &places, &losses, &constraints)?;
         }
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));

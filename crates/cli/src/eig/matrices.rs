@@ -1,11 +1,12 @@
 //! M, C and K from files of any format, on common rows.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use brakes::case::held::{Held, held_rows};
 use brakes::case::input::check_size;
-use formats::{Dof, FormatsError, Kind, Limits, Matrix, Options, on_common_rows, read_with, split_name};
+use formats::{
+    Dof, FormatsError, Kind, Limits, Matrix, Options, on_common_rows, own_rows_in_words, read_with, split_name,
+};
 
 use super::EigArgs;
 use super::symmetry::wanted;
@@ -58,8 +59,9 @@ impl Matrices {
         }
         all.push(Given::read(args, Kind::Stiffness, &args.stiffness, sizes)?);
         let mut files: Vec<_> = all.iter().map(Given::taken).collect();
-        for (at, file) in files.iter_mut().enumerate() {
-            file.taken += &own_rows(&all, at);
+        let own = own_rows_in_words(&all.iter().map(|given| &given.matrix).collect::<Vec<_>>());
+        for (file, own) in files.iter_mut().zip(own) {
+            file.taken.extend(own.map(|own| format!("; {own}")));
         }
         let mut matrices: Vec<_> = all.iter_mut().map(|given| &mut given.matrix).collect();
         on_common_rows(&mut matrices)
@@ -86,24 +88,6 @@ impl Matrices {
     pub(super) fn labels(&self) -> Option<&[Dof]> {
         let all = [Some(&self.mass), self.damping.as_ref(), Some(&self.stiffness)];
         all.into_iter().flatten().find_map(Matrix::row_labels)
-    }
-}
-
-/// Words on the rows that the matrix at a place alone has, of those that have names; nothing where there are none.
-fn own_rows(all: &[Given<'_>], at: usize) -> String {
-    let rows =
-        |given: &Given<'_>| -> HashSet<Dof> { given.matrix.row_labels().unwrap_or_default().iter().copied().collect() };
-    let others: Vec<HashSet<Dof>> =
-        all.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, other)| rows(other)).collect();
-    let all = rows(&all[at]);
-    if others.iter().any(HashSet::is_empty) {
-        return String::new();
-    }
-    let own: Vec<Dof> = all.iter().filter(|row| !others.iter().any(|other| other.contains(row))).copied().collect();
-    match own.iter().min() {
-        None => String::new(),
-        Some(first) if own.len() == 1 => format!("; 1 of its {} rows is in no other matrix: {first}", all.len()),
-        Some(first) => format!("; {} of its {} rows are in no other matrix: {first} and others", own.len(), all.len()),
     }
 }
 

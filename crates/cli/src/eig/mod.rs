@@ -46,8 +46,8 @@ pub struct EigArgs {
     /// K, likewise
     #[arg(long, value_name = "K.mtx")]
     pub stiffness: PathBuf,
-    /// How files store matrices that do not say so: whole, or the upper or lower triangle to be mirrored; of one as damping=whole
-    #[arg(long, value_name = "[MATRIX=]whole|upper|lower", value_delimiter = ',', value_parser = symmetry::parse)]
+    /// How files store matrices that do not say so: whole, or the upper, the lower or either triangle to be mirrored; of one as damping=whole
+    #[arg(long, value_name = "[MATRIX=]whole|upper|lower|triangle", value_delimiter = ',', value_parser = symmetry::parse)]
     pub symmetry: Vec<SaidSymmetry>,
     /// Only the eigenvalues with RE0 <= Re lambda <= RE1 and IM0 <= Im lambda <= IM1, rad/s
     #[arg(long = "box", value_name = "RE0:RE1,IM0:IM1", value_parser = rectangle::parse, allow_hyphen_values = true)]

@@ -25,7 +25,8 @@ pub(super) fn parse(text: &str) -> Result<SaidSymmetry, String> {
         Some((of, said)) => kind(of).zip(symmetry(said)).map(|(of, symmetry)| SaidSymmetry { of: Some(of), symmetry }),
     };
     said.ok_or_else(|| {
-        "allowed: whole, upper or lower, or of one matrix as damping=whole, several with commas between".to_owned()
+        "allowed: whole, upper, lower or triangle, or of one matrix as damping=whole, several with commas between"
+            .to_owned()
     })
 }
 

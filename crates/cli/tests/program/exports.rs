@@ -209,7 +209,7 @@ fn one_sided_damping_is_asked_about_and_taken_as_said() {
     refusal(&eig(&m, Some(&list), &k, &["--symmetry", "upper"]), &["J_STIF1.mtx", "with entries below the diagonal"]);
     refusal(
         &eig(&m, Some(&list), &k, &["--symmetry", "symmetric"]),
-        &["--symmetry", "symmetric", "allowed: whole, upper or lower"],
+        &["--symmetry", "symmetric", "allowed: whole, upper, lower or triangle"],
     );
 }
 

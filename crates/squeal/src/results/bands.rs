@@ -11,7 +11,7 @@ use super::findings::{LIKELY, SetFindings};
 use super::study_results::Estimate;
 
 /// Bands below the highest that are listed, at most; chosen: four decades.
-const MOST_BANDS: i32 = 40;
+const MOST_BANDS: u16 = 40;
 
 /// Heading of the column with `red`, `amber` and `green`.
 pub const LIGHT: &str = "Light";
@@ -32,19 +32,19 @@ struct InBand {
 
 /// Third octaves of a set of constraints, from the lowest to the highest in which modes are: those of the plan's band, of which the ends may be
 /// studied in part, or those of all modes, and of all measured frequencies.
-fn studied(results: &Results, set: usize) -> Vec<i32> {
+fn studied(results: &Results, set: usize) -> Vec<ThirdOctave> {
     let modes = results.modes_of_set(set).into_iter().map(|(_, mode)| cea::frequency_hz(mode.lambda));
     let mut hertz: Vec<f64> = match results.plan().band {
         Some(ends) => ends.map(|omega| omega / TAU).to_vec(),
         None => modes.collect(),
     };
     hertz.extend(results.plan().measured.iter().flat_map(|of| &of.frequencies).map(|frequency| frequency.hz));
-    hertz.into_iter().filter(|hz| *hz > 0.0).map(|hz| ThirdOctave::of_hertz(hz).number()).collect()
+    hertz.into_iter().filter(|hz| *hz > 0.0).map(ThirdOctave::of_hertz).collect()
 }
 
 /// True if all of a third octave is in the band of the plan.
-fn is_whole(results: &Results, number: i32) -> bool {
-    let ends = ThirdOctave::new(number).edges().map(|hz| TAU * hz);
+fn is_whole(results: &Results, octave: ThirdOctave) -> bool {
+    let ends = octave.edges().map(|hz| TAU * hz);
     results.plan().band.is_none_or(|[from, to]| from <= ends[0] && ends[1] <= to)
 }
 
@@ -83,37 +83,37 @@ pub(super) fn by_third_octaves(
     found: &SetFindings<'_>,
     caption: String,
 ) -> Option<Block> {
-    let number_of = |hz: f64| ThirdOctave::of_hertz(hz).number();
-    let mut bands: BTreeMap<i32, Vec<InBand>> = BTreeMap::new();
+    let mut bands: BTreeMap<ThirdOctave, Vec<InBand>> = BTreeMap::new();
     for (name, _) in &found.unstable {
         let Some(hz) = results.unstable_hertz(set, *name) else { continue };
-        let median = number_of(hz.median);
-        let [first, last] =
-            hz.range.map_or([median; 2], |of| [of.lower.max(f64::MIN_POSITIVE), of.upper].map(number_of));
-        for number in first..=last {
+        let median = ThirdOctave::of_hertz(hz.median);
+        let ends = hz.range.map(|of| [of.lower.max(f64::MIN_POSITIVE), of.upper].map(ThirdOctave::of_hertz));
+        let [first, last] = ends.unwrap_or([median; 2]);
+        for octave in first.up_to(last) {
             let (label, strength) = (results.mode_label(set, *name), results.strength(set, *name));
-            bands.entry(number).or_default().push(InBand { label, strength, is_median: number == median });
+            bands.entry(octave).or_default().push(InBand { label, strength, is_median: octave == median });
         }
     }
     let studied = studied(results, set);
-    let seen: BTreeSet<i32> = results
+    let seen: BTreeSet<ThirdOctave> = results
         .panels()
         .iter()
         .filter(|panel| panel.key.constraints == set)
         .flat_map(|panel| &panel.scenes)
-        .flat_map(|&scene| results.summary.tally.scenes[scene].third_octaves.keys().map(|octave| octave.number()))
+        .flat_map(|&scene| results.summary.tally.scenes[scene].third_octaves.keys().copied())
         .collect();
-    let numbers = || studied.iter().chain(bands.keys()).chain(&seen).copied();
-    let last = numbers().max()?;
+    let octaves = || studied.iter().chain(bands.keys()).chain(&seen).copied();
+    let last = octaves().max()?;
     // Rigid bodies have modes next to 0 Hz, of which nobody wants all bands.
-    let first = numbers().min()?.max(last - MOST_BANDS).min(bands.keys().chain(&seen).copied().min().unwrap_or(last));
+    let first =
+        octaves().min()?.max(last.below(MOST_BANDS)).min(bands.keys().chain(&seen).copied().min().unwrap_or(last));
     // Whole draws that the reduction did not have right may hold a mode anywhere.
     let is_doubtful = results.full_checks.as_ref().is_some_and(|checks| checks.missing + checks.other_verdicts > 0);
-    let row = |number: i32| {
-        let middle = ThirdOctave::new(number).middle();
-        let modes = bands.get(&number).map_or(&[][..], Vec::as_slice);
+    let row = |octave: ThirdOctave| {
+        let middle = octave.middle();
+        let modes = bands.get(&octave).map_or(&[][..], Vec::as_slice);
         let here = || modes.iter().filter(|of| of.is_median);
-        let occurring = Occurring::new(results, set, ThirdOctave::new(number));
+        let occurring = Occurring::new(results, set, octave);
         let light = match &occurring {
             occurring if occurring.lower > LIKELY => "red",
             occurring if occurring.is_ever || is_doubtful => "amber",
@@ -131,7 +131,7 @@ pub(super) fn by_third_octaves(
         };
         vec![
             Cell { text: significant(middle, 5), value: Some(middle) },
-            format!("{light}{}", if is_whole(results, number) { "" } else { " *" }).into(),
+            format!("{light}{}", if is_whole(results, octave) { "" } else { " *" }).into(),
             if names.is_empty() { "-".to_owned() } else { names.join(", ") }.into(),
             number_or_none(occurrence, &|part| format!("{:.1}\u{a0}%", 100.0 * part)),
             number_or_none(growth, &|rate| significant(rate, 3)),
@@ -140,6 +140,6 @@ pub(super) fn by_third_octaves(
     };
     let columns =
         ["Third octave, Hz", LIGHT, "Modes", "Largest occurrence", "Largest growth, 1/s", "Worst damping ratio"];
-    let rows = (first..=last).map(row).collect();
+    let rows = first.up_to(last).map(row).collect();
     Some(Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows }))
 }

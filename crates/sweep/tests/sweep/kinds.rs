@@ -168,7 +168,7 @@ fn longest_contradiction(brake: &MatricesBrake, found: &Sweep, places: usize) ->
         let mut expected =
             [(found.unstable_at_start - found.diverging_at_start) as i64, found.diverging_at_start as i64];
         for onset in found.onsets.iter().filter(|onset| onset.at < at) {
-            let sign = if onset.starts { 1 } else { -1 };
+            let sign = onset.by();
             let change = match onset.of {
                 ChangeOf::Flutter | ChangeOf::Band => [sign, 0],
                 ChangeOf::Divergence => [0, sign],
@@ -313,8 +313,7 @@ fn an_onset_is_where_the_count_of_a_spectrum_changes() {
             let is_alone = found.onsets.iter().filter(|other| (other.at - onset.at).abs() <= 2.0 * beside).count() == 1;
             let (before, beyond) = (unstable(onset.at - beside), unstable(onset.at + beside));
             if let (true, Some(before), Some(beyond)) = (is_alone, before, beyond) {
-                let by = if onset.starts { 1 } else { -1 };
-                assert_eq!(beyond - before, by, "{seed} {kind:?}: {onset:?}");
+                assert_eq!(beyond - before, onset.by(), "{seed} {kind:?}: {onset:?}");
                 seen += 1;
             }
         }

@@ -1,0 +1,118 @@
+//! Modes of samples of a finite element brake in its band, by its reduction, and how far they may be off.
+
+use std::sync::PoisonError;
+
+use cea::Mode;
+use linsys::OperatingPoint;
+use nalgebra::DVectorView;
+use num_complex::Complex;
+use reduction::{ReducedModes, RouteCounts};
+use study::{BandMode, Bridge, CoarsePath, FullChecks, ModeResidual, ModeSource, Scene, WholeEigenvalue};
+
+use super::{FiniteElementBrake, Part, bridge, parameters, whole};
+use crate::Error;
+
+/// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two distances, each the largest that was measured,
+/// relative: of eigenvalues on the basis of a part from those on the basis of its set, and of these from those of the whole brake. Chosen;
+/// how far off samples really are is told by those that are solved with the whole brake.
+const ALLOWANCE: f64 = 100.0;
+/// Least assumed error of an eigenvalue, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were
+/// solved with the whole brake.
+const LEAST_ERROR: f64 = 1e-5;
+/// Factor of the largest residual at draws of which a basis of modes was not made, up to which the distance that was measured there is taken to tell the
+/// error of a mode; chosen.
+const BEYOND_HELD_OUT: f64 = 10.0;
+
+impl FiniteElementBrake {
+    /// Finds the modes of samples by whole spectra alone, without coarse modes.
+    pub fn use_spectra_alone(&mut self) {
+        for part in &mut self.parts {
+            part.reduced = part.reduced.clone().without_coarse();
+        }
+    }
+
+    /// Number of samples that each way has found so far, in all scenes.
+    #[must_use]
+    pub fn routes(&self) -> RouteCounts {
+        // What a panic of another thread left is a count all the same.
+        self.parts.iter().map(|part| *part.routes.lock().unwrap_or_else(PoisonError::into_inner)).sum()
+    }
+
+    /// True if the distance of the modes of a part from those of its set was measured, on a basis that holds them.
+    fn is_known(&self, part: &Part) -> bool {
+        part.within.is_reached || part.within.basis.ncols() == self.sets[part.set].basis.ncols()
+    }
+}
+
+impl ModeSource for FiniteElementBrake {
+    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
+        let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
+        let may_grow = |lambda: Complex<f64>, also: f64| threshold.margin(lambda) >= -(error + also) * lambda.norm();
+        let enough = self.case.reduction.residual.max(BEYOND_HELD_OUT * self.sets[part.set].held_out_residual);
+        let points: Vec<OperatingPoint> = at.iter().map(|at| self.full_point(scene, at)).collect();
+        let found = part.reduced.modes_of_all(&points, &may_grow);
+        let mut counts = RouteCounts::default();
+        found.iter().flatten().for_each(|found| counts.record(found.route));
+        let mut routes = part.routes.lock().unwrap_or_else(PoisonError::into_inner);
+        *routes = *routes + counts;
+        drop(routes);
+        let modes = |found: ReducedModes| {
+            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals);
+            let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, _>), &f64)| {
+                // One that is no number is above too.
+                let is_within = value <= enough;
+                let residual = Some(ModeResidual { value, is_above: !is_within });
+                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
+            };
+            each.map(mode).collect()
+        };
+        found.into_iter().map(|found| Ok(found.map(modes).map_err(Error::from)?)).collect()
+    }
+
+    fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {
+        let of = |at| self.part(scene).reduced.coarse_at(&self.full_point(scene, at)).map_err(Error::from);
+        let [from, to] = at.map(of);
+        let Some(((from, basis), (to, _))) = from?.zip(to?) else { return Ok(None) };
+        Ok(Some(CoarsePath { systems: [from, to], basis }))
+    }
+
+    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {
+        Ok(bridge::bridge(self, configuration, modes)?)
+    }
+
+    fn relative_error(&self, scene: &Scene) -> f64 {
+        let part = self.part(scene);
+        let set = &self.sets[part.set];
+        let of_part = if self.is_known(part) { part.within.distance } else { 1.0 };
+        (ALLOWANCE * (of_part + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
+    }
+
+    fn unknown_error(&self, scene: &Scene) -> Option<&'static str> {
+        let part = self.part(scene);
+        if self.sets[part.set].held_out >= 1.0 {
+            Some("the reduced brake does not have the modes of the whole one at draws of which it was not made")
+        } else if !self.is_known(part) {
+            Some("the basis of the reduced brake does not hold its modes within reduction.residual")
+        } else {
+            None
+        }
+    }
+
+    fn whole_eigenvalue(
+        &self,
+        scene: &Scene,
+        values: &[(usize, f64)],
+        near: Complex<f64>,
+    ) -> Result<WholeEigenvalue, study::Error> {
+        whole::eigenvalue(self.part(scene), &self.sets, &parameters::point(&self.scene_of(scene), values)?, near)
+    }
+
+    fn routes(&self) -> Vec<(&'static str, u64)> {
+        let RouteCounts { coarse, spectra } = FiniteElementBrake::routes(self);
+        vec![("coarse", coarse), ("spectra", spectra)]
+    }
+
+    fn full_checks(&self) -> Option<&FullChecks> {
+        self.full_checks.as_ref()
+    }
+}

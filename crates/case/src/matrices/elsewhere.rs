@@ -1,0 +1,115 @@
+//! What modes lose away from the medians, where the dashpots of loss factors stay those of the medians.
+
+use cea::RealModes;
+use linsys::{SecondOrder, Term};
+use nalgebra::DMatrix;
+
+use super::Parameter;
+use crate::check::{Check, field};
+use crate::{CaseError, Expression};
+
+/// Coefficients of all terms at the medians of the parameters, and away from them.
+pub(super) struct Places {
+    pub at_medians: Vec<f64>,
+    /// Those at the 5 and 95 % quantiles of each parameter alone, with the place in words, where all have a value.
+    elsewhere: Vec<(String, Vec<f64>)>,
+}
+
+impl Places {
+    /// The coefficients of these terms.
+    ///
+    /// # Errors
+    /// An expression without a value at the medians.
+    pub fn new(
+        check: &Check<'_>,
+        parameters: &[Parameter],
+        terms: &[Term],
+        coefficients: &[Expression],
+    ) -> Result<Self, CaseError> {
+        let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
+        let value = |term: &Term, own: &Expression, values: &[f64]| {
+            let named = |source| CaseError::Expression {
+                path: check.path.to_owned(),
+                field: field("terms", &term.name, "coefficient"),
+                source: Box::new(source),
+            };
+            own.value(values).map_err(named)
+        };
+        let at = |values: &[f64]| {
+            terms.iter().zip(coefficients).map(|(term, own)| value(term, own, values)).collect::<Result<Vec<_>, _>>()
+        };
+        let at_medians = at(&medians)?;
+        let mut elsewhere = Vec::new();
+        for (place, Parameter { name, distribution, .. }) in parameters.iter().enumerate() {
+            let quantiles = [0.05, 0.95].map(|part| distribution.quantile(part));
+            for quantile in quantiles.into_iter().filter(|quantile| *quantile != medians[place]) {
+                let mut values = medians.clone();
+                values[place] = quantile;
+                // An expression may have no value there.
+                elsewhere
+                    .extend(at(&values).ok().map(|coefficients| (format!("{name} = {quantile:.4}"), coefficients)));
+            }
+        }
+        Ok(Self { at_medians, elsewhere })
+    }
+
+    /// Words on how far what modes lose on the free rows is off where it is most: by `dashpots`, which stand for the loss factors of terms at a coefficient of
+    /// one, in the place of the complex stiffness. Nothing where there is no other place.
+    pub fn elsewhere_in_words(
+        &self,
+        (terms, losses): (&[Term], &[Option<f64>]),
+        dashpots: &[Option<DMatrix<f64>>],
+        free: &[usize],
+    ) -> String {
+        let order = terms.first().map_or(0, Term::order);
+        let mut worst: Option<(f64, &str)> = None;
+        for (place, theta) in &self.elsewhere {
+            let lossy: Vec<f64> = theta.iter().zip(losses).map(|(theta, loss)| theta * loss.unwrap_or(0.0)).collect();
+            let damping = dashpots.iter().zip(theta).filter_map(|(dashpot, theta)| Some(dashpot.as_ref()? * *theta));
+            let damping = damping.fold(DMatrix::zeros(order, order), |sum, own| sum + own);
+            let [m, k] = [sum(order, |of| &of.m, terms, theta), sum(order, |of| &of.k, terms, theta)];
+            let lossy = sum(order, |of| &of.k, terms, &lossy);
+            let [m, k, damping, lossy] = [m, k, damping, lossy].map(|a| on(free, &a));
+            let off = off_by_first_order([&m, &k], &damping, &lossy);
+            worst = worst.into_iter().chain(off.map(|off| (off, place.as_str()))).max_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        worst.map_or_else(String::new, |(off, place)| {
+            format!(
+                "; draws and sweeps keep these dashpots: at the 5 and 95 % quantiles of each parameter alone, what a mode loses is off by up to {off:.1e} \
+                 of itself ({place})"
+            )
+        })
+    }
+}
+
+/// Largest part, over the real modes of M and K, by which the loss of dashpots differs from that of the imaginary stiffness, to first order; of modes
+/// that lose less than a millionth of what the most lossy one does nothing is asked. `None` without real modes.
+fn off_by_first_order([m, k]: [&DMatrix<f64>; 2], damping: &DMatrix<f64>, lossy: &DMatrix<f64>) -> Option<f64> {
+    let modes = RealModes::new(m, k).ok()?;
+    let pairs: Vec<[f64; 2]> = modes
+        .shapes
+        .column_iter()
+        .zip(&modes.omega_squared)
+        .filter(|(_, square)| **square > 0.0)
+        .map(|(shape, square)| [shape.dot(&(damping * shape)), shape.dot(&(lossy * shape)) / square.sqrt()])
+        .collect();
+    let largest = pairs.iter().fold(0.0, |largest: f64, [_, exact]| largest.max(*exact));
+    let losing = pairs.into_iter().filter(|[_, exact]| *exact > 1e-6 * largest);
+    losing.map(|[dashpots, exact]| (dashpots / exact - 1.0).abs()).reduce(f64::max)
+}
+
+/// Sum of one matrix of each term, times factors; of no terms one of this order that is zero.
+pub(super) fn sum(
+    order: usize,
+    of: fn(&SecondOrder) -> &DMatrix<f64>,
+    terms: &[Term],
+    factors: &[f64],
+) -> DMatrix<f64> {
+    let zero = DMatrix::zeros(order, order);
+    terms.iter().zip(factors).fold(zero, |sum, (term, theta)| sum + of(term.matrices()) * *theta)
+}
+
+/// The rows of a matrix that are free, and the columns.
+pub(super) fn on(free: &[usize], a: &DMatrix<f64>) -> DMatrix<f64> {
+    a.select_rows(free).select_columns(free)
+}
