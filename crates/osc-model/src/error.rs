@@ -177,10 +177,14 @@ pub enum OscModelError {
         channels: usize,
     },
     /// An oscillator in contact that is not pressed on the plate in static equilibrium with friction drag.
-    #[error("oscillator {oscillator} lifts off in static equilibrium: normal load {load} N; allowed: > 0")]
+    #[error(
+        "oscillator {oscillator} of {in_contact} in contact lifts off in static equilibrium: normal load {load} N; allowed: > 0"
+    )]
     LostContact {
         /// The oscillator, from 1.
         oscillator: usize,
+        /// Number of oscillators in contact.
+        in_contact: usize,
         /// Normal load of the oscillator, N.
         load: f64,
     },

@@ -66,7 +66,7 @@ fn equilibrium_load_is_the_one_found_by_hand() {
         let lattice = model.prepare(&ContactArrangement::full(1)).unwrap();
         match lattice.normal_loads(Preload::Equilibrium(600.0), &[contact(coulomb(mu))]) {
             Ok(loads) => assert!((loads[0] - by_hand).abs() < 1e-10 * by_hand, "{loads:?} against {by_hand}"),
-            Err(OscModelError::LostContact { oscillator, load }) => {
+            Err(OscModelError::LostContact { oscillator, in_contact: 1, load }) => {
                 assert!(by_hand < 0.0 && (load - by_hand).abs() < 1e-10 * by_hand.abs());
                 assert_eq!(oscillator, 1);
             }

@@ -23,7 +23,7 @@ pub enum Error {
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),
     /// A brake whose own median parameters have no modes to name the others after.
-    #[error("{study}: friction at median parameters: {source}")]
+    #[error("{study}: at median parameters, where modes are named: {source}")]
     Median {
         /// The case file, or the name of the study.
         study: String,

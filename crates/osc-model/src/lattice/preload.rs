@@ -51,7 +51,8 @@ impl PreparedLattice {
         let load = |contact: &ContactSpring| {
             let load = contact.stiffness * (height(self.plate_z()) - height(contact.z));
             if load <= 0.0 {
-                return Err(OscModelError::LostContact { oscillator: contact.oscillator + 1, load });
+                let (oscillator, in_contact) = (contact.oscillator + 1, self.contacts().len());
+                return Err(OscModelError::LostContact { oscillator, in_contact, load });
             }
             Ok(load)
         };
