@@ -191,7 +191,7 @@ mod tests {
     /// Of one loss factor of all stiffness the departure is that of the closed form, however far apart frequencies are.
     #[test]
     fn a_chain_of_soft_and_stiff_springs_is_the_closed_form() {
-        let (n, eta) = (24, 0.02);
+        let (n, eta) = (24, 0.02_f64);
         let spring = |i: usize| 10f64.powf(4.0 + 7.0 * i as f64 / n as f64);
         let entry = |i: usize, j: usize| match i.abs_diff(j) {
             0 => spring(i) + spring(i + 1),
@@ -206,7 +206,7 @@ mod tests {
             rows(&mass),
             rows(&row)
         );
-        let off = (-eta / 2.0 / (Complex::i() * Complex::new(1.0, eta).sqrt()).re - 1.0).abs();
+        let off = (-eta / 2.0 / (Complex::<f64>::i() * Complex::new(1.0, eta).sqrt()).re - 1.0).abs();
         let case = case(&text).unwrap();
         let note = case.header.notes.iter().find(|note| note.contains("loss factors")).unwrap();
         assert!(note.contains(&format!("off by up to {off:.2e} of itself")), "{note} {off:e}");
