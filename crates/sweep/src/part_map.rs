@@ -114,12 +114,6 @@ pub(super) fn of_part<B: UncertainBrake>(
             continue;
         };
         let (points, ends) = tracer.curve(start)?;
-        eprintln!(
-            "first {first} at {at:?} omega {omega} {of:?}: {} points {:?}->{:?} ends {ends:?}",
-            points.len(),
-            points[0].at,
-            points[points.len() - 1].at
-        );
         // The last point of a closed curve is the first one.
         for at in BTreeSet::from([0, points.len() / 2, if ends[0] == CurveEnd::Closed { 0 } else { points.len() - 1 }])
         {
