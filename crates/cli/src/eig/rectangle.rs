@@ -34,6 +34,10 @@ const SECONDS: f64 = 2e-8;
 /// Number of degrees of freedom above which a problem is announced; chosen: a second or so in all.
 const ANNOUNCED: usize = 3000;
 const HUNDRED: f64 = 100.0;
+/// Distance of eigenvalues, as a fraction of the largest, up to which they are copies of one; chosen: rounding parts copies by less.
+const COPIES: f64 = 1e-6;
+/// Most copies of one eigenvalue of which nothing is said; chosen: those of zero of a free body.
+const MOST_COPIES: usize = 12;
 
 /// The value of `--box`.
 ///
@@ -77,6 +81,12 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
     let system = SparseSecondOrder::new(sparse(mass), c, sparse(stiffness))?;
     announce(order);
     let mut found = search(&system, rectangle, args.count, budget)?;
+    if let Some(copies) = Some(most_copies(&found)).filter(|&copies| copies > MOST_COPIES && !found.is_certified) {
+        note(&format!(
+            "an eigenvalue occurs some {copies} times: of so many copies a search may list one in the place of another eigenvalue next to them, \
+             which no count sees (docs/large-problems.md)"
+        ));
+    }
     if let Some(most) = args.rightmost {
         found.pairs.sort_by(|a, b| b.lambda.re.total_cmp(&a.lambda.re).then(b.lambda.im.total_cmp(&a.lambda.im)));
         found.pairs.truncate(most as usize);
@@ -110,6 +120,14 @@ fn search(system: &SparseSecondOrder, rectangle: &Rectangle, is_counted: bool, b
     });
     bar.end();
     Ok(found?)
+}
+
+/// Largest number of listed eigenvalues next to one of them.
+fn most_copies(found: &Found) -> usize {
+    let reach = COPIES * found.pairs.iter().map(|pair| pair.lambda.norm()).fold(0.0, f64::max);
+    let next_to =
+        |one: &Eigenpair| found.pairs.iter().filter(|other| (other.lambda - one.lambda).norm() <= reach).count();
+    found.pairs.iter().map(next_to).max().unwrap_or(0)
 }
 
 /// Memory, bytes, for many degrees of freedom.

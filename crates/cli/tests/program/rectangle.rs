@@ -187,3 +187,28 @@ fn matrices_that_no_rectangle_can_be_searched_for() {
     refusal(&eig(&[banner, c.clone(), k.clone()], &options), &["banner.mtx: line 1"]);
     refusal(&eig(&[folder.path().to_owned(), c, k], &options), &["it is a directory"]);
 }
+
+/// A search that lists an eigenvalue many times says that copies may stand in the place of others; of two copies it says nothing, nor where all is
+/// certified.
+#[test]
+fn many_copies_of_an_eigenvalue_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    for (order, copies, is_said) in [(320, 20, true), (320, 2, false), (120, 20, false)] {
+        let banner = format!("%%MatrixMarket matrix coordinate real symmetric\n{order} {order} {order}\n");
+        let stiffness = |i: usize| if i <= copies { 1e4 } else { 1e5 + 10.0 * (i * i) as f64 };
+        let of = |value: &dyn Fn(usize) -> f64| {
+            (1..=order).fold(banner.clone(), |text, i| text + &format!("{i} {i} {}\n", value(i)))
+        };
+        let paths = [("M.mtx", of(&|_| 1.0)), ("K.mtx", of(&stiffness))].map(|(name, text)| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            path
+        });
+        let [mass, stiffness] = paths.each_ref().map(|path| path.to_str().unwrap());
+        let arguments = ["eig", "--mass", mass, "--stiffness", stiffness, "--box=-1:1,50:150"];
+        let output = squeal().args(arguments).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.contains("occurs some 20 times"), is_said, "{order} {copies}: {said}");
+    }
+}
