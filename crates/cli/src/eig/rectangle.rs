@@ -81,7 +81,8 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
     let system = SparseSecondOrder::new(sparse(mass), c, sparse(stiffness))?;
     announce(order);
     let mut found = search(&system, rectangle, args.count, budget)?;
-    if let Some(copies) = Some(most_copies(&found)).filter(|&copies| copies > MOST_COPIES && !found.is_certified) {
+    let copies = if found.is_certified { 0 } else { most_copies(&found) };
+    if copies > MOST_COPIES {
         note(&format!(
             "an eigenvalue occurs some {copies} times: of so many copies a search may list one in the place of another eigenvalue next to them, \
              which no count sees (docs/large-problems.md)"
