@@ -179,7 +179,7 @@ fn what_a_motion_needs_and_a_case_lacks_is_said_in_a_line() {
     }
 }
 
-/// What work says of its progress.
+/// Progress as work tells it.
 #[derive(Default)]
 struct Counts {
     total: AtomicU64,

@@ -1,4 +1,4 @@
-//! How far lines go across the direction of a design point.
+//! Spread of lines across the direction of a design point.
 //!
 //! Where the onset bends around the medians the probability on a line grows with its distance from the design point, and lines that are normal
 //! across see too little of it: their mean is too low, and does not show it. With the curvature c of the onset at a distance beta the

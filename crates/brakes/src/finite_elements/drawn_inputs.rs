@@ -1,4 +1,4 @@
-//! What is drawn of a finite element brake.
+//! Inputs of a finite element brake that are drawn.
 
 use montecarlo::Distribution;
 use study::{DrawnInputs, Input, Scene, SingleParameter, UncertainBrake as _};

@@ -34,7 +34,7 @@ pub(super) fn units(check: &Check<'_>, table: Option<&UnitsTable>) -> Result<Uni
 /// Refuses a density that no part of a brake has in these units.
 ///
 /// # Errors
-/// That density, naming another system in which it is in the range; `what` goes before the number in the message.
+/// Error of that density, naming another system in which it is in the range; `what` goes before the number in the message.
 pub(super) fn possible_density(
     check: &Check<'_>,
     units: Units,

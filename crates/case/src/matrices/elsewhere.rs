@@ -1,4 +1,4 @@
-//! What modes lose away from the medians, where the dashpots of loss factors stay those of the medians.
+//! Losses of modes away from the medians, where the dashpots of loss factors stay those of the medians.
 
 use cea::RealModes;
 use linsys::{SecondOrder, Term};
@@ -11,7 +11,7 @@ use crate::{CaseError, Expression};
 /// Coefficients of all terms at the medians of the parameters, and away from them.
 pub(super) struct Places {
     pub at_medians: Vec<f64>,
-    /// Those at the 5 and 95 % quantiles of each parameter alone, with the place in words, where all have a value.
+    /// Coefficients at the 5 and 95 % quantiles of each parameter alone, with the place in words, where all have a value.
     elsewhere: Vec<(String, Vec<f64>)>,
 }
 
