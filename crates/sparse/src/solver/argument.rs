@@ -75,7 +75,16 @@ impl<'a> Counting<'a> {
     /// # Errors
     /// [`SparseError::CountsDiffer`] where det Q has more or fewer zeros inside than are known.
     pub(super) fn add(&mut self, around: &Around<'_>) -> Result<(), SparseError> {
-        let mut differing = None;
+        self.is_clear &= self.agrees(around)?;
+        Ok(())
+    }
+
+    /// True if det Q has as many zeros as are known inside one of some circles; false where rounding turns the phase along all of them.
+    ///
+    /// # Errors
+    /// [`SparseError::CountsDiffer`] where there are more or fewer.
+    pub(super) fn agrees(&mut self, around: &Around<'_>) -> Result<bool, SparseError> {
+        let mut differing: Vec<i64> = Vec::new();
         for tried in 0..CIRCLES {
             let radius = around.clear_radius(tried);
             let Some(excess) = self.excess(around, radius) else { continue };
@@ -87,17 +96,18 @@ impl<'a> Counting<'a> {
             }
             if excess == 0 {
                 self.circles.push(Circle { centre, radius, eigenvalues });
-                return Ok(());
+                return Ok(true);
             }
-            // Rounding that turns the phase next to one circle does not at two in the same way.
-            if differing == Some(excess) && (around.is_all || excess < 0) {
+            // Rounding that turns the phase next to one circle does not at two in the same way, nor at all of them in one direction.
+            let is_same = differing.last() == Some(&excess);
+            differing.push(excess);
+            let are_all = differing.len() == CIRCLES && differing.iter().all(|other| other.signum() == excess.signum());
+            if (is_same || are_all) && (around.is_all || excess < 0) {
                 let counted = (eigenvalues as i64 + excess) as usize;
                 return Err(SparseError::CountsDiffer { listed: eigenvalues, counted, centre, radius });
             }
-            differing = Some(excess);
         }
-        self.is_clear = false;
-        Ok(())
+        Ok(false)
     }
 
     /// The count along all circles.

@@ -2,15 +2,14 @@
 
 use num_complex::Complex;
 
-use super::argument::{Around, Counting};
 use super::certified::certified_in;
+use super::counted::counted;
 use super::disc::Problem;
-use super::groups::groups;
 use super::polish::Polished;
 use super::reach::{least_reach, reach};
 use super::scaling::Scaled;
 use super::settle::settled;
-use super::types::{Count, Counters, Disc, Eigenpair, Found, Known, Options, Progress, Rectangle};
+use super::types::{Count, Counters, Disc, Found, Known, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
 /// Half diagonal of the smallest rectangle that is searched, in units of the margin around what a disc covers; chosen.
@@ -23,14 +22,6 @@ const ESTIMATED: usize = 10;
 const ESTIMATE_MARGIN: f64 = 4.0;
 /// Factor by which the blocks of a second search are wider, where the count contradicts the first; chosen.
 const WIDER: usize = 4;
-
-/// Circles about a disc that may be counted along, from around what it covers to so many times its radius, which is 0.95 of where
-/// something unknown may be; chosen.
-const CIRCLES: usize = 9;
-const BEYOND: f64 = 1.02;
-const WIDEST: f64 = 1.5;
-/// Radii up to which Ritz values that are none of the list are divided out; chosen.
-const NEAR: f64 = 3.0;
 
 /// Eigenpairs in `rectangle`, its border included, all of them.
 ///
@@ -89,26 +80,23 @@ fn search(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Found, SparseError> {
     let problem = Problem::new(system)?;
-    let mut search = Search {
-        problem: &problem,
-        options,
-        counters: Counters::default(),
-        tried: 0,
-        discs: Vec::new(),
-        covered: Vec::new(),
-        found: Vec::new(),
-    };
+    let mut search = Search::new(&problem, options);
+    let most = 2 * system.order() + system.states.len();
     let upper = wide_enough(&problem, upper_part(rectangle));
     let reach = if rectangle.reach() > least_reach(system) { reach(system)? } else { None };
     if let Some(part) = reach.map_or(Some(upper), |reach| reach.within(&upper, problem.pencil.blur(Complex::default())))
     {
         if reach.is_some_and(|reach| reach.is_within(&upper)) {
-            search.check_whole(2 * system.order() + system.states.len())?;
+            search.check_whole(most)?;
         }
         search.cover(part, progress)?;
     }
     let Search { mut counters, discs, covered, found, .. } = search;
     let mut pairs = settled(&problem, found, &mut counters)?;
+    if pairs.len() > most {
+        let (centre, radius) = (Complex::default(), upper.reach());
+        return Err(SparseError::CountsDiffer { listed: pairs.len(), counted: most, centre, radius });
+    }
     let count = if system.order() <= options.counted {
         counted(&problem, &upper, &pairs, &discs, &covered, options.block)?
     } else {
@@ -121,45 +109,6 @@ fn search(
     });
     pairs.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
     Ok(Found { pairs, discs, reach, is_certified: false, count, counters })
-}
-
-/// Counts the pairs again, in a circle about each disc: those of the list wherever they were searched, in both half planes, and beyond
-/// the Ritz values of the disc.
-///
-/// # Errors
-/// [`SparseError::CountsDiffer`].
-fn counted(
-    problem: &Problem,
-    upper: &Rectangle,
-    pairs: &[Eigenpair],
-    discs: &[Disc],
-    covered: &[Covered],
-    block: usize,
-) -> Result<Count, SparseError> {
-    let margin = covered.iter().map(|covered| covered.margin).fold(f64::INFINITY, f64::min);
-    let is_listed = |lambda: Complex<f64>| upper.contains(Complex::new(lambda.re, lambda.im.abs()), margin);
-    let blur = |lambda| problem.pencil.blur(lambda);
-    let own = |pair: &Eigenpair| {
-        let bound = if pair.bound.is_finite() { pair.bound } else { blur(pair.lambda) };
-        Known { lambda: pair.lambda, bound }
-    };
-    let listed: Vec<_> = pairs.iter().map(own).collect();
-    let mut counting = Counting::new(problem, 1.0, false);
-    for (disc, Covered { part, seen, .. }) in discs.iter().zip(covered) {
-        let is_beside =
-            |seen: &&Known| !is_listed(seen.lambda) && (seen.lambda - disc.centre).norm() < NEAR * disc.radius;
-        let beside: Vec<_> = seen.iter().filter(is_beside).copied().collect();
-        // A block may not show all copies of what is not asked for.
-        let places: Vec<_> = beside.iter().map(|known| known.lambda).collect();
-        let is_crowded = groups(&places, blur).iter().any(|group| group.len() >= block);
-        let known: Vec<_> = listed.iter().chain(&beside).copied().collect();
-        let [x, y] = [(part.re, disc.centre.re), (part.im, disc.centre.im)]
-            .map(|(side, c)| (side[0] - c).abs().max((side[1] - c).abs()));
-        let (least, most) = (x.hypot(y) + margin, (BEYOND * disc.radius).min(WIDEST * x.hypot(y)));
-        let radii: Vec<_> = (0..CIRCLES).map(|i| least + (most - least) * i as f64 / (CIRCLES - 1) as f64).collect();
-        counting.add(&Around { centre: disc.centre, radii: &radii, known: &known, is_all: !is_crowded })?;
-    }
-    Ok(counting.done())
 }
 
 /// Part of a rectangle that has to be searched with Im lambda >= 0, since eigenvalues of real matrices are real or come in conjugate pairs.
@@ -183,11 +132,11 @@ fn wide_enough(problem: &Problem, upper: Rectangle) -> Rectangle {
 }
 
 /// Part of the rectangle that a disc covers, and how far around it pairs are listed.
-struct Covered {
-    part: Rectangle,
-    margin: f64,
+pub(super) struct Covered {
+    pub(super) part: Rectangle,
+    pub(super) margin: f64,
     /// Ritz values of the disc, all of them.
-    seen: Vec<Known>,
+    pub(super) seen: Vec<Known>,
 }
 
 struct Search<'a> {
@@ -201,6 +150,13 @@ struct Search<'a> {
     covered: Vec<Covered>,
     /// Pairs that were found, each with the number of the disc that found it.
     found: Vec<(usize, Polished)>,
+}
+
+impl<'a> Search<'a> {
+    fn new(problem: &'a Problem, options: &'a Options) -> Self {
+        let (counters, discs, covered, found) = (Counters::default(), Vec::new(), Vec::new(), Vec::new());
+        Self { problem, options, counters, tried: 0, discs, covered, found }
+    }
 }
 
 impl Search<'_> {
@@ -280,4 +236,52 @@ fn split(target: &Rectangle, disc: &Disc, margin: f64) -> (Option<Rectangle>, Ve
     }
     let (low, high) = (middle - half, middle + half);
     (Some(with([low, high])), vec![with([high, to]), with([from, low])])
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use nalgebra_sparse::CscMatrix;
+
+    use super::*;
+    use crate::unpatterned::unpatterned;
+
+    /// Three equal oscillators and seven others, mixed by a reflection.
+    fn with_copies(seed: usize) -> SparseSecondOrder {
+        let n = 10;
+        let value = |i: usize| unpatterned((1 + i + 100 * seed) as f64);
+        let v = DVector::from_fn(n, |i, _| value(i) - 0.5).normalize();
+        let mixed = |diagonal: DVector<f64>| {
+            let reflection = DMatrix::identity(n, n) - &v * v.transpose() * 2.0;
+            CscMatrix::from(&(&reflection * DMatrix::from_diagonal(&diagonal) * &reflection))
+        };
+        let of = |i: usize| if i < 3 { 0 } else { i };
+        let c = DVector::from_fn(n, |i, _| 0.02 + 0.1 * value(20 + of(i)));
+        let k = DVector::from_fn(n, |i, _| 1.0 + 0.7 * of(i) as f64 + 0.3 * value(40 + of(i)));
+        SparseSecondOrder::new(mixed(DVector::from_element(n, 1.0)), mixed(c), mixed(k)).unwrap()
+    }
+
+    #[test]
+    fn a_copy_in_the_place_of_another_eigenvalue_is_seen() {
+        for seed in 0..20 {
+            let problem = Problem::new(&with_copies(seed)).unwrap();
+            let upper = Rectangle { re: [-1.0, 1.0], im: [0.0, 4.0] };
+            let options = Options::default();
+            let mut search = Search::new(&problem, &options);
+            search.cover(upper, &mut |_| ()).unwrap();
+            let Search { mut counters, discs, covered, found, .. } = search;
+            let mut pairs = settled(&problem, found, &mut counters).unwrap();
+            let count = |pairs: &[_]| counted(&problem, &upper, pairs, &discs, &covered, options.block);
+            assert_eq!(pairs.len(), 20, "{seed}");
+            assert!(matches!(count(&pairs), Ok(Count::Argument { .. })), "{seed}");
+            pairs.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
+            for sign in [1.0, -1.0] {
+                let mut half: Vec<_> = pairs.iter_mut().filter(|pair| pair.lambda.im * sign > 0.0).collect();
+                let copied = half[0].lambda;
+                half[3 + seed % 7].lambda = copied;
+            }
+            assert!(matches!(count(&pairs), Err(SparseError::CountsDiffer { .. })), "{seed}");
+        }
+    }
 }

@@ -4,6 +4,7 @@ mod argument;
 mod blocks;
 mod certified;
 mod combinations;
+mod counted;
 mod cover;
 mod disc;
 mod errors;

@@ -1,0 +1,95 @@
+//! Second count of what a search lists: around each of its discs, and around what it lists more than once.
+
+use num_complex::Complex;
+
+use super::argument::{Around, Counting};
+use super::cover::Covered;
+use super::disc::Problem;
+use super::groups::groups;
+use super::types::{Count, Disc, Eigenpair, Known, Rectangle};
+use crate::SparseError;
+
+/// Circles about a disc that may be counted along, from around what it covers to so many times its radius, which is 0.95 of where
+/// something unknown may be; chosen.
+const CIRCLES: usize = 9;
+const BEYOND: f64 = 1.02;
+const WIDEST: f64 = 1.5;
+/// Distance, in units of what rounding does, up to which eigenvalues are counted together as copies of one; chosen.
+const CLUSTER: f64 = 100.0;
+/// Radii of the circles about copies of one eigenvalue, in units of the distance of what is nearest; chosen.
+const FRACTIONS: [f64; 4] = [0.5, 0.3, 0.1, 0.03];
+/// Radii up to which Ritz values that are none of the list are divided out; chosen.
+const NEAR: f64 = 3.0;
+
+/// Counts the pairs again, in a circle about each disc: those of the list wherever they were searched, in both half planes, and beyond
+/// the Ritz values of the disc.
+///
+/// # Errors
+/// [`SparseError::CountsDiffer`].
+pub(super) fn counted(
+    problem: &Problem,
+    upper: &Rectangle,
+    pairs: &[Eigenpair],
+    discs: &[Disc],
+    covered: &[Covered],
+    block: usize,
+) -> Result<Count, SparseError> {
+    let margin = covered.iter().map(|covered| covered.margin).fold(f64::INFINITY, f64::min);
+    let is_listed = |lambda: Complex<f64>| upper.contains(Complex::new(lambda.re, lambda.im.abs()), margin);
+    let blur = |lambda| problem.pencil.blur(lambda);
+    let own = |pair: &Eigenpair| {
+        let bound = if pair.bound.is_finite() { pair.bound } else { blur(pair.lambda) };
+        Known { lambda: pair.lambda, bound }
+    };
+    let listed: Vec<_> = pairs.iter().map(own).collect();
+    let mut counting = Counting::new(problem, 1.0, false);
+    let mut all_beside = Vec::new();
+    for (disc, Covered { part, seen, .. }) in discs.iter().zip(covered) {
+        let is_beside =
+            |seen: &&Known| !is_listed(seen.lambda) && (seen.lambda - disc.centre).norm() < NEAR * disc.radius;
+        let beside: Vec<_> = seen.iter().filter(is_beside).copied().collect();
+        // A block may not show all copies of what is not asked for.
+        let places: Vec<_> = beside.iter().map(|known| known.lambda).collect();
+        let is_crowded = groups(&places, blur).iter().any(|group| group.len() >= block);
+        let known: Vec<_> = listed.iter().chain(&beside).copied().collect();
+        all_beside.extend(beside);
+        let [x, y] = [(part.re, disc.centre.re), (part.im, disc.centre.im)]
+            .map(|(side, c)| (side[0] - c).abs().max((side[1] - c).abs()));
+        let (least, most) = (x.hypot(y) + margin, (BEYOND * disc.radius).min(WIDEST * x.hypot(y)));
+        let radii: Vec<_> = (0..CIRCLES).map(|i| least + (most - least) * i as f64 / (CIRCLES - 1) as f64).collect();
+        counting.add(&Around { centre: disc.centre, radii: &radii, known: &known, is_all: !is_crowded })?;
+    }
+    count_copies(problem, &listed, &all_beside, discs, &mut counting)?;
+    Ok(counting.done())
+}
+
+/// Counts the copies of each eigenvalue that is listed more than once again, along a circle that holds no other: one more of them in the place
+/// of another eigenvalue leaves the count of a whole disc as it is.
+///
+/// # Errors
+/// [`SparseError::CountsDiffer`].
+fn count_copies(
+    problem: &Problem,
+    listed: &[Known],
+    beside: &[Known],
+    discs: &[Disc],
+    counting: &mut Counting<'_>,
+) -> Result<(), SparseError> {
+    let places: Vec<_> = listed.iter().chain(beside).map(|known| known.lambda).collect();
+    for group in groups(&places, |lambda| CLUSTER * problem.pencil.blur(lambda)) {
+        let centre = group.iter().map(|&i| places[i]).sum::<Complex<f64>>() / group.len() as f64;
+        let is_whole = group.iter().all(|&i| i < listed.len());
+        if group.len() == 1 || centre.im < 0.0 || !is_whole {
+            continue;
+        }
+        let distance = |i: usize| (places[i] - centre).norm();
+        let spread = group.iter().map(|&i| distance(i)).fold(CLUSTER * problem.pencil.blur(centre), f64::max);
+        let known_around = discs.iter().map(|disc| disc.radius - (disc.centre - centre).norm()).fold(0.0, f64::max);
+        let nearest = (0..places.len()).map(distance).filter(|&apart| apart > spread).fold(known_around, f64::min);
+        let radii = FRACTIONS.map(|fraction| (fraction * nearest).max(1.1 * spread));
+        if radii[0] > radii[1] {
+            counting.agrees(&Around { centre, radii: &radii, known: listed, is_all: true })?;
+        }
+    }
+    Ok(())
+}
