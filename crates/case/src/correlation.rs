@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::CaseError;
 use super::check::Check;
+use super::random_field::Kernel;
 
 /// Table `[correlation]`.
 #[derive(Debug, Clone, Deserialize)]
@@ -23,25 +24,6 @@ pub(super) struct CorrelationTable {
 struct FieldTable {
     kernel: Kernel,
     length: f64,
-}
-
-/// Kernel of the correlation field: the correlation of two contacts over their distance d in units of the correlation length.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Kernel {
-    /// `exp(-d)`.
-    Exponential,
-    /// `exp(-d^2)`.
-    Gaussian,
-}
-
-impl Kernel {
-    fn at(self, distance: f64) -> f64 {
-        match self {
-            Self::Exponential => (-distance).exp(),
-            Self::Gaussian => (-distance * distance).exp(),
-        }
-    }
 }
 
 /// Correlation of the parameters of a draw: which of them depend on each other, and how, in one contact or in several with a draw each.

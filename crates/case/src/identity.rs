@@ -10,7 +10,7 @@ use study::identity::{Identity, Written};
 use study::identity::{channel, naming};
 
 use super::choices::Law;
-use super::finite_elements::{OwnSpeed, Patch, PatchContact, ReductionGoal};
+use super::finite_elements::{OwnSpeed, Patch, PatchContact, ReductionGoal, Spread, SpreadParameters};
 use super::matrices::{BodyDofs, GainExpressions, LagExpressions};
 use super::types::{ConstraintSet, LatticeReadings};
 use super::{
@@ -132,7 +132,10 @@ impl FiniteElementCase {
             })
             .part("contact", |to| {
                 to.list(system.channels(), channel);
-                to.option(contact.as_ref(), |to, contact| of_friction(to, &contact.friction));
+                to.option(contact.as_ref(), |to, contact| {
+                    of_friction(to, &contact.friction);
+                    of_spread(to, &contact.spread);
+                });
             })
             .part("reduction", |to| of_reduction(to, reduction))
             .into_line()
@@ -299,24 +302,30 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
         bristle_damping,
         is_lateral,
         stiffness_factor,
+        friction_factor,
+        spread,
+        has_spring_channels: _,
         load_factor,
         load_exponent,
         own_speed,
         balance,
         is_of_faces: _,
     } = contact;
-    to.list(patches, |to, Patch { name, pairs, speeds, channels, load, shares, points: _, places: _ }| {
-        to.text(name);
-        to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
-        numbers(to, speeds);
-        to.count(channels.start);
-        to.count(channels.end);
-        to.number(*load);
-        // What older versions did not know is written where there is some, so that their folders stay those of their cases.
-        if shares.iter().any(|share| *share != 1.0) {
-            numbers(to, shares);
-        }
-    });
+    to.list(
+        patches,
+        |to, Patch { name, pairs, speeds, channels, load, shares, points: _, places: _, areas: _, contact: _ }| {
+            to.text(name);
+            to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
+            numbers(to, speeds);
+            to.count(channels.start);
+            to.count(channels.end);
+            to.number(*load);
+            // What older versions did not know is written where there is some, so that their folders stay those of their cases.
+            if shares.iter().any(|share| *share != 1.0) {
+                numbers(to, shares);
+            }
+        },
+    );
     to.count(usize::from(*is_lateral));
     to.list(panels, panel);
     to.list(laws, |to, law| to.text(law.name()));
@@ -335,6 +344,11 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
             expression(to, factor);
         });
     }
+    if friction_factor.is_some() {
+        to.text("friction factor");
+        to.option(friction_factor.as_ref(), expression);
+    }
+    of_spread(to, spread);
     if load_factor.is_some() || own_speed.is_some() {
         to.option(load_factor.as_ref(), expression);
         to.number(*load_exponent);
@@ -342,6 +356,24 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
             expression(to, speed);
             to.number(*factor);
         });
+    }
+}
+
+/// Identity of parameters that have a value for each patch or pair, where there are some.
+fn of_spread(to: &mut Written, spread: &SpreadParameters) {
+    for local in spread.all() {
+        to.text(&local.name);
+        to.distribution(&local.distribution);
+        match &local.spread {
+            Spread::Patches { first } => to.count(*first),
+            Spread::Field { of_patches, identity } => {
+                to.text(identity);
+                to.list(of_patches, |to, field| {
+                    to.count(field.coefficients.start);
+                    to.count(field.coefficients.end);
+                });
+            }
+        }
     }
 }
 

@@ -25,6 +25,7 @@ mod identity;
 pub mod input;
 mod matrices;
 mod measured;
+mod random_field;
 mod schema;
 mod set;
 mod squeal;
@@ -42,8 +43,9 @@ pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
 pub use finite_elements::{
-    Acting, ContactBalance, ContactState, Draft, DraftFiles, EQUILIBRIUM, FiniteElementCase, LOAD_FACTOR, MissingRows,
-    NamesOnMesh, OWN_SPEED, OwnSpeed, PairPlace, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR, Side,
+    Acting, ContactBalance, ContactState, Draft, DraftFiles, EQUILIBRIUM, FRICTION_FACTOR, FiniteElementCase,
+    LOAD_FACTOR, MissingRows, NamesOnMesh, OWN_SPEED, OwnSpeed, PairPlace, Patch, PatchContact, ReductionGoal,
+    STIFFNESS_FACTOR, Side, Spread, SpreadParameter, SpreadParameters,
 };
 pub use header::CaseHeader;
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};

@@ -43,10 +43,13 @@ impl FiniteElementBrake {
         range.is_some_and(|range| range.to > range.from)
     }
 
-    /// Parameters of coefficients that are not constant, with their indices.
-    fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
-        let varies =
-            |(_, parameter): &(usize, &Parameter)| !matches!(parameter.distribution, Distribution::Constant { .. });
+    /// Parameters of coefficients that are not constant and have a part in a scene, with their indices.
+    fn varying(&self, scene: &Scene) -> impl Iterator<Item = (usize, &Parameter)> {
+        let closed = self.closed(scene);
+        let acts = move |at: usize| self.case.contact.as_ref().is_none_or(|of| of.spread.acts_in(at, closed));
+        let varies = move |(at, parameter): &(usize, &Parameter)| {
+            acts(*at) && !matches!(parameter.distribution, Distribution::Constant { .. })
+        };
         self.case.parameters.iter().enumerate().filter(varies)
     }
 }
@@ -58,7 +61,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
         for input in &mut inputs {
             input.unit = self.case.header.units.of(&input.unit).to_owned();
         }
-        inputs.extend(self.varying().map(|(at, parameter)| Input {
+        inputs.extend(self.varying(scene).map(|(at, parameter)| Input {
             name: parameter.name.clone(),
             unit: parameter.unit.clone(),
             coordinate: self.first_parameter() + at as u32,
@@ -75,7 +78,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
         };
         let speed = self.law_and_speed(scene, sample).filter(|_| self.speed_is_drawn(scene));
         values.extend(speed.map(|(_, speed)| speed));
-        values.extend(self.varying().map(|(at, _)| sample.values[at]));
+        values.extend(self.varying(scene).map(|(at, _)| sample.values[at]));
         values
     }
 

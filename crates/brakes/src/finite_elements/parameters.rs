@@ -52,7 +52,8 @@ fn medians(scene: &SceneOf<'_>) -> Values {
 /// The parameters on which the systems of a scene depend: the case's own, those of friction, speed and load, and the stiffness of each
 /// closed patch.
 fn of_scene(scene: &SceneOf<'_>) -> Vec<Choice> {
-    let own = (0..scene.case.parameters.len()).map(Choice::Own);
+    let acts = |place: &usize| scene.case.contact.as_ref().is_none_or(|of| of.spread.acts_in(*place, scene.closed));
+    let own = (0..scene.case.parameters.len()).filter(acts).map(Choice::Own);
     let Some((contact, (law, _))) = scene.case.contact.as_ref().zip(scene.state) else { return own.collect() };
     let of = FrictionUse { law, has_lateral_mu: false, has_bristle_damping: contact.bristle_damping.is_some() };
     let friction = FRICTION.iter().filter(|parameter| (parameter.matters)(&of)).map(Choice::Friction);

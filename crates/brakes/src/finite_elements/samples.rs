@@ -5,7 +5,9 @@ use montecarlo::StreamRng;
 use super::FiniteElementSample;
 use crate::Error;
 use crate::LatticeSample;
-use crate::case::{CaseError, Draws, Expression, FiniteElementCase, LOAD_FACTOR, Law, OWN_SPEED, PatchContact};
+use crate::case::{
+    CaseError, Draws, Expression, ExpressionError, FiniteElementCase, LOAD_FACTOR, Law, OWN_SPEED, PatchContact,
+};
 use crate::lattice::FrictionDraw;
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
@@ -90,19 +92,46 @@ pub(super) fn own_speed(case: &FiniteElementCase, sample: &FiniteElementSample) 
     Ok(positive(case, Some(&own.speed), OWN_SPEED, sample)?.map(|speed| speed * own.factor))
 }
 
-/// The value of an expression of the contact, which must be > 0.
+/// The value of an expression of the contact, which must be > 0, with what has a value for each patch or pair at its median.
 pub(super) fn positive(
     case: &FiniteElementCase,
     expression: Option<&Expression>,
     field: &str,
     sample: &FiniteElementSample,
 ) -> Result<Option<f64>, CaseError> {
-    let Some(expression) = expression else { return Ok(None) };
+    let Some((expression, contact)) = expression.zip(case.contact.as_ref()) else { return Ok(None) };
+    let value = contact.spread.value_at_medians(expression, &sample.values);
+    checked(case, field, value.map(|value| vec![value])).map(|values| values.first().copied())
+}
+
+/// The values of an expression of the contact at each pair of a patch, which must be > 0; 1 without an expression.
+pub(super) fn positive_at_pairs(
+    case: &FiniteElementCase,
+    (contact, patch): (&PatchContact, usize),
+    expression: Option<&Expression>,
+    field: &str,
+    sample: &FiniteElementSample,
+) -> Result<Vec<f64>, CaseError> {
+    match expression {
+        None => Ok(vec![1.0; contact.patches[patch].pairs.len()]),
+        Some(expression) => checked(case, field, contact.at_pairs(expression, &sample.values, patch)),
+    }
+}
+
+/// Values of an expression of the contact, all of which must be > 0.
+fn checked(
+    case: &FiniteElementCase,
+    field: &str,
+    values: Result<Vec<f64>, ExpressionError>,
+) -> Result<Vec<f64>, CaseError> {
     let (path, field) = (case.header.path.clone(), field.to_owned());
-    match expression.value(&sample.values) {
-        Ok(value) if value > 0.0 => Ok(Some(value)),
-        Ok(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
-        Err(source) => Err(CaseError::Expression { path, field, source: Box::new(source) }),
+    let values = match values {
+        Ok(values) => values,
+        Err(source) => return Err(CaseError::Expression { path, field, source: Box::new(source) }),
+    };
+    match values.iter().find(|value| !(**value > 0.0)) {
+        None => Ok(values),
+        Some(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
     }
 }
 

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use friction::Tangent;
+use friction::{InternalTangent, Tangent};
 use linsys::{ChannelGain, Lag};
 use nalgebra_sparse::CscMatrix;
 
 use super::FiniteElementSample;
-use super::samples::{load_factor, own_speed, positive};
+use super::samples::{load_factor, own_speed, positive, positive_at_pairs};
 use crate::Error;
 use crate::case::{
-    Acting, CaseError, ContactBalance, ContactState, EQUILIBRIUM, Expression, FiniteElementCase, Law, PatchContact,
-    STIFFNESS_FACTOR,
+    Acting, CaseError, ContactBalance, ContactState, EQUILIBRIUM, Expression, FRICTION_FACTOR, FiniteElementCase, Law,
+    PatchContact, STIFFNESS_FACTOR,
 };
 
 /// The contacts of a configuration that slide; `None` without a contact.
@@ -58,6 +58,8 @@ pub(super) struct Sliding<'a> {
 struct Loaded<'a> {
     /// The speed of each pair of each patch, and the tangent of the law there.
     tangents: Vec<Vec<(f64, Tangent)>>,
+    /// The stiffness of each pair of each patch over that which all have at the medians of what differs between them.
+    springs: Vec<Vec<f64>>,
     /// Factor of all loads.
     load_factor: f64,
     /// Equilibrium of the points, where loads follow from one.
@@ -67,13 +69,16 @@ struct Loaded<'a> {
 impl Sliding<'_> {
     /// The gains of the closed patches, with the factor of the stiffness of all of them. Of a patch with a scale those are of its pairs without it.
     pub fn gains(&self, coefficients: &[f64], factor: f64) -> Result<Vec<ChannelGain>, Error> {
-        let Loaded { tangents, load_factor, state } = self.loaded(coefficients, factor)?;
+        let Loaded { tangents, springs, load_factor, state } = self.loaded(coefficients, factor)?;
         let mut gains = Vec::new();
-        for (&number, tangents) in self.closed.iter().zip(&tangents) {
+        for ((&number, tangents), springs) in self.closed.iter().zip(&tangents).zip(&springs) {
             let patch = &self.contact.patches[number];
             // The load of each pair, and what its spring is of the one that its channel reads.
             let pairs: Vec<[f64; 2]> = match &state {
-                None => patch.shares.iter().map(|share| [patch.load * share * load_factor, factor]).collect(),
+                None => {
+                    let pairs = patch.shares.iter().zip(springs);
+                    pairs.map(|(share, own)| [patch.load * share * load_factor, factor * own]).collect()
+                }
                 Some((_, state)) => {
                     let scale = self.scales.of_patch(number);
                     patch.points.iter().map(|&point| [state.forces[point], state.stiffness[point] / scale]).collect()
@@ -84,12 +89,15 @@ impl Sliding<'_> {
             if self.contact.is_lateral {
                 gains.extend(loaded().map(|((speed, tangent), [load, _])| across(tangent, *load, *speed)));
             }
-            if let Some((balance, _)) = state {
-                let opening = |(&point, [_, spring]): (&usize, &[f64; 2])| ChannelGain {
-                    mu: spring - factor * balance.at_medians(point),
+            if self.contact.has_spring_channels {
+                // What a spring has beyond that in the stiffness of its patch.
+                let in_patch =
+                    |pair: usize| state.as_ref().map_or(1.0, |(balance, _)| balance.at_medians(patch.points[pair]));
+                let beyond = |(pair, [_, spring]): (usize, &[f64; 2])| ChannelGain {
+                    mu: spring - factor * in_patch(pair),
                     ..ChannelGain::default()
                 };
-                gains.extend(patch.points.iter().zip(&pairs).map(opening));
+                gains.extend(pairs.iter().enumerate().map(beyond));
             }
         }
         Ok(gains)
@@ -105,17 +113,30 @@ impl Sliding<'_> {
     /// Friction and loads of the closed patches.
     fn loaded(&self, coefficients: &[f64], factor: f64) -> Result<Loaded<'_>, Error> {
         let tangents = self.closed.iter().map(|&patch| self.tangents(patch)).collect::<Result<Vec<_>, Error>>()?;
+        let springs = self.closed.iter().map(|&patch| self.springs(patch)).collect::<Result<Vec<_>, Error>>()?;
         let load_factor = load_factor(self.case, self.contact, self.sample)? * self.scales.load;
         let balance = self.contact.balance.as_deref();
-        let state = balance.map(|balance| self.state(balance, &tangents, coefficients, factor, load_factor));
+        let state =
+            balance.map(|balance| self.state(balance, (&tangents, &springs), coefficients, factor, load_factor));
         let state = balance.zip(state.transpose()?);
-        Ok(Loaded { tangents, load_factor, state })
+        Ok(Loaded { tangents, springs, load_factor, state })
     }
 
-    /// The speed of each pair of a patch, and the tangent of the law there.
+    /// The stiffness of each pair of a patch over that which all have at the medians of what differs between them.
+    fn springs(&self, patch: usize) -> Result<Vec<f64>, Error> {
+        let Self { case, contact, sample, .. } = *self;
+        let own = contact.stiffness_factor.as_ref();
+        let of_all = positive(case, own, STIFFNESS_FACTOR, sample)?.unwrap_or(1.0);
+        let at_pairs = positive_at_pairs(case, (contact, patch), own, STIFFNESS_FACTOR, sample)?;
+        Ok(at_pairs.into_iter().map(|value| value / of_all).collect())
+    }
+
+    /// The speed of each pair of a patch, and the tangent of the law there, with the factor of its friction.
     fn tangents(&self, patch: usize) -> Result<Vec<(f64, Tangent)>, Error> {
         let Some(contacts) = &self.sample.contacts else { return Ok(Vec::new()) };
         let pairs = &self.contact.patches[patch];
+        let (case, own) = (self.case, self.contact.friction_factor.as_ref());
+        let factors = positive_at_pairs(case, (self.contact, patch), own, FRICTION_FACTOR, self.sample)?;
         let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(pairs.speeds.len());
         for own in pairs.speeds.iter().map(|part| part * self.speed) {
             // Pairs of one speed have one tangent.
@@ -123,6 +144,7 @@ impl Sliding<'_> {
             let found = || contacts.contact(patch).tangent(self.law, own, self.contact.bristle_damping);
             tangents.push((own, known.map_or_else(found, Ok)?));
         }
+        tangents.iter_mut().zip(factors).for_each(|((_, tangent), factor)| *tangent = times(tangent, factor));
         Ok(tangents)
     }
 
@@ -130,16 +152,16 @@ impl Sliding<'_> {
     fn state(
         &self,
         balance: &ContactBalance,
-        tangents: &[Vec<(f64, Tangent)>],
+        (tangents, springs): (&[Vec<(f64, Tangent)>], &[Vec<f64>]),
         coefficients: &[f64],
         factor: f64,
         load_factor: f64,
     ) -> Result<Arc<ContactState>, Error> {
         let Self { case, contact, closed, .. } = *self;
         let (mut mu, mut stiffness) = (vec![0.0; balance.points()], vec![0.0; balance.points()]);
-        for (&number, tangents) in closed.iter().zip(tangents) {
-            for (&point, (_, tangent)) in contact.patches[number].points.iter().zip(tangents) {
-                (mu[point], stiffness[point]) = (tangent.mu, factor * self.scales.of_patch(number));
+        for ((&number, tangents), springs) in closed.iter().zip(tangents).zip(springs) {
+            for ((&point, (_, tangent)), spring) in contact.patches[number].points.iter().zip(tangents).zip(springs) {
+                (mu[point], stiffness[point]) = (tangent.mu, factor * spring * self.scales.of_patch(number));
             }
         }
         let path = || case.header.path.clone();
@@ -159,6 +181,12 @@ impl Sliding<'_> {
         let failed = |source| CaseError::Contact { path: path(), field: EQUILIBRIUM.into(), source: Box::new(source) };
         Ok(balance.state(&acting, &structure).map_err(failed)?)
     }
+}
+
+/// The tangent of a law whose friction force is multiplied.
+fn times(tangent: &Tangent, factor: f64) -> Tangent {
+    let internal = tangent.internal.map(|state| InternalTangent { force: factor * state.force, ..state });
+    Tangent { mu: factor * tangent.mu, slope: factor * tangent.slope, internal }
 }
 
 /// Friction along the sliding of a pair under a load. A channel reads the normal force of its spring, whose stiffness is multiplied.

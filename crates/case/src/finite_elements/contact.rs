@@ -41,7 +41,8 @@ struct Pair {
 }
 
 impl Patches {
-    pub fn new(model: &Model<'_>, contact: &ContactTable) -> Result<Self, CaseError> {
+    /// The patches of a contact between nodes, with a channel for the spring of each pair where `has_springs` says that these differ.
+    pub fn new(model: &Model<'_>, contact: &ContactTable, has_springs: bool) -> Result<Self, CaseError> {
         let check = model.check;
         let positive = |field: &str, value: f64, what: &str| match value.is_finite() && value > 0.0 {
             true => Ok(value),
@@ -88,7 +89,7 @@ impl Patches {
                 model.missing_rows(&format!("contact.patches {name:?}"), &nodes, &TRANSLATIONS)?;
             }
             let is_lateral = contact.lateral != Some(LateralEntry::None);
-            out.add(model, name, own, (of_pair, load, is_lateral))?;
+            out.add(model, name, own, (of_pair, load), [is_lateral, has_springs])?;
         }
         match owners.iter().position(Option::is_none) {
             None => Ok(out),
@@ -109,10 +110,11 @@ impl Patches {
         model: &Model<'_>,
         name: &str,
         pairs: Vec<&Pair>,
-        (stiffness, load, is_lateral): (f64, f64, bool),
+        (stiffness, load): (f64, f64),
+        [is_lateral, has_springs]: [bool; 2],
     ) -> Result<(), CaseError> {
         let (order, first) = (model.dofs.len(), self.channels.len());
-        let mut across = Vec::new();
+        let (mut across, mut springs) = (Vec::new(), Vec::new());
         let mut k = CooMatrix::new(order, order);
         for pair in &pairs {
             let relative = |v: &Vector3<f64>| {
@@ -126,8 +128,11 @@ impl Patches {
             for &(i, a) in &gap {
                 gap.iter().for_each(|&(j, b)| k.push(i, j, stiffness * a * b));
             }
-            let reading = gap.iter().map(|&(dof, value)| (dof, stiffness * value)).collect();
+            let reading: Vec<(usize, f64)> = gap.iter().map(|&(dof, value)| (dof, stiffness * value)).collect();
             let [pad, disc] = pair.nodes;
+            if has_springs {
+                springs.push(Channel::new(format!("{pad}/{disc} spring"), "contact", gap, reading.clone()));
+            }
             self.channels.push(Channel::new(format!("{pad}/{disc}"), format!("friction {name}"), force, reading));
             if is_lateral {
                 let force = relative(&pair.normal.cross(&pair.sliding));
@@ -136,6 +141,7 @@ impl Patches {
             }
         }
         self.channels.extend(across);
+        self.channels.extend(springs);
         let zero = || CscMatrix::zeros(order, order);
         let matrices = SparseSecondOrder::new(zero(), zero(), (&k).into()).map_err(model.check.sparse("contact"))?;
         self.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
@@ -159,6 +165,8 @@ impl Patches {
             shares,
             places,
             points: Vec::new(),
+            areas: Vec::new(),
+            contact: 0,
         });
         Ok(())
     }

@@ -14,7 +14,10 @@ use super::surface_contact::SurfaceContact;
 use super::surface_loads::{Pressing, balanced};
 use super::surface_schema::{AllContactsTable, FacesTable, ForceTable};
 use super::surfaces::Surfaces;
-use super::{ContactBalance, LOAD_FACTOR, OWN_SPEED, OwnSpeed, Patch, PatchContact, STIFFNESS_FACTOR};
+use super::{
+    ContactBalance, FRICTION_FACTOR, LOAD_FACTOR, OWN_SPEED, OwnSpeed, Patch, PatchContact, STIFFNESS_FACTOR,
+    SpreadParameters,
+};
 use crate::arrangements::arrangements_by_number;
 use crate::check::{Check, field};
 use crate::matrices::formulas::Formulas;
@@ -79,20 +82,26 @@ fn of_nodes(
     mut table: ContactTable,
     no_speed: bool,
 ) -> Result<(Patches, Shared), CaseError> {
-    let factor = table.stiffness_factor.take();
-    let factor = factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
+    let mut factor = |field: &str, given: Option<Formula>| {
+        given.map(|given| formulas.local_expression(field, Some(given), 1.0)).transpose()
+    };
+    let stiffness_factor = factor(STIFFNESS_FACTOR, table.stiffness_factor.take())?;
+    let friction_factor = factor(FRICTION_FACTOR, table.friction_factor.take())?;
+    let has_spring_channels = stiffness_factor.as_ref().is_some_and(|factor| formulas.is_local(factor));
     let is_lateral = lateral(model.check, "contact", table.lateral, no_speed);
     if !is_lateral {
         table.lateral = Some(LateralEntry::None);
     }
-    let patches = Patches::new(model, &table)?;
+    let patches = Patches::new(model, &table, has_spring_channels)?;
     let ContactTable { in_contact, arrangements, draws, bristle_damping, .. } = table;
     let shared = Shared {
         arranged: schema::ContactTable { in_contact, arrangements },
         draws,
         bristle_damping,
         is_lateral,
-        stiffness_factor: factor,
+        stiffness_factor,
+        friction_factor,
+        has_spring_channels,
         load_factor: None,
         load_exponent: 0.0,
         own_speed: None,
@@ -114,9 +123,14 @@ fn of_faces(
     let mut taken = |field: &str, given: Option<Formula>| {
         given.map(|given| formulas.expression(field, Some(given), 1.0)).transpose()
     };
-    let stiffness_factor = taken(STIFFNESS_FACTOR, all.stiffness_factor.take())?;
     let load_factor = taken(LOAD_FACTOR, all.load_factor.take())?;
     let speed = taken(OWN_SPEED, all.speed.take())?;
+    let mut factor = |field: &str, given: Option<Formula>| {
+        given.map(|given| formulas.local_expression(field, Some(given), 1.0)).transpose()
+    };
+    let stiffness_factor = factor(STIFFNESS_FACTOR, all.stiffness_factor.take())?;
+    let friction_factor = factor(FRICTION_FACTOR, all.friction_factor.take())?;
+    let has_spring_channels = stiffness_factor.as_ref().is_some_and(|factor| formulas.is_local(factor));
     if speed.is_some() && !no_ranges {
         return Err(check.value("speeds", "given", "cases without all_contacts.speed, which says the speed"));
     }
@@ -142,12 +156,13 @@ fn of_faces(
         forces,
         at_medians: at_medians.iter().map(|(value, _)| load * value).collect(),
         factors: at_medians.into_iter().map(|(_, factor)| factor).collect(),
-        mu,
+        mu: mu * median(FRICTION_FACTOR, friction_factor.as_ref())?,
         stiffness: median(STIFFNESS_FACTOR, stiffness_factor.as_ref())?,
     };
     let solids = Solids::new(model, "[[contact]]")?;
     let in_equilibrium = |contacts: &[SurfaceContact<'_>]| balanced(&solids, contacts, structure, &pressing);
-    let Surfaces { patches, mean_speed, balance } = Surfaces::new(&solids, tables, is_lateral, &in_equilibrium)?;
+    let Surfaces { patches, mean_speed, balance } =
+        Surfaces::new(&solids, tables, [is_lateral, has_spring_channels], &in_equilibrium)?;
     let in_contact = match (all.in_contact.is_empty(), all.arrangements.is_empty()) {
         (true, true) => vec![patches.patches.len()],
         _ => all.in_contact,
@@ -157,7 +172,9 @@ fn of_faces(
         draws: all.draws.unwrap_or(Draws::Shared),
         bristle_damping: all.bristle_damping.unwrap_or(BristleDampingEntry::Constant),
         is_lateral,
+        has_spring_channels: has_spring_channels || balance.is_some(),
         stiffness_factor,
+        friction_factor,
         load_exponent: match balance {
             None => load_exponent(check, tables, load_factor.is_some())?,
             Some(_) => 0.0,
@@ -176,7 +193,9 @@ struct Shared {
     draws: Draws,
     bristle_damping: BristleDampingEntry,
     is_lateral: bool,
+    has_spring_channels: bool,
     stiffness_factor: Option<Expression>,
+    friction_factor: Option<Expression>,
     load_factor: Option<Expression>,
     load_exponent: f64,
     own_speed: Option<OwnSpeed>,
@@ -232,7 +251,10 @@ fn patch_contact(
         draws: shared.draws,
         bristle_damping: shared.bristle_damping.into(),
         is_lateral,
+        has_spring_channels: shared.has_spring_channels,
         stiffness_factor: shared.stiffness_factor,
+        friction_factor: shared.friction_factor,
+        spread: SpreadParameters::default(),
         load_factor: shared.load_factor,
         load_exponent: shared.load_exponent,
         own_speed,

@@ -14,6 +14,7 @@ mod nodes;
 mod read;
 mod schema;
 mod side;
+mod spread;
 mod structure;
 mod surface_contact;
 mod surface_loads;
@@ -28,6 +29,7 @@ pub use draft::{Draft, DraftFiles};
 pub use missing::MissingRows;
 pub use names_on_mesh::NamesOnMesh;
 pub use side::Side;
+pub use spread::{Spread, SpreadParameter, SpreadParameters};
 pub use surface_loads::EQUILIBRIUM;
 
 use std::collections::BTreeMap;
@@ -49,7 +51,7 @@ use super::{
 pub struct FiniteElementCase {
     /// Header of the case: its file, and what it says of its study.
     pub header: CaseHeader,
-    /// The drawn parameters of coefficients, in the order of their names.
+    /// The drawn parameters of coefficients, in the order of their names; then those of [`PatchContact::spread`].
     pub parameters: Vec<Parameter>,
     /// The mesh, where the case names one.
     pub mesh: Option<Mesh>,
@@ -69,7 +71,8 @@ pub struct FiniteElementCase {
     pub held: Vec<Dof>,
     /// The terms of the file, then its springs, then two of each body that turns, then the holders as one term, where there are any, then one term
     /// for each patch; patch by patch one channel for each pair in contact, along the sliding, then one for each across it, where friction
-    /// acts there, then one for what opening adds to the spring of each, where loads are in equilibrium.
+    /// acts there, then one for what opening adds to the spring of each, where loads are in equilibrium, and what its own parameters add, where it has
+    /// some.
     pub system: SparseAffineSystem,
     /// The coefficients of the terms of the file, of springs and of what turns.
     pub coefficients: Vec<Expression>,
@@ -105,6 +108,12 @@ pub struct PatchContact {
     pub is_lateral: bool,
     /// Factor of the stiffness of all pairs, where it depends on parameters.
     pub stiffness_factor: Option<Expression>,
+    /// Factor of the friction of all pairs, where it depends on parameters.
+    pub friction_factor: Option<Expression>,
+    /// Parameters that have a value for each patch or pair, in the order of their names; they occur in both factors alone.
+    pub spread: SpreadParameters,
+    /// True if a pair has a channel for its spring.
+    pub has_spring_channels: bool,
     /// Factor of the load of all pairs, where it depends on parameters.
     pub load_factor: Option<Expression>,
     /// By which power of that the stiffness of all pairs grows: `1 - 1/m` of faces whose pressure is `c g^m` and given, else 0.
@@ -147,6 +156,9 @@ pub const LOAD_FACTOR: &str = "all_contacts.load_factor";
 /// The field of [`PatchContact::own_speed`].
 pub const OWN_SPEED: &str = "all_contacts.speed";
 
+/// The field of [`PatchContact::friction_factor`].
+pub const FRICTION_FACTOR: &str = "contact.friction_factor";
+
 /// The field of [`PatchContact::stiffness_factor`].
 pub const STIFFNESS_FACTOR: &str = "contact.stiffness_factor";
 
@@ -161,7 +173,8 @@ pub struct Patch {
     /// mean radius of all pairs of the contact where the disc turns about its normal; of points between faces that turn about an axis, the speed at
     /// 1 rad/s over the mean of all such points by their areas.
     pub speeds: Vec<f64>,
-    /// Indices of its channels in the system: of friction along the sliding of each pair, then across it, then in equilibrium of its opening.
+    /// Indices of its channels in the system: of friction along the sliding of each pair, then across it, then of its spring, where that is not the
+    /// same in every sample: in equilibrium, or with parameters of its own.
     pub channels: Range<usize>,
     /// Mean normal load of its pairs while it is closed, N; of an equilibrium that at the medians.
     pub load: f64,
@@ -171,6 +184,10 @@ pub struct Patch {
     pub places: Vec<PairPlace>,
     /// Number of each pair in [`PatchContact::balance`]; none where loads are given.
     pub points: Vec<usize>,
+    /// Area of each point between faces; none of pairs of nodes.
+    pub areas: Vec<f64>,
+    /// Number of its contact, from 0.
+    pub contact: usize,
 }
 
 /// Place of a pair and its directions, of length 1, in global axes.

@@ -12,12 +12,13 @@ use super::missing::MissingRows;
 use super::names_on_mesh::NamesOnMesh;
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, FiniteElementsFile, ReductionTable};
+use super::spread::SpreadOver;
 use super::structure::Structure;
 use super::surface_schema::RotationTable;
 use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
 use super::turning::{rotation_terms, spring_term};
 use super::units::{mean_density, possible_density};
-use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal};
+use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, SpreadParameters};
 use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
 use crate::matrices::formulas::Formulas;
@@ -66,10 +67,16 @@ impl FiniteElementCase {
         let check = check;
         let reduction = goal(&check, &reduction)?;
         let mut header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal, measured)?;
-        let parameters = parameters
-            .into_iter()
-            .map(|(name, given)| parameter(&check, name, given))
-            .collect::<Result<Vec<_>, _>>()?;
+        let (mut own, mut spread) = (Vec::new(), Vec::new());
+        for (name, mut given) in parameters {
+            let over = given.over.take();
+            let parameter = parameter(&check, name, given)?;
+            match over {
+                None => own.push(parameter),
+                Some(over) => spread.push(SpreadOver::new(&check, parameter, over)?),
+            }
+        }
+        let mut parameters = own;
         let deck = brake.mesh.map(|file| {
             let path = path.parent().unwrap_or(Path::new("")).join(&file);
             read_deck(&path, &Limits::default()).map_err(|source| check.matrix("brake.mesh", &file, source))
@@ -77,13 +84,15 @@ impl FiniteElementCase {
         let deck = deck.transpose()?;
         let Terms { parts, dofs, files, held } = read_terms(&check, terms)?;
         let model = Model::new(&check, deck, dofs);
-        let mut formulas = Formulas::new(&check, &parameters);
+        let local = spread.iter().map(|local| &local.parameter.name);
+        let mut formulas = Formulas::new(&check, &parameters).with_local(local);
         let (terms, coefficients) =
             terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len(), reduction.frequencies)?;
         let names = NamesOnMesh::new(&model)?;
         let mut missing_rows = Vec::new();
         let holders = holders_term(&model, &holders, &mut missing_rows)?;
-        let medians = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
+        let medians = parameters.iter().chain(spread.iter().map(|local| &local.parameter));
+        let medians = medians.map(|parameter| parameter.distribution.median()).collect();
         let mut structure = Structure { check: &check, terms, coefficients, holders, medians };
         check.names("springs.name", springs.iter().map(|table| &table.name))?;
         for table in &springs {
@@ -105,8 +114,11 @@ impl FiniteElementCase {
             }
         }
         let given = GivenContacts { contact, all: all_contacts, forces, laws: study.laws, speeds, friction };
-        let (contact, of_contact) = read_contact(&model, &mut formulas, &structure, given)?.unzip();
+        let (mut contact, of_contact) = read_contact(&model, &mut formulas, &structure, given)?.unzip();
         formulas.all_used()?;
+        if let Some(contact) = &mut contact {
+            contact.spread = SpreadParameters::new(&check, spread, &contact.patches, &mut parameters)?;
+        }
         let Structure { mut terms, coefficients, holders, .. } = structure;
         terms.extend(holders);
         let (mut channels, mut sides) = (Vec::new(), None);

@@ -167,6 +167,7 @@ pub(super) struct ContactTable {
     pub sliding: SlidingEntry,
     pub stiffness: f64,
     pub stiffness_factor: Option<Formula>,
+    pub friction_factor: Option<Formula>,
     pub load: f64,
     pub patches: Vec<String>,
     #[serde(default)]

@@ -117,6 +117,7 @@ pub(super) struct AllContactsTable {
     pub speed: Option<Formula>,
     pub load_factor: Option<Formula>,
     pub stiffness_factor: Option<Formula>,
+    pub friction_factor: Option<Formula>,
     pub in_contact: Vec<usize>,
     pub arrangements: Vec<Vec<usize>>,
     pub draws: Option<Draws>,

@@ -31,7 +31,7 @@ impl Surfaces {
     pub fn new(
         solids: &Solids<'_>,
         tables: &[FacesTable],
-        is_lateral: bool,
+        [is_lateral, has_springs]: [bool; 2],
         balanced: &dyn Fn(&[SurfaceContact<'_>]) -> Result<Balanced, CaseError>,
     ) -> Result<Self, CaseError> {
         let check = solids.model.check;
@@ -59,7 +59,7 @@ impl Surfaces {
         let missing = contacts.iter().map(|contact| contact.missing(solids)).collect::<Result<Vec<_>, _>>()?.concat();
         let mut out = Patches { patches: Vec::new(), terms: Vec::new(), channels: Vec::new(), sides, missing };
         let mut first = 0;
-        for (contact, forces) in contacts.iter().zip(&forces) {
+        for (number, (contact, forces)) in contacts.iter().zip(&forces).enumerate() {
             let (names, of) = contact.patches(solids)?;
             let of_contact = check.contact::<ContactError>(&contact.field());
             let stiffness = contact.interface.tangents(&contact.law, forces).map_err(&of_contact)?;
@@ -83,7 +83,17 @@ impl Surfaces {
                     (true, Some(_)) => {}
                 }
                 let balance = balance.as_ref().map(|balance| (balance, first));
-                let made = Made { solids, contact, forces, stiffness: &stiffness, is_lateral, mean_speed, balance };
+                let made = Made {
+                    solids,
+                    contact,
+                    number,
+                    forces,
+                    stiffness: &stiffness,
+                    is_lateral,
+                    has_springs,
+                    mean_speed,
+                    balance,
+                };
                 made.patch(name, &own, &mut out)?;
             }
             first += of.len();
@@ -121,9 +131,13 @@ fn report_gaps(solids: &Solids<'_>, contact: &SurfaceContact<'_>) {
 struct Made<'a> {
     solids: &'a Solids<'a>,
     contact: &'a SurfaceContact<'a>,
+    /// The number of the contact, from 0.
+    number: usize,
     forces: &'a [f64],
     stiffness: &'a [f64],
     is_lateral: bool,
+    /// True if the springs of the points differ by parameters.
+    has_springs: bool,
     mean_speed: f64,
     /// The equilibrium, and the number of the contact's first point in it.
     balance: Option<(&'a ContactBalance, usize)>,
@@ -131,9 +145,9 @@ struct Made<'a> {
 
 impl Made<'_> {
     /// Adds a patch of these points: its springs as a term, friction in each of them along the sliding and then across it, and in equilibrium what
-    /// opening and closing adds to each spring. The springs of a patch in equilibrium are those that are closed at the medians.
+    /// opening and closing adds to each spring, or else what parameters of each point add to it, where some do. The springs of a patch in equilibrium are those that are closed at the medians.
     fn patch(&self, name: &str, own: &[usize], out: &mut Patches) -> Result<(), CaseError> {
-        let Self { solids, contact, forces, stiffness, is_lateral, mean_speed, balance } = self;
+        let Self { solids, contact, number, forces, stiffness, is_lateral, has_springs, mean_speed, balance } = self;
         let (mesh, rows) = (&solids.mesh, &solids.rows);
         let first = out.channels.len();
         let mut k = CooMatrix::new(rows.order(), rows.order());
@@ -152,8 +166,9 @@ impl Made<'_> {
             }
             let reading: Row = gap.iter().map(|&(dof, value)| (dof, read * value)).collect();
             let named = format!("{}/{}", contact.table.name, contact.interface.name(mesh, at));
-            if balance.is_some() {
-                opening.push(Channel::new(format!("{named} opening"), "contact", gap, reading.clone()));
+            if balance.is_some() || *has_springs {
+                let what = if balance.is_some() { "opening" } else { "spring" };
+                opening.push(Channel::new(format!("{named} {what}"), "contact", gap, reading.clone()));
             }
             along.push(Channel::new(&named, format!("friction {name}"), point.slip_row(rows), reading));
             if *is_lateral {
@@ -184,7 +199,10 @@ impl Made<'_> {
         // One that the medians lift off has no load to share, and is in equilibrium: its forces are found anew wherever it holds down.
         let shares = own.iter().map(|&at| if load > 0.0 { forces[at] / load } else { 0.0 }).collect();
         let channels = first..out.channels.len();
-        out.patches.push(Patch { name: name.into(), pairs, speeds, channels, load, shares, points, places });
+        let areas = own.iter().map(|&at| contact.interface.points()[at].area).collect();
+        let name = name.into();
+        let contact = *number;
+        out.patches.push(Patch { name, pairs, speeds, channels, load, shares, points, places, areas, contact });
         Ok(())
     }
 }

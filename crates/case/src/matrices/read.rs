@@ -121,7 +121,11 @@ pub(crate) fn parameter(
         let allowed = "a letter or _, then letters, digits and _, no function and not pi";
         return Err(check.value("parameters", format!("{name:?}"), allowed));
     }
-    let schema::ParameterTable { unit, distribution } = given;
+    let schema::ParameterTable { unit, over, distribution } = given;
+    if over.is_some() {
+        let allowed = "finite elements, whose contacts have patches and faces";
+        return Err(check.value(&format!("parameters.{name}.over"), "given", allowed));
+    }
     check.line(&format!("parameters.{name}.unit"), &unit)?;
     let distribution = check.distribution(&format!("parameters.{name}"), distribution)?;
     Ok(Parameter { name, unit, distribution })

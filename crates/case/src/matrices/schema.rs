@@ -9,6 +9,7 @@ use serde::Deserialize;
 use crate::check::Accuracy;
 use crate::correlation::CorrelationTable;
 use crate::heard::MeasuredTable;
+use crate::random_field::Kernel;
 use crate::squeal::SquealTable;
 use crate::symmetry::SymmetryEntry;
 
@@ -59,8 +60,40 @@ pub(super) enum MatricesKind {
 pub(crate) struct ParameterTable {
     #[serde(default)]
     pub unit: String,
+    pub over: Option<OverEntry>,
     #[serde(flatten)]
     pub distribution: Distribution,
+}
+
+/// What a parameter has a value for each of.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected \"patches\", or { kernel = \"exponential\" or \"gaussian\", length = a distance, share = of the variance }"
+)]
+pub(crate) enum OverEntry {
+    Word(OverWord),
+    Field(OverField),
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum OverWord {
+    Patches,
+}
+
+/// A random field over the faces of contacts.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OverField {
+    pub kernel: Kernel,
+    pub length: f64,
+    #[serde(default = "share")]
+    pub share: f64,
+}
+
+fn share() -> f64 {
+    0.95
 }
 
 #[derive(Debug, Deserialize)]

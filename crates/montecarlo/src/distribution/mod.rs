@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use rand_distr::{Distribution as _, Open01, StandardNormal, StandardUniform};
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF as _, Normal};
 
 use crate::error::MonteCarloError;
 use crate::redraw::redraw_until_at_least;
@@ -303,6 +304,15 @@ impl Distribution {
                 values.get(place).or(values.last()).copied().unwrap_or(f64::NAN)
             }
             Self::Empirical { ref values, .. } => ordered::quantile(values, u),
+        }
+    }
+
+    /// The value with a normal score z, `F^-1(Phi(z))`: that of a standard normal number z is distributed as this.
+    #[must_use]
+    pub fn of_score(&self, score: f64) -> f64 {
+        match *self {
+            Self::LogNormal { median, sigma, at_least: None, at_most: None } => median * (sigma * score).exp(),
+            _ => self.quantile(Normal::standard().cdf(score).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0)),
         }
     }
 
