@@ -13,6 +13,8 @@ mod reduce;
 mod samples;
 mod set_basis;
 mod sliding;
+#[cfg(test)]
+mod spread_tests;
 mod swept;
 mod training;
 mod whole;

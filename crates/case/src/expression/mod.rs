@@ -66,7 +66,8 @@ fn at(values: &[String]) -> String {
 #[derive(Clone)]
 pub struct Expression {
     text: String,
-    parsed: FlatEx<f64, Operators>,
+    /// Boxed: it takes some kilobytes where it stands.
+    parsed: Box<FlatEx<f64, Operators>>,
     /// Variables of `parsed`: the name of each and the index of its parameter.
     variables: Vec<(String, usize)>,
 }
@@ -93,7 +94,7 @@ impl Expression {
         let checked = grammar::checked(text, parameters)?;
         let refused =
             |message: &str| ExpressionError::Parser { text: grammar::shown(text), message: grammar::shown(message) };
-        let parsed = FlatEx::<f64, Operators>::parse(&checked).map_err(|error| refused(error.msg()))?;
+        let parsed = Box::new(FlatEx::<f64, Operators>::parse(&checked).map_err(|error| refused(error.msg()))?);
         let variables = parsed
             .var_names()
             .iter()
