@@ -166,11 +166,14 @@ impl PatchContact {
     /// # Errors
     /// Those of [`Expression::value`].
     pub fn at_pairs(&self, expression: &Expression, values: &[f64], patch: usize) -> Result<Vec<f64>, ExpressionError> {
-        let spread = &self.spread;
+        let (spread, pairs) = (&self.spread, self.patches[patch].pairs.len());
+        if expression.parameters().all(|parameter| parameter < spread.of_whole) {
+            return Ok(vec![expression.value(values)?; pairs]);
+        }
         let mut at: Vec<f64> = values.iter().copied().take(spread.of_whole).collect();
         let mut last: Option<(Vec<f64>, f64)> = None;
         let mut all = Vec::new();
-        for pair in 0..self.patches[patch].pairs.len() {
+        for pair in 0..pairs {
             at.truncate(spread.of_whole);
             at.extend(spread.all.iter().map(|local| spread.local(local, values, (patch, pair))));
             // Pairs of one patch may have the same values.
