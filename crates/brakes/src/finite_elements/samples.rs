@@ -129,7 +129,7 @@ fn checked(
         Ok(values) => values,
         Err(source) => return Err(CaseError::Expression { path, field, source: Box::new(source) }),
     };
-    match values.iter().find(|value| !(**value > 0.0)) {
+    match values.iter().find(|value| **value <= 0.0) {
         None => Ok(values),
         Some(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
     }

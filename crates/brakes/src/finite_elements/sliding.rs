@@ -116,8 +116,7 @@ impl Sliding<'_> {
         let springs = self.closed.iter().map(|&patch| self.springs(patch)).collect::<Result<Vec<_>, Error>>()?;
         let load_factor = load_factor(self.case, self.contact, self.sample)? * self.scales.load;
         let balance = self.contact.balance.as_deref();
-        let state =
-            balance.map(|balance| self.state(balance, (&tangents, &springs), coefficients, factor, load_factor));
+        let state = balance.map(|balance| self.state(balance, &tangents, &springs, coefficients, factor, load_factor));
         let state = balance.zip(state.transpose()?);
         Ok(Loaded { tangents, springs, load_factor, state })
     }
@@ -152,7 +151,8 @@ impl Sliding<'_> {
     fn state(
         &self,
         balance: &ContactBalance,
-        (tangents, springs): (&[Vec<(f64, Tangent)>], &[Vec<f64>]),
+        tangents: &[Vec<(f64, Tangent)>],
+        springs: &[Vec<f64>],
         coefficients: &[f64],
         factor: f64,
         load_factor: f64,

@@ -78,7 +78,7 @@ impl SpreadOver {
             return Err(check.value(&key(""), "given", "parameters that are drawn; a constant is the same everywhere"));
         }
         if let OverEntry::Field(OverField { length, share, .. }) = over {
-            if !(length > 0.0) {
+            if length.is_nan() || length <= 0.0 {
                 return Err(check.value(&key(".length"), length, "a distance, > 0; inf is one value for each face"));
             }
             if !(share > 0.0 && share <= 1.0) {
