@@ -11,7 +11,7 @@ use crate::matrices::schema::{OverEntry, OverField};
 use crate::random_field::{FieldModes, Kernel};
 use crate::{CaseError, Expression, ExpressionError, Parameter};
 
-/// Most points of a face with a field; chosen, for the eigenvalues of their correlation, which take half a minute of as many.
+/// Most points of a face with a field; chosen: the time of the eigenvectors of their correlation grows with the third power, and each command takes it.
 const MOST_POINTS: usize = 2000;
 /// Most modes of a field over a face; chosen: each is a parameter that is drawn.
 const MOST_MODES: usize = 200;
