@@ -40,6 +40,8 @@ const SECONDS_BY_SCENE: f64 = 2e-7;
 const BYTES_BY_BASIS: f64 = 900.0;
 /// Processor time for each basis, s, by the cube of its columns. Measured with the same: 10 and 30 s.
 const SECONDS_BY_BASIS: f64 = 6e-7;
+/// Processor time of the spectrum of a dense brake, s, by the cube of its order. Measured with the responses of contacts of cases/disc-pad, 324 columns: 1.1 s.
+const SECONDS_BY_SPECTRUM: f64 = 3e-8;
 /// Complete solutions at a time.
 const TOGETHER: f64 = 2.0;
 
@@ -81,6 +83,12 @@ impl Cost {
         let large = self.order as f64 / LARGE;
         let bytes = self.bytes + if count > 0 { TOGETHER * BYTES_OF_LARGE * large.powf(1.45) } else { 0.0 };
         Self { bytes, seconds: self.seconds + count as f64 * SECONDS_OF_LARGE * large.powf(1.65), ..self }
+    }
+
+    /// The cost of some spectra of a dense brake of an order beside it.
+    #[must_use]
+    pub fn with_spectra(self, count: usize, order: usize) -> Self {
+        Self { seconds: self.seconds + count as f64 * SECONDS_BY_SPECTRUM * (order as f64).powi(3), ..self }
     }
 
     /// Refuses a study that takes more memory than there is, `budget` bytes; `study` is the case file or the name.

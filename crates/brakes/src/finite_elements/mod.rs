@@ -176,8 +176,11 @@ impl FiniteElementBrake {
     /// Memory and processor time of its bases and of the draws that a study solves with the whole brake, roughly.
     pub fn cost_of_bases(&self) -> Cost {
         let columns: Vec<usize> = self.parts.iter().map(|part| part.within.basis.ncols()).collect();
-        let solutions = self.case.constraints.len() * set_basis::SOLUTIONS + self.case.reduction.full_checks as usize;
-        Cost::of_bases(self.case.dofs.len(), &columns).with_solutions(solutions)
+        let checks = self.case.reduction.full_checks as usize;
+        // Of each draw the modes of the band, and what diverges beside it: of the whole brake, and of the responses of its contacts.
+        let solutions = self.case.constraints.len() * set_basis::SOLUTIONS + 2 * checks;
+        let bases = Cost::of_bases(self.case.dofs.len(), &columns);
+        bases.with_solutions(solutions).with_spectra(checks, divergence::expected_columns(&self.case))
     }
 
     /// The part of the reduction that a scene is on.

@@ -81,7 +81,8 @@ impl CheckArgs {
         let (mut text, of_bases) = match brake.finite_elements() {
             Some(brake) => {
                 let cost = brake.cost_of_bases();
-                (reduction(brake), (cost.bytes, cost.seconds))
+                let threads = std::thread::available_parallelism().map_or(1, usize::from) as f64;
+                (reduction(brake), (cost.bytes, cost.seconds / threads))
             }
             None => {
                 let lines: String = brake.contents().iter().map(|(name, value)| line(name, value)).collect();
