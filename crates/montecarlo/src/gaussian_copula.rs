@@ -2,10 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::distribution::Distribution;
-
-/// Largest value taken of a distribution function, the double next to 1: rounded to 0 or 1 it would have an infinite normal score.
-const MOST_PROBABLE: f64 = 1.0 - f64::EPSILON / 2.0;
+use crate::distribution::{Distribution, MOST_PROBABLE};
 
 /// A Gaussian copula: the normal scores `z_i = Phi^-1(F_i(x_i))` of the parameters x_i have a correlation matrix R, and each parameter
 /// keeps its own distribution F_i (Nelsen, An Introduction to Copulas, 2006, section 2.3).
@@ -63,7 +60,7 @@ impl GaussianCopula {
         for ((row, distribution), value) in self.factor.iter().zip(distributions).zip(values) {
             if !is_alone(row) {
                 let z: f64 = row.iter().zip(&scores).map(|(l, z)| l * z).sum();
-                *value = distribution.quantile(normal.cdf(z).clamp(f64::MIN_POSITIVE, MOST_PROBABLE));
+                *value = distribution.quantile_of_score(z);
             }
         }
     }

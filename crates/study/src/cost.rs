@@ -56,9 +56,8 @@ impl Cost {
     /// The cost of `samples` samples, on all cores, of scenes and configurations of an order.
     pub fn new(order: usize, configurations: usize, scenes: usize, samples: u64) -> Self {
         let (size, configurations, count) = (order as f64, configurations as f64, scenes as f64);
-        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as f64;
         let by_thread = BYTES_BY_THREAD + BYTES_BY_SAMPLE * samples_together(samples) as f64;
-        let entry = BYTES_BY_SCENE * count + BYTES_BY_CONFIGURATION * configurations + by_thread * threads;
+        let entry = BYTES_BY_SCENE * count + BYTES_BY_CONFIGURATION * configurations + by_thread * threads();
         let seconds = SECONDS_BY_SCENE * count * size.powi(3);
         Self { order, scenes, bytes: BYTES_ALWAYS + entry * size * size, seconds }
     }
@@ -91,6 +90,12 @@ impl Cost {
         Self { seconds: self.seconds + count as f64 * SECONDS_BY_SPECTRUM * (order as f64).powi(3), ..self }
     }
 
+    /// The time on all cores of what they share, s.
+    #[must_use]
+    pub fn seconds_on_all_cores(&self) -> f64 {
+        self.seconds / threads()
+    }
+
     /// Refuses a study that takes more memory than there is, `budget` bytes; `study` is the case file or the name.
     ///
     /// # Errors
@@ -111,6 +116,11 @@ impl Cost {
         };
         memory::check(&what, bytes, budget, fits)
     }
+}
+
+/// Threads that a study has where nothing is said.
+fn threads() -> f64 {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as f64
 }
 
 /// Number of samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few

@@ -55,9 +55,9 @@ impl Responses {
         let mut at = of_brake(case, &all, &naming_point(case, &all)?);
         at.channels.fill(ChannelGain::default());
         let problem = Problem::new(&system.assemble(&at)?)?;
-        let step = channels.len().div_ceil(MOST_CONTACTS);
-        let mut forces = DMatrix::zeros(system.order(), 2 * thinned(channels.len()));
-        for (place, channel) in channels.iter().step_by(step).enumerate() {
+        let thinned: Vec<_> = channels.iter().step_by(step(channels.len())).collect();
+        let mut forces = DMatrix::zeros(system.order(), 2 * thinned.len());
+        for (place, channel) in thinned.into_iter().enumerate() {
             channel.force.iter().for_each(|&(dof, value)| forces[(dof, 2 * place)] += value);
             channel.reading.iter().for_each(|&(dof, value)| forces[(dof, 2 * place + 1)] += value);
         }
@@ -73,15 +73,16 @@ impl Responses {
     }
 }
 
-/// Number of contacts at which forces act, of so many.
-fn thinned(contacts: usize) -> usize {
-    contacts.div_ceil(contacts.div_ceil(MOST_CONTACTS).max(1))
+/// Distance of the contacts at which forces act, of so many in a row.
+fn step(contacts: usize) -> usize {
+    contacts.div_ceil(MOST_CONTACTS).max(1)
 }
 
 /// Number of columns of the responses of a case, roughly, before they are solved for.
 pub(super) fn expected_columns(case: &FiniteElementCase) -> usize {
-    let responses = (2 * SHIFTS.len() * thinned(case.system.channels().len())) as f64;
-    ((OF_THEIR_OWN * responses) as usize).min(MOST_COLUMNS)
+    let contacts = case.system.channels().len();
+    let responses = 2 * SHIFTS.len() * contacts.div_ceil(step(contacts));
+    ((OF_THEIR_OWN * responses as f64) as usize).min(MOST_COLUMNS)
 }
 
 /// Where the fastest eigenvalue of a reduced brake that passes a test is, and whether the whole brake has one there that does: `None` where the reduced one

@@ -100,8 +100,8 @@ pub(super) fn positive(
     sample: &FiniteElementSample,
 ) -> Result<Option<f64>, CaseError> {
     let Some((expression, contact)) = expression.zip(case.contact.as_ref()) else { return Ok(None) };
-    let value = contact.spread.value_at_medians(expression, &sample.values);
-    checked(case, field, value.map(|value| vec![value])).map(|values| values.first().copied())
+    let value = contact.spread.value_at_medians(expression, &sample.values).map_err(without_value(case, field))?;
+    above_zero(case, field, value).map(Some)
 }
 
 /// The values of an expression of the contact at each pair of a patch, which must be > 0; 1 without an expression.
@@ -112,27 +112,29 @@ pub(super) fn positive_at_pairs(
     field: &str,
     sample: &FiniteElementSample,
 ) -> Result<Vec<f64>, CaseError> {
-    match expression {
-        None => Ok(vec![1.0; contact.patches[patch].pairs.len()]),
-        Some(expression) => checked(case, field, contact.at_pairs(expression, &sample.values, patch)),
+    let Some(expression) = expression else { return Ok(vec![1.0; contact.patches[patch].pairs.len()]) };
+    let values = contact.at_pairs(expression, &sample.values, patch).map_err(without_value(case, field))?;
+    values.into_iter().map(|value| above_zero(case, field, value)).collect()
+}
+
+/// The error of a field whose expression has no value.
+fn without_value<'a>(
+    case: &'a FiniteElementCase,
+    field: &'a str,
+) -> impl FnOnce(ExpressionError) -> CaseError + use<'a> {
+    move |source| {
+        let (path, field) = (case.header.path.clone(), field.to_owned());
+        CaseError::Expression { path, field, source: Box::new(source) }
     }
 }
 
-/// Values of an expression of the contact, all of which must be > 0.
-fn checked(
-    case: &FiniteElementCase,
-    field: &str,
-    values: Result<Vec<f64>, ExpressionError>,
-) -> Result<Vec<f64>, CaseError> {
-    let (path, field) = (case.header.path.clone(), field.to_owned());
-    let values = match values {
-        Ok(values) => values,
-        Err(source) => return Err(CaseError::Expression { path, field, source: Box::new(source) }),
-    };
-    match values.iter().find(|value| **value <= 0.0) {
-        None => Ok(values),
-        Some(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
+/// The value of a field of the contact, refused where it is not > 0.
+fn above_zero(case: &FiniteElementCase, field: &str, value: f64) -> Result<f64, CaseError> {
+    if value <= 0.0 {
+        let (path, field) = (case.header.path.clone(), field.to_owned());
+        return Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() });
     }
+    Ok(value)
 }
 
 #[cfg(test)]

@@ -82,12 +82,8 @@ fn of_nodes(
     mut table: ContactTable,
     no_speed: bool,
 ) -> Result<(Patches, Shared), CaseError> {
-    let mut factor = |field: &str, given: Option<Formula>| {
-        given.map(|given| formulas.local_expression(field, Some(given), 1.0)).transpose()
-    };
-    let stiffness_factor = factor(STIFFNESS_FACTOR, table.stiffness_factor.take())?;
-    let friction_factor = factor(FRICTION_FACTOR, table.friction_factor.take())?;
-    let has_spring_channels = stiffness_factor.as_ref().is_some_and(|factor| formulas.is_local(factor));
+    let Factors { stiffness_factor, friction_factor, has_spring_channels } =
+        Factors::new(formulas, [table.stiffness_factor.take(), table.friction_factor.take()])?;
     let is_lateral = lateral(model.check, "contact", table.lateral, no_speed);
     if !is_lateral {
         table.lateral = Some(LateralEntry::None);
@@ -125,12 +121,8 @@ fn of_faces(
     };
     let load_factor = taken(LOAD_FACTOR, all.load_factor.take())?;
     let speed = taken(OWN_SPEED, all.speed.take())?;
-    let mut factor = |field: &str, given: Option<Formula>| {
-        given.map(|given| formulas.local_expression(field, Some(given), 1.0)).transpose()
-    };
-    let stiffness_factor = factor(STIFFNESS_FACTOR, all.stiffness_factor.take())?;
-    let friction_factor = factor(FRICTION_FACTOR, all.friction_factor.take())?;
-    let has_spring_channels = stiffness_factor.as_ref().is_some_and(|factor| formulas.is_local(factor));
+    let Factors { stiffness_factor, friction_factor, has_spring_channels } =
+        Factors::new(formulas, [all.stiffness_factor.take(), all.friction_factor.take()])?;
     if speed.is_some() && !no_ranges {
         return Err(check.value("speeds", "given", "cases without all_contacts.speed, which says the speed"));
     }
@@ -185,6 +177,26 @@ fn of_faces(
         is_of_faces: true,
     };
     Ok((patches, shared))
+}
+
+/// Factors of the stiffness and the friction of contacts, in which parameters over patches and faces may occur.
+struct Factors {
+    stiffness_factor: Option<Expression>,
+    friction_factor: Option<Expression>,
+    /// True if the stiffness differs between patches or pairs, which then have a channel for their springs.
+    has_spring_channels: bool,
+}
+
+impl Factors {
+    fn new(formulas: &mut Formulas<'_>, [stiffness, friction]: [Option<Formula>; 2]) -> Result<Self, CaseError> {
+        let mut read = |field: &str, given: Option<Formula>| {
+            given.map(|given| formulas.local_expression(field, Some(given), 1.0)).transpose()
+        };
+        let stiffness_factor = read(STIFFNESS_FACTOR, stiffness)?;
+        let friction_factor = read(FRICTION_FACTOR, friction)?;
+        let has_spring_channels = stiffness_factor.as_ref().is_some_and(|factor| formulas.is_local(factor));
+        Ok(Self { stiffness_factor, friction_factor, has_spring_channels })
+    }
 }
 
 /// Numbers that the patches of a case share, whatever its contact is between.

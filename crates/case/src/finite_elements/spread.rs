@@ -31,11 +31,11 @@ pub struct SpreadParameter {
     pub name: String,
     /// Distribution of each of its values.
     pub distribution: Distribution,
-    /// What it has a value for each of, and from which parameters of the case that follows.
+    /// Places of its values, and the parameters of the case that they follow from.
     pub spread: Spread,
 }
 
-/// What a parameter has a value for each of.
+/// Places of the values of a parameter: patches of a contact, or its pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spread {
     /// Patches, each with a parameter of the case of its own: this one, and those that follow.
@@ -61,7 +61,7 @@ pub struct PatchField {
     shapes: DMatrix<f64>,
 }
 
-/// A parameter as the case gives it, and what it has a value for each of.
+/// A parameter as the case gives it, with the places of its values.
 pub(super) struct SpreadOver {
     pub parameter: Parameter,
     over: OverEntry,

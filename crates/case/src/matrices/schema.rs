@@ -65,7 +65,7 @@ pub(crate) struct ParameterTable {
     pub distribution: Distribution,
 }
 
-/// What a parameter has a value for each of.
+/// Places of the values of a parameter, as a case file says them.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(
     untagged,

@@ -81,8 +81,7 @@ impl CheckArgs {
         let (mut text, of_bases) = match brake.finite_elements() {
             Some(brake) => {
                 let cost = brake.cost_of_bases();
-                let threads = std::thread::available_parallelism().map_or(1, usize::from) as f64;
-                (reduction(brake), (cost.bytes, cost.seconds / threads))
+                (reduction(brake), (cost.bytes, cost.seconds_on_all_cores()))
             }
             None => {
                 let lines: String = brake.contents().iter().map(|(name, value)| line(name, value)).collect();

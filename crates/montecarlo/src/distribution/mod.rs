@@ -18,6 +18,9 @@ use crate::stream::StreamRng;
 use bounded_normal::BoundedNormal;
 use quantile_table::interpolate;
 
+/// Largest value taken of a distribution function, the double next to 1: rounded to 0 or 1 it would have an infinite normal score.
+pub(crate) const MOST_PROBABLE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// Part of a mean by which the median of a normal distribution may differ from it and be the mean; chosen: six digits, which is what is printed.
 const SAME_MEDIAN: f64 = 1e-6;
 
@@ -312,8 +315,13 @@ impl Distribution {
     pub fn of_score(&self, score: f64) -> f64 {
         match *self {
             Self::LogNormal { median, sigma, at_least: None, at_most: None } => median * (sigma * score).exp(),
-            _ => self.quantile(Normal::standard().cdf(score).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0)),
+            _ => self.quantile_of_score(score),
         }
+    }
+
+    /// The quantile at the probability of a normal score, which is neither 0 nor 1.
+    pub(crate) fn quantile_of_score(&self, score: f64) -> f64 {
+        self.quantile(Normal::standard().cdf(score).clamp(f64::MIN_POSITIVE, MOST_PROBABLE))
     }
 
     /// An interval that contains all but 2e-12 of the probability.

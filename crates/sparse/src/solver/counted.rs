@@ -3,10 +3,9 @@
 use num_complex::Complex;
 
 use super::argument::{Around, Counting};
-use super::cover::Covered;
 use super::disc::Problem;
 use super::groups::groups;
-use super::types::{Count, Disc, Eigenpair, Known, Rectangle};
+use super::types::{Count, Covered, Disc, Eigenpair, Known, Rectangle};
 use crate::SparseError;
 
 /// Circles about a disc that may be counted along, from around what it covers to so many times its radius, which is 0.95 of where
@@ -78,6 +77,7 @@ fn count_copies(
     let places: Vec<_> = listed.iter().chain(beside).map(|known| known.lambda).collect();
     for group in groups(&places, |lambda| CLUSTER * problem.pencil.blur(lambda)) {
         let centre = group.iter().map(|&i| places[i]).sum::<Complex<f64>>() / group.len() as f64;
+        // Of one that is not asked for a block may not show all copies; conjugates have as many.
         let is_whole = group.iter().all(|&i| i < listed.len());
         if group.len() == 1 || centre.im < 0.0 || !is_whole {
             continue;
@@ -87,6 +87,7 @@ fn count_copies(
         let known_around = discs.iter().map(|disc| disc.radius - (disc.centre - centre).norm()).fold(0.0, f64::max);
         let nearest = (0..places.len()).map(distance).filter(|&apart| apart > spread).fold(known_around, f64::min);
         let radii = FRACTIONS.map(|fraction| (fraction * nearest).max(1.1 * spread));
+        // Where no circle is clear of rounding, the count of the disc stands as it is.
         if radii[0] > radii[1] {
             counting.agrees(&Around { centre, radii: &radii, known: listed, is_all: true })?;
         }

@@ -9,7 +9,7 @@ use super::polish::Polished;
 use super::reach::{least_reach, reach};
 use super::scaling::Scaled;
 use super::settle::settled;
-use super::types::{Count, Counters, Disc, Found, Known, Options, Progress, Rectangle};
+use super::types::{Count, Counters, Covered, Disc, Found, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
 /// Half diagonal of the smallest rectangle that is searched, in units of the margin around what a disc covers; chosen.
@@ -129,14 +129,6 @@ fn upper_part(rectangle: &Rectangle) -> Rectangle {
 fn wide_enough(problem: &Problem, upper: Rectangle) -> Rectangle {
     let least = LEAST_SIZE * problem.margin(&upper);
     if upper.half_diagonal() < least { upper.widened(least) } else { upper }
-}
-
-/// Part of the rectangle that a disc covers, and how far around it pairs are listed.
-pub(super) struct Covered {
-    pub(super) part: Rectangle,
-    pub(super) margin: f64,
-    /// Ritz values of the disc, all of them.
-    pub(super) seen: Vec<Known>,
 }
 
 struct Search<'a> {

@@ -236,3 +236,11 @@ pub(super) struct Known {
     pub(super) lambda: Complex<f64>,
     pub(super) bound: f64,
 }
+
+/// Part of the rectangle that a disc covers, and how far around it pairs are listed.
+pub(super) struct Covered {
+    pub(super) part: Rectangle,
+    pub(super) margin: f64,
+    /// Ritz values of the disc, all of them.
+    pub(super) seen: Vec<Known>,
+}
