@@ -128,7 +128,7 @@ impl Coarse {
         if most == 0 {
             return Ok(None);
         }
-        let mut coarse = on(fewest(&empty, &found, most, WANTED_ERROR, error))?;
+        let mut coarse = on(fewest(&found, most, WANTED_ERROR, error))?;
         coarse.own.error = coarse.distance(reduced, points, &known)?.max(LEAST_ERROR);
         if coarse.own.error > WANTED_ERROR {
             return Ok(None);

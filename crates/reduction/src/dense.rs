@@ -85,27 +85,6 @@ pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>)
     Ok((owned(svd.U()), svd.S().column_vector().iter().copied().collect()))
 }
 
-/// R of a column-pivoted QR decomposition `A P = Q R` with its columns in the order of A again: `R P^T`, min(rows, columns) rows.
-/// Rows come in descending order of what they hold.
-pub(super) fn unpivoted_r(a: &DMatrix<f64>) -> Result<DMatrix<f64>, ReductionError> {
-    check(a, "QR decomposition of the stacked terms")?;
-    // Pivots of nothing but zeros would be no numbers.
-    if a.iter().all(|&entry| entry == 0.0) {
-        return Ok(DMatrix::zeros(0, a.ncols()));
-    }
-    // The first decomposition is blocked, the second pivots on the small factor.
-    let r = view(a).qr().thin_R().to_owned();
-    let pivoted = r.col_piv_qr();
-    let (r, order) = (pivoted.thin_R(), pivoted.P().arrays().0.to_vec());
-    let mut out = DMatrix::zeros(r.nrows(), r.ncols());
-    for (from, &to) in order.iter().enumerate() {
-        for row in 0..r.nrows().min(from + 1) {
-            out[(row, to)] = r[(row, from)];
-        }
-    }
-    Ok(out)
-}
-
 /// Eigenvalues and right vectors of a real matrix; complex ones in conjugate pairs, next to each other.
 pub(super) fn eigen_real(a: &DMatrix<f64>) -> Result<Eigen, ReductionError> {
     let what = "eigenvalues of a reduced system";
@@ -195,8 +174,6 @@ mod tests {
         let (u, s) = left_singular(&a).unwrap();
         assert!((u.tr_mul(&u) - DMatrix::identity(4, 4)).amax() < 1e-14);
         assert!((a.norm_squared() - s.iter().map(|s| s * s).sum::<f64>()).abs() < 1e-11);
-        let r = unpivoted_r(&a).unwrap();
-        assert!((r.tr_mul(&r) - a.tr_mul(&a)).amax() < 1e-12);
 
         let square = DMatrix::from_fn(5, 5, |i, j| ((7 * i + 3 * j * j + i * j) % 13) as f64);
         let (lambdas, vectors) = eigen_real(&square).unwrap();

@@ -8,15 +8,11 @@ use sparse::SparseError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReductionError {
-    /// An option that is out of its range.
-    #[error("{option} is {value}; it must be {allowed}")]
-    Option {
-        /// The option.
-        option: &'static str,
-        /// Value of the option.
+    /// A tolerance that is no part of a whole.
+    #[error("the tolerance of a reduction is {value}; it must be above 0 and below 1")]
+    Tolerance {
+        /// Value of the tolerance.
         value: f64,
-        /// The values that it may have.
-        allowed: &'static str,
     },
     /// A rectangle that holds no mode of the large system at any point that was looked at.
     #[error("no mode of the large system is in the rectangle")]

@@ -2,39 +2,31 @@
 //!
 //! | to | use |
 //! | --- | --- |
-//! | build a basis that is good enough over a set of draws | [`Reduction::build`] |
 //! | hold the modes at some points, with columns that follow modes and not contacts | [`Snapshots`] |
-//! | find a smaller basis within these for one arrangement | [`within()`], [`Reduced::within`] |
-//! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
+//! | find a smaller basis within these for one arrangement | [`within()`] |
+//! | have the brake on a basis, with what bounds residuals there | [`Reduced::within`], [`Combinations`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them at many points, from coarse modes | [`Reduced::with_coarse`], [`Reduced::modes_of_all`] |
 //! | compare eigenvalues of two systems | [`compared`] |
 //! | hold the shapes of some modes | [`shape_directions`] |
 //! | follow modes while contacts open | [`ContactPath`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
-//! | count and list what is above the tolerance | [`ResidualTally`] |
-//! | see cost against error | [`Report::stages`], [`Stage::measure`] |
 //!
 //! A basis V is real, n x k and orthonormal, and both sides of the equation are projected on it, so that terms stay symmetric and
-//! channels stay channels. It holds the right vectors of the wanted modes at a few operating points, as proper orthogonal
+//! channels stay channels. It holds the right and left vectors of the wanted modes at a few operating points, as proper orthogonal
 //! decomposition does (Graebner, Mehrmann, Quraishi, Schroeder and von Wagner, ZAMM 96, 2016).
 
 mod basis;
-mod build;
 mod coarse;
+mod combinations;
 mod compared;
 mod contact_path;
 mod dense;
 mod error;
-mod full;
-mod modal;
 mod nearest;
 mod norms;
-mod options;
-mod outer;
 mod outer_products;
 mod reduced;
-mod report;
 mod residual;
 mod route;
 mod shapes;
@@ -42,19 +34,15 @@ mod shared;
 mod snapshots;
 mod split;
 mod state_modes;
+mod wanted;
 mod within;
 
-pub use basis::Vectors;
-pub use build::{Reduction, Wanted};
 pub use coarse::{CoarseBasis, CoarseStates, Doubt};
+pub use combinations::Combinations;
 pub use compared::{Compared, compared};
 pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
-pub use modal::real_modes;
-pub use options::Options;
 pub use reduced::{Reduced, ReducedModes, grows_too_fast, largest_residual};
-pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
-pub use residual::Combinations;
 pub use route::{Route, RouteCounts};
 pub use shapes::shape_directions;
 pub use snapshots::{Snapshot, Snapshots};

@@ -4,20 +4,15 @@ use cea::{CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use sparse::{Rectangle, SparseAffineSystem};
+use sparse::Rectangle;
 
 use super::coarse::{Coarse, CoarseBasis, Doubt, Polished, spectra};
-use super::full::largest;
 use super::norms::NormsAt;
-use super::residual::{Combinations, Pairs, ResidualForm, Truncation, reduced_residual};
-use super::{Options, dense, split};
+use super::residual::{Pairs, ResidualForm, reduced_residual};
+use super::{Combinations, dense, split};
 use crate::{ReductionError, Route};
 
-/// Rows of a system from which on residuals are known by random combinations alone; chosen: all directions of the stacked terms take longer there than
-/// the modes that the basis is made of.
-const LARGE: usize = 6000;
-
-/// A reduction of a [`SparseAffineSystem`] for the modes in a rectangle.
+/// A reduction of a [`SparseAffineSystem`](sparse::SparseAffineSystem) for the modes in a rectangle.
 ///
 /// Cloning and sharing are free of state: the modes at a point depend on the point alone.
 #[derive(Debug, Clone)]
@@ -27,7 +22,7 @@ pub struct Reduced {
     rectangle: Rectangle,
     form: ResidualForm,
     coarse: Option<Coarse>,
-    options: Options,
+    tolerance: f64,
 }
 
 /// The modes of a reduced system in the rectangle at one operating point, ascending in frequency.
@@ -37,63 +32,36 @@ pub struct ReducedModes {
     pub lambdas: Vec<Complex<f64>>,
     /// Shapes in the columns of the basis, k x m, of unit length; [`Reduced::lift`] makes them shapes of the full system.
     pub shapes: DMatrix<Complex<f64>>,
-    /// `|Q(lambda) V y| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |V y|)` of the full system, Frobenius norms of matrices, or a bound: where
-    /// [`Reduced::residual_rank`] is 256 or more, one at or below the tolerance is twice the estimate of a random sketch, which is below the true
-    /// one with a probability of less than 3e-18; of a system of 6,000 rows or more all are.
+    /// Bounds of `|Q(lambda) V y| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |V y|)` of the full system, Frobenius norms of matrices: twice the estimate of
+    /// random combinations, which is below the true one with a probability of less than 3e-18.
     pub residuals: Vec<f64>,
     /// Route by which the modes were found.
     pub route: Route,
 }
 
 impl Reduced {
-    /// The projection of a system on the orthonormal columns of a basis. The coefficients of some points, if any, weigh its terms where directions are
-    /// left out of residuals.
-    ///
-    /// # Errors
-    /// An option out of its range, a point or a basis of another system, a reduced mass matrix that is singular.
-    pub fn new(
-        system: &SparseAffineSystem,
-        basis: DMatrix<f64>,
-        rectangle: Rectangle,
-        points: &[OperatingPoint],
-        options: &Options,
-    ) -> Result<Self, ReductionError> {
-        options.check()?;
-        let reduced = system.project(&basis)?;
-        points.iter().try_for_each(|point| reduced.check(point))?;
-        let form = match system.order() {
-            LARGE.. => {
-                let all = DMatrix::identity(basis.ncols(), basis.ncols());
-                ResidualForm::of_combinations(&Combinations::new(system, &basis), &all, &reduced)
-            }
-            _ => {
-                let truncation = Truncation { points, largest: largest(&rectangle), floor: options.residual_floor };
-                ResidualForm::new(system, &basis, &truncation)?
-            }
-        };
-        Ok(Self { system: reduced, basis, rectangle, form, coarse: None, options: options.clone() })
-    }
-
     /// The projection on a smaller basis W, k x m, within a basis V, n x k, of orthonormal columns, from the `system` on V and `combinations` for V: nothing
-    /// large is computed but V W.
+    /// large is computed but V W. Modes are found to a part of the tolerance, the residual that they shall not exceed, above 0 and below 1.
     ///
     /// # Errors
-    /// An option out of its range, a basis of another system, a reduced mass matrix that is singular.
+    /// A tolerance out of its range, a basis of another system, a reduced mass matrix that is singular.
     pub fn within(
         (basis, system, combinations): (&DMatrix<f64>, &AffineSystem, &Combinations),
         columns: &DMatrix<f64>,
         rectangle: Rectangle,
-        options: &Options,
+        tolerance: f64,
     ) -> Result<Self, ReductionError> {
-        options.check()?;
+        if !(tolerance > 0.0 && tolerance < 1.0) {
+            return Err(ReductionError::Tolerance { value: tolerance });
+        }
         let reduced = system.projected(columns)?;
-        let form = ResidualForm::of_combinations(combinations, columns, &reduced);
+        let form = ResidualForm::new(combinations, columns, &reduced);
         let basis = dense::product(basis, columns);
-        Ok(Self { system: reduced, basis, rectangle, form, coarse: None, options: options.clone() })
+        Ok(Self { system: reduced, basis, rectangle, form, coarse: None, tolerance })
     }
 
     /// The same reduction, whose modes are found from coarse ones where that spares time: on a smaller basis within its own, made of its modes at
-    /// some points, draws of a study for example. What is found is the same, up to [`Options::tolerance`].
+    /// some points, draws of a study for example. What is found is the same, up to the tolerance.
     ///
     /// # Errors
     /// A point of another system, a reduced system that the dense solver does not support.
@@ -155,12 +123,6 @@ impl Reduced {
     #[must_use]
     pub fn rectangle(&self) -> &Rectangle {
         &self.rectangle
-    }
-
-    /// Directions outside of the basis in which residuals are computed.
-    #[must_use]
-    pub fn residual_rank(&self) -> usize {
-        self.form.rank()
     }
 
     /// `V y`, a shape of the full system.
@@ -240,10 +202,10 @@ impl Reduced {
 
     /// Residual, in the reduced system, at which its modes have converged.
     pub(super) fn converged(&self) -> f64 {
-        REDUCED_PART * self.options.tolerance
+        REDUCED_PART * self.tolerance
     }
 
-    /// The residual of any pair (lambda, V y) at a point.
+    /// The residual of any pair (lambda, V y) at a point, bounded as [`ReducedModes::residuals`].
     ///
     /// # Errors
     /// A point of another system.
@@ -262,12 +224,7 @@ impl Reduced {
         let inner = split::norms(&reduced_residual(&system, &[lambda], &y));
         let at = self.form.at(point);
         let pairs = Pairs { at: &at, lambdas: &[lambda], y: &y, inner: &inner };
-        Ok(pairs.residuals(0.0).first().copied().unwrap_or(f64::NAN))
-    }
-
-    /// All eigenvalues of the reduced system at a point.
-    pub(super) fn spectrum(&self, point: &OperatingPoint) -> Result<Vec<Complex<f64>>, ReductionError> {
-        Ok(QrSolver.eigenvalues(&self.system.assemble(point)?, &mut Workspace::default())?.eigenvalues)
+        Ok(pairs.residuals().first().copied().unwrap_or(f64::NAN))
     }
 
     fn by_spectrum(
@@ -302,7 +259,7 @@ impl Reduced {
         let shapes = split::selected(&shapes, &order);
         let inner = split::norms(&reduced_residual(system, &lambdas, &shapes));
         let pairs = Pairs { at: &self.form.at(point), lambdas: &lambdas, y: &shapes, inner: &inner };
-        let residuals = pairs.residuals(self.options.tolerance);
+        let residuals = pairs.residuals();
         let columns: Vec<_> = (0..lambdas.len()).map(|at| split::vector(&shapes, at).normalize()).collect();
         let shapes =
             if columns.is_empty() { DMatrix::zeros(shapes.nrows(), 0) } else { DMatrix::from_columns(&columns) };

@@ -4,18 +4,23 @@
 //! of what is missing on both sides. How many draws it takes is told by the next ones: by what a basis misses of their modes before these enter it.
 
 use linsys::OperatingPoint;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder};
+use sparse::product::times;
+use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
-use super::basis::{MOST_MISSING, ROUNDING, candidates, directions, residuals};
-use super::full::{self, largest};
+use super::basis::{ROUNDING, directions};
 use super::norms::{Norms, NormsAt};
-use super::{Vectors, dense, grows_too_fast, split};
+use super::wanted::largest;
+use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 
 /// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it from there.
 const MARGIN: f64 = 0.02;
+
+/// The part of a mode's length that a basis may miss of it, whatever residual is asked for; chosen. Where stiff parts make all residuals small, one
+/// that is not small says that a basis without any columns holds every mode.
+const MOST_MISSING: f64 = 0.1;
 
 /// Modes of a large brake at some points, and the bases that hold them.
 #[derive(Debug)]
@@ -55,7 +60,7 @@ impl<'a> Snapshots<'a> {
         let Rectangle { re: [lowest, highest], im: [from, to] } = self.rectangle;
         let wider =
             Rectangle { re: [lowest - margin, highest], im: [from - margin.min(0.5 * from.abs()), to + margin] };
-        let (mut modes, _) = full::solve(&system, &wider, &sparse::Options::default())?;
+        let mut modes = eigenpairs_in(&system, &wider, &sparse::Options::default(), &mut |_| ())?.pairs;
         modes.retain(|mode| !grows_too_fast(mode.lambda));
         Ok(Snapshot { system, norms: self.norms.at(point), rectangle: self.rectangle, modes })
     }
@@ -65,7 +70,7 @@ impl<'a> Snapshots<'a> {
     /// # Errors
     /// Vectors that are no numbers.
     pub fn add(&mut self, snapshot: &Snapshot) -> Result<(), ReductionError> {
-        let vectors = candidates(&snapshot.modes, Vectors::RightAndLeft);
+        let vectors = columns(&snapshot.modes);
         if vectors.ncols() == 0 {
             return Ok(());
         }
@@ -112,7 +117,7 @@ impl Snapshot {
     #[must_use]
     pub fn error(&self, basis: &DMatrix<f64>) -> f64 {
         let Some(first) = self.modes.first() else { return 0.0 };
-        let held = |of: &dyn Fn(&Eigenpair) -> &nalgebra::DVector<Complex<f64>>| {
+        let held = |of: &dyn Fn(&Eigenpair) -> &DVector<Complex<f64>>| {
             let mut vectors = split::zeros(first.right.len(), self.modes.len());
             self.modes.iter().enumerate().for_each(|(at, mode)| split::set(&mut vectors, at, of(mode).iter().copied()));
             dense::product(basis, &dense::product(&basis.transpose(), &vectors))
@@ -129,4 +134,43 @@ impl Snapshot {
         }
         largest
     }
+}
+
+/// Real and imaginary parts of the right and left vectors of modes as columns, each vector of unit length; a conjugate pair has one entry.
+fn columns(modes: &[Eigenpair]) -> DMatrix<f64> {
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    let mut add = |x: &DVector<Complex<f64>>| {
+        let size = x.norm();
+        if size > 0.0 {
+            columns.push(x.map(|x| x.re / size));
+            columns.push(x.map(|x| x.im / size));
+        }
+    };
+    for mode in modes {
+        add(&mode.right);
+        add(&mode.left);
+    }
+    let rows = modes.first().map_or(0, |mode| mode.right.len());
+    if columns.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&columns) }
+}
+
+/// `Q(lambda_j) x_j` of a system at the eigenvalues of some modes, x n x m split.
+fn residuals(system: &SparseSecondOrder, modes: &[Eigenpair], x: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
+    let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| times(matrix, x));
+    let residual = |(at, mode): (usize, &Eigenpair)| {
+        let lambda = mode.lambda;
+        let mut residual =
+            split::vector(&m, at) * (lambda * lambda) + split::vector(&c, at) * lambda + split::vector(&k, at);
+        for state in &system.states {
+            let drive: Complex<f64> = state
+                .drive
+                .iter()
+                .map(|&(dof, value)| Complex::new(x[(dof, at)], x[(dof, modes.len() + at)]) * value)
+                .sum();
+            let pull = drive * lambda / (lambda + state.decay);
+            state.force.iter().for_each(|&(dof, value)| residual[dof] -= pull * value);
+        }
+        residual
+    };
+    modes.iter().enumerate().map(residual).collect()
 }

@@ -16,8 +16,8 @@ use sparse::Rectangle;
 use super::basis::{ROUNDING, directions};
 use super::coarse::{spectra, vectors};
 use super::compared::compared;
-use super::full::{largest, outside};
 use super::shared::{Friction, Smaller, Structures};
+use super::wanted::{largest, outside};
 use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 

@@ -7,7 +7,7 @@
 use linsys::{Channel, ChannelGain, Lag, OperatingPoint};
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use reduction::{Options, Reduced, RouteCounts};
+use reduction::{Combinations, Reduced, RouteCounts};
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
 
@@ -137,8 +137,9 @@ impl<'a> Reduction<'a> {
     fn new(brake: &'a Brake, is_alike: bool) -> Self {
         let order = brake.system.order();
         let known: Vec<_> = KNOWN.map(|at| point(brake, at, is_alike)).collect();
-        let basis = DMatrix::identity(order, order);
-        let reduced = Reduced::new(&brake.system, basis, brake.rectangle, &known, &Options::default()).unwrap();
+        let all = DMatrix::identity(order, order);
+        let (projected, combinations) = (brake.system.project(&all).unwrap(), Combinations::new(&brake.system, &all));
+        let reduced = Reduced::within((&all, &projected, &combinations), &all, brake.rectangle, 1e-8).unwrap();
         let reduced = reduced.with_coarse(&known).unwrap();
         let points = (0..SAMPLES).map(|at| point(brake, at, is_alike)).collect();
         Self { brake, reduced, points }

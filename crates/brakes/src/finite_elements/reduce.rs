@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
 use reduction::{
-    CoarseBasis, Combinations, Compared, Options, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast,
+    CoarseBasis, Combinations, Compared, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast,
     largest_residual, within,
 };
 use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
@@ -382,9 +382,8 @@ impl ReducedSet {
 
     /// The brake on a smaller basis W within that of the set.
     fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
-        let options = Options { tolerance: case.reduction.residual, ..Options::default() };
         let of_set = (&self.basis, &self.reduced, &self.combinations);
-        Ok(Reduced::within(of_set, columns, rectangle(case), &options)?)
+        Ok(Reduced::within(of_set, columns, rectangle(case), case.reduction.residual)?)
     }
 }
 

@@ -1,19 +1,7 @@
-//! Eigenpairs of the full system and where they are wanted.
+//! Where modes are wanted.
 
 use num_complex::Complex;
-use sparse::{Eigenpair, Rectangle, SparseSecondOrder, eigenpairs_in};
-
-use crate::ReductionError;
-
-/// All eigenpairs of a full system in a rectangle, and the factorisations that they took.
-pub(super) fn solve(
-    system: &SparseSecondOrder,
-    rectangle: &Rectangle,
-    options: &sparse::Options,
-) -> Result<(Vec<Eigenpair>, u64), ReductionError> {
-    let found = eigenpairs_in(system, rectangle, options, &mut |_| ())?;
-    Ok((found.pairs, found.counters.factorisations as u64))
-}
+use sparse::Rectangle;
 
 /// The distance of a number from where modes are wanted, zero there: in the rectangle, or to its right
 /// ([`Rectangle::contains_to_the_right`]). No mode grows too fast to be wanted; the upper limit of growth only says how far full problems
