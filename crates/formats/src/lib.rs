@@ -21,7 +21,7 @@
 //! maintained crate reads them (for those of MATLAB, `matfile` 0.5 has no sparse arrays, and allocates whatever size a compressed array
 //! declares).
 
-mod abaqus;
+mod abaqus_matrices;
 mod arrays;
 mod builder;
 mod bytes;

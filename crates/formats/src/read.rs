@@ -14,7 +14,7 @@ use crate::names::{is_structural, kind_of};
 use crate::problem::Problem;
 use crate::source::{Contents, open};
 use crate::symmetry::{Stored, Symmetry};
-use crate::{Dof, abaqus, coordinates, dmig, harwell_boeing, market, mat, numpy, op4, substructure};
+use crate::{Dof, abaqus_matrices, coordinates, dmig, harwell_boeing, market, mat, numpy, op4, substructure};
 
 /// Contents of a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -293,7 +293,7 @@ fn parse(
             coordinates::parse(lines, limits, (listed, &name, kind), labels).map(Found::from)
         })?,
         Format::AbaqusMatrixInput => in_text(contents, |lines| {
-            Ok(Found { matrices: abaqus::parse(lines, limits, (&name, kind))?, left_out: Vec::new() })
+            Ok(Found { matrices: abaqus_matrices::parse(lines, limits, (&name, kind))?, left_out: Vec::new() })
         })?,
         Format::AbaqusSubstructure => in_text(contents, |lines| substructure::parse(lines, limits))?,
         Format::HarwellBoeing => in_text(contents, |lines| harwell_boeing::parse(lines, limits))?,

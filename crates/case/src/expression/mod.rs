@@ -7,6 +7,7 @@
 //!
 //! [`grammar`] checks a text and [`exmex`] parses and evaluates it.
 
+pub(crate) mod formulas;
 mod grammar;
 mod operands;
 mod operators;

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::arrangements::arrangements_by_number;
 use crate::check::{Check, field};
-use crate::matrices::formulas::Formulas;
+use crate::expression::formulas::Formulas;
 use crate::matrices::schema::Formula;
 use crate::schema::BristleDampingEntry;
 use crate::validate::{distributions, speed_ranges};

@@ -21,7 +21,7 @@ use super::units::{mean_density, possible_density};
 use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, SpreadParameters};
 use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
-use crate::matrices::formulas::Formulas;
+use crate::expression::formulas::Formulas;
 use crate::matrices::read::parameter;
 use crate::validate::friction_parameters;
 use crate::{CaseError, Draws, FixedDofs};
@@ -82,12 +82,12 @@ impl FiniteElementCase {
             read_deck(&path, &Limits::default()).map_err(|source| check.matrix("brake.mesh", &file, source))
         });
         let deck = deck.transpose()?;
-        let Terms { parts, dofs, files, held } = read_terms(&check, terms)?;
+        let Terms { read, dofs, files, held } = read_terms(&check, terms)?;
         let model = Model::new(&check, deck, dofs);
         let local = spread.iter().map(|local| &local.parameter.name);
         let mut formulas = Formulas::new(&check, &parameters).with_local(local);
         let (terms, coefficients) =
-            terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len(), reduction.frequencies)?;
+            terms_with_coefficients(&check, &mut formulas, read, model.dofs.len(), reduction.frequencies)?;
         let names = NamesOnMesh::new(&model)?;
         let mut missing_rows = Vec::new();
         let holders = holders_term(&model, &holders, &mut missing_rows)?;

@@ -11,20 +11,20 @@ use super::missing::MissingRows;
 use super::nodes::Model;
 use super::schema::{HolderTable, LossEntry, LossTable, TermTable};
 use crate::check::{Check, TakenMatrix, field};
+use crate::expression::formulas::Formulas;
 use crate::held::{Held, held_rows};
-use crate::matrices::formulas::Formulas;
 use crate::symmetry::wanted;
 use crate::{CaseError, Expression};
 
 /// A term as it was read: its table, and M, C and K, `None` where it has no such file.
-pub(super) struct Parts {
+pub(super) struct ReadTerm {
     table: TermTable,
     matrices: [Option<Matrix>; 3],
 }
 
 /// The matrices of all terms on common rows.
 pub(super) struct Terms {
-    pub parts: Vec<Parts>,
+    pub read: Vec<ReadTerm>,
     /// The rows.
     pub dofs: Vec<Dof>,
     /// Files of matrices, and how each was taken.
@@ -57,24 +57,24 @@ pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Ter
             return Err(check.value(&found, "no matrix", "mass, damping or stiffness, or several"));
         }
         check.symmetry(&table.name, table.symmetry, matrices.each_ref().map(Option::is_some))?;
-        all.push(Parts { table, matrices });
+        all.push(ReadTerm { table, matrices });
     }
     if all.is_empty() {
         return Err(check.value("terms", "[]", "one term or more"));
     }
-    if all.iter().all(|parts| parts.matrices[0].is_none()) {
+    if all.iter().all(|term| term.matrices[0].is_none()) {
         return Err(check.value("terms", "no mass", "a mass in one term or more"));
     }
     let dofs = common_rows(check, &mut all)?;
     let (dofs, held) = take_out_held(check, &mut all, dofs)?;
-    Ok(Terms { parts: all, dofs, files, held })
+    Ok(Terms { read: all, dofs, files, held })
 }
 
 /// Takes out the rows that are fixed by a huge diagonal entry in any of M, C or K, with a note. Returns the rows kept and those taken out.
-fn take_out_held(check: &Check<'_>, all: &mut [Parts], dofs: Vec<Dof>) -> Result<(Vec<Dof>, Vec<Dof>), CaseError> {
+fn take_out_held(check: &Check<'_>, all: &mut [ReadTerm], dofs: Vec<Dof>) -> Result<(Vec<Dof>, Vec<Dof>), CaseError> {
     let mut rows = BTreeSet::new();
     for at in 0..3 {
-        let entries = all.iter().filter_map(|parts| parts.matrices[at].as_ref()).flat_map(Matrix::entries);
+        let entries = all.iter().filter_map(|term| term.matrices[at].as_ref()).flat_map(Matrix::entries);
         let held = held_rows(dofs.len(), entries.copied()).map_err(|tied| {
             let found = format!("matrices whose row {} has a huge entry", dofs[tied.row - 1]);
             check.value("terms", found, &tied.to_string())
@@ -97,7 +97,7 @@ fn take_out_held(check: &Check<'_>, all: &mut [Parts], dofs: Vec<Dof>) -> Result
     }
     let names: Vec<_> = held.iter().map(Dof::to_string).collect();
     check.note(Held(&names).to_string());
-    for matrix in all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()) {
+    for matrix in all.iter_mut().flat_map(|term| term.matrices.iter_mut().flatten()) {
         *matrix = matrix.without(&rows);
     }
     Ok((kept, held))
@@ -105,14 +105,14 @@ fn take_out_held(check: &Check<'_>, all: &mut [Parts], dofs: Vec<Dof>) -> Result
 
 /// The rows of all matrices, which are put on them. Matrices with labels may have some of the rows each; those without must have
 /// one order, that of the others where these have equal rows.
-fn common_rows(check: &Check<'_>, all: &mut [Parts]) -> Result<Vec<Dof>, CaseError> {
-    let named = |parts: &Parts| {
-        let name = parts.table.name.clone();
-        let keys = ["mass", "damping", "stiffness"].into_iter().zip(&parts.matrices);
+fn common_rows(check: &Check<'_>, all: &mut [ReadTerm]) -> Result<Vec<Dof>, CaseError> {
+    let named = |term: &ReadTerm| {
+        let name = term.table.name.clone();
+        let keys = ["mass", "damping", "stiffness"].into_iter().zip(&term.matrices);
         keys.filter(|(_, matrix)| matrix.is_some()).map(move |(key, _)| field("terms", &name, key)).collect::<Vec<_>>()
     };
     let fields: Vec<String> = all.iter().flat_map(named).collect();
-    let mut matrices: Vec<&mut Matrix> = all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()).collect();
+    let mut matrices: Vec<&mut Matrix> = all.iter_mut().flat_map(|term| term.matrices.iter_mut().flatten()).collect();
     formats::on_common_rows(&mut matrices).map_err(|(at, source)| match source {
         FormatsError::Unlabelled { .. } => {
             let allowed = "names of its rows, as other matrices have that differ in their rows";
@@ -134,12 +134,12 @@ fn common_rows(check: &Check<'_>, all: &mut [Parts]) -> Result<Vec<Dof>, CaseErr
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
-    all: Vec<Parts>,
+    all: Vec<ReadTerm>,
     order: usize,
     [lowest, highest]: [f64; 2],
 ) -> Result<(Vec<SparseTerm>, Vec<Expression>), CaseError> {
     let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
-    for Parts { table, matrices } in all {
+    for ReadTerm { table, matrices } in all {
         let empty = || CscMatrix::zeros(order, order);
         let [m, mut c, k] = matrices.map(|matrix| matrix.map_or_else(empty, |matrix| matrix.to_csc()));
         if let Some(rayleigh) = table.rayleigh {

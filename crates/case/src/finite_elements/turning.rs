@@ -14,7 +14,7 @@ use super::missing::MissingRows;
 use super::nodes::Model;
 use super::surface_schema::{ActsEntry, RotationTable, SpringTable};
 use crate::check::field;
-use crate::matrices::formulas::Formulas;
+use crate::expression::formulas::Formulas;
 use crate::matrices::schema::Formula;
 use crate::{CaseError, Expression};
 

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use linsys::Channel;
 
 use super::dofs::DofNames;
-use super::formulas::Formulas;
 use super::{GainExpressions, LagExpressions, schema};
 use crate::CaseError;
 use crate::check::{Check, field};
+use crate::expression::formulas::Formulas;
 
 /// The family of a contact without a `family`.
 const FAMILY_OF_FRICTION: &str = "friction";

@@ -5,7 +5,6 @@ mod brake;
 mod contacts;
 mod dofs;
 mod elsewhere;
-pub(super) mod formulas;
 mod loss;
 mod motion;
 pub(super) mod read;

@@ -10,13 +10,13 @@ use nalgebra::DMatrix;
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::elsewhere::Places;
-use super::formulas::Formulas;
 use super::loss::add_losses;
 use super::schema::{self, MatricesFile};
 use super::terms::{Terms, read_terms};
 use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
+use crate::expression::formulas::Formulas;
 use crate::held::held_rows;
 use crate::{CaseError, is_parameter_name};
 

@@ -1,8 +1,8 @@
 //! The expressions of a case file, and the parameters that occur in them.
 
-use super::Parameter;
-use super::schema::Formula;
 use crate::check::Check;
+use crate::matrices::Parameter;
+use crate::matrices::schema::Formula;
 use crate::{CaseError, Expression};
 
 /// Reads expressions and records the parameters that occur in them.
