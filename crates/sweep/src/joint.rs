@@ -8,10 +8,10 @@ use super::change::{ChangeOf, Place};
 use super::divergence::DIVERGENCE;
 use super::family::Part;
 use super::names::{Names, in_words};
-use super::onset::SweepOnset;
 use super::opening::{Jump, Opening};
 use super::openings::OpeningAt;
 use super::results::Sweep;
+use super::sweep_onset::SweepOnset;
 use crate::Error;
 
 /// Largest change of an eigenvalue at an opening, relative to |lambda|, that is none; chosen: above rounding of the eigenvalue and the width of

@@ -27,7 +27,6 @@ mod measure;
 mod modes;
 mod names;
 mod one_parameter;
-mod onset;
 mod opening;
 mod openings;
 mod parameter;
@@ -37,6 +36,7 @@ mod pieces;
 mod regions;
 mod remembered;
 mod results;
+mod sweep_onset;
 mod words;
 
 pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
@@ -51,11 +51,11 @@ pub use line_map::{LineChange, MapLines};
 pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
 pub use one_parameter::sweep;
-pub use onset::SweepOnset;
 pub use opening::{Jump, Opening};
 pub use parameter::{Over, SweptParameter, swept};
 pub use regions::{CELLS, Region, Run};
 pub use results::{Miscount, NamedBranch, Sweep};
+pub use sweep_onset::SweepOnset;
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

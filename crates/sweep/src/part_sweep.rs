@@ -10,9 +10,9 @@ use super::coalescence::{Candidate, Coalescence, FARTHEST, add, candidates, sett
 use super::divergence::DIVERGENCE;
 use super::family::{DIFFERENCE, Evaluations, Line, MakeSystem, Part, SHORTEST_LOCUS_STEP};
 use super::names::{Names, carry, in_words, names_at};
-use super::onset::{SweepOnset, WholeOnset};
 use super::parameter::SweptParameter;
 use super::results::{NamedBranch, Sweep};
+use super::sweep_onset::{SweepOnset, WholeOnset};
 use crate::Error;
 
 /// Largest distance of two branch points that are one, found twice: of the parameter as a fraction of the range, of omega as a fraction of

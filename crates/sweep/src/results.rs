@@ -8,9 +8,9 @@ use super::changes::{GrowingBeside, Marginal};
 use super::coalescence::Coalescence;
 use super::family::Evaluations;
 use super::names::{Names, in_words};
-use super::onset::SweepOnset;
 use super::opening::Opening;
 use super::parameter::SweptParameter;
+use super::sweep_onset::SweepOnset;
 
 /// A branch of the root locus.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -8,7 +8,7 @@ use linsys::SecondOrder;
 use crate::TrackingError;
 use crate::kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 use crate::locus::{RootLocus, root_locus};
-use crate::onset::{Onsets, find_onsets};
+use crate::onset_search::{Onsets, find_onsets};
 
 /// Half of the difference from which derivatives by the parameter are taken, as a part of the interval: squared it is near
 /// machine epsilon over itself.

@@ -71,7 +71,7 @@ mod family;
 mod kept_spectra;
 mod locus;
 mod mac;
-mod onset;
+mod onset_search;
 mod path;
 mod sample_point;
 mod step_control;
@@ -87,7 +87,7 @@ pub use family::{branches, onsets};
 pub use kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 pub use locus::{Ambiguity, Branch, RootLocus, root_locus, root_locus_in_steps};
 pub use mac::{clear_matches, mac};
-pub use onset::{Onset, Onsets, find_onsets, onset_between};
+pub use onset_search::{Onset, Onsets, find_onsets, onset_between};
 pub use path::{Eigenpair, Links, OwnedPath, Path, PathEnd, PathStart};
 
 /// The README's example, compiled and run as a doctest.

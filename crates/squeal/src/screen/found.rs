@@ -29,7 +29,7 @@ pub struct ScreenedSet {
     /// Changes of the set.
     pub changes: ChangeSet,
     /// Index of the set among those that are confirmed.
-    pub place: Option<usize>,
+    pub confirmation: Option<usize>,
     /// Results of the study of all scenes.
     pub confirmed: Option<Confirmed>,
 }
@@ -153,12 +153,12 @@ impl Screen {
             "predicted_analyses",
         ];
         let screen = Table::new("screen", header, self.sets.iter().map(|set| self.row(set)));
-        let confirmed: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.place.is_some()).collect();
+        let confirmed: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.confirmation.is_some()).collect();
         let mut rows = Vec::new();
         for more in &confirmed {
             for less in &confirmed {
                 if let Some(Estimate { value, lower, upper }) =
-                    self.difference(more, less).filter(|_| more.place != less.place)
+                    self.difference(more, less).filter(|_| more.confirmation != less.confirmation)
                 {
                     let numbers = [value, lower, upper].map(|x| x.to_string());
                     rows.push(
@@ -173,7 +173,7 @@ impl Screen {
 
     /// Difference of two confirmed sets: how many more unstable modes `more` has than `less`.
     pub fn difference(&self, more: &ScreenedSet, less: &ScreenedSet) -> Option<Estimate> {
-        self.differences.get(more.place?)?.get(less.place?).copied().flatten()
+        self.differences.get(more.confirmation?)?.get(less.confirmation?).copied().flatten()
     }
 
     fn row(&self, set: &ScreenedSet) -> Vec<String> {
@@ -257,7 +257,8 @@ impl Screen {
                 continue;
             }
             text += &format!("\n{}", heading(kind.action()));
-            let (confirmed, predicted): (Vec<_>, Vec<_>) = of_kind.into_iter().partition(|set| set.place.is_some());
+            let (confirmed, predicted): (Vec<_>, Vec<_>) =
+                of_kind.into_iter().partition(|set| set.confirmation.is_some());
             confirmed.iter().chain(predicted.iter().take(MOST_PRINTED)).for_each(|set| text += &self.line(set));
             if predicted.len() > MOST_PRINTED {
                 text += &format!("{} more, of no larger predicted drop\n", predicted.len() - MOST_PRINTED);

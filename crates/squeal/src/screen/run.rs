@@ -153,7 +153,7 @@ pub fn confirm<B: UncertainBrake>(
     how: &Confirmation<'_>,
 ) -> Result<Screen, Error> {
     let mut sets = screened(brake, &ranking, options);
-    let to_confirm: Vec<usize> = (0..sets.len()).filter(|&at| sets[at].place.is_some()).collect();
+    let to_confirm: Vec<usize> = (0..sets.len()).filter(|&at| sets[at].confirmation.is_some()).collect();
     let changes: Vec<ChangeSet> = to_confirm.iter().map(|&at| sets[at].changes.clone()).collect();
     let modified = Modified::new(brake, &changes)?;
     let pool = crate::run::workers(how.threads)?;
@@ -175,8 +175,8 @@ pub fn confirm<B: UncertainBrake>(
         other => other.into(),
     };
     let summary = run_with(&study, &sampling, empty, checkpoint.as_ref(), how.evaluation).map_err(other)?;
-    for (place, &at) in to_confirm.iter().enumerate() {
-        sets[at].confirmed = summary.tally.confirmed(plan, place, how.samples);
+    for (confirmation, &at) in to_confirm.iter().enumerate() {
+        sets[at].confirmed = summary.tally.confirmed(plan, confirmation, how.samples);
     }
     let count = to_confirm.len();
     let of_set = |set: usize| (0..count).map(|less| summary.tally.difference(plan, set, less, how.samples)).collect();
@@ -206,15 +206,15 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
     let (plan, mut sets) = (brake.plan(), Vec::new());
     let names = &plan.labels.constraints;
     let others = (0..names.len()).filter(|&set| set != options.constraints);
-    for (place, of) in [options.constraints].into_iter().chain(others).enumerate() {
+    for (confirmation, of) in [options.constraints].into_iter().chain(others).enumerate() {
         sets.push(ScreenedSet {
             kind: None,
             places: names[of].clone(),
             count: held(brake, of).saturating_sub(held(brake, options.constraints)),
             sizes: Vec::new(),
-            prediction: (place == 0).then_some(ranking.unchanged),
+            prediction: (confirmation == 0).then_some(ranking.unchanged),
             changes: ChangeSet { name: names[of].clone(), of, changes: Vec::new() },
-            place: Some(place),
+            confirmation: Some(confirmation),
             confirmed: None,
         });
     }
@@ -222,7 +222,7 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
     for KindRanking { candidates, singles, best, symmetric, .. } in &ranking.kinds {
         let mut add = |ranked: &Ranked, is_confirmed: bool| {
             let places = candidates.name(&ranked.singles);
-            let place = is_confirmed.then_some(confirmed);
+            let confirmation = is_confirmed.then_some(confirmed);
             confirmed += usize::from(is_confirmed);
             sets.push(ScreenedSet {
                 kind: Some(candidates.kind),
@@ -235,7 +235,7 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
                     changes: candidates.changes(&ranked.singles),
                 },
                 places,
-                place,
+                confirmation,
                 confirmed: None,
             });
         };

@@ -3,7 +3,7 @@
 use super::*;
 use crate::branch::{BranchPoint, Branches, follow_branch};
 use crate::locus::Ambiguity;
-use crate::onset::Onset;
+use crate::onset_search::Onset;
 use nalgebra::{DMatrix, dmatrix};
 use num_complex::Complex;
 
