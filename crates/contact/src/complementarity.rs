@@ -14,7 +14,8 @@ const NEGATIVE: f64 = 1e-10;
 const SINGULAR: f64 = 1e10;
 /// Number of steps by number of unknowns after which a search ends; chosen, far more than were ever needed.
 const STEPS: usize = 50;
-/// Difference of two solutions, relative to the largest |q|, below which they are one.
+/// Difference of two solutions, relative to the largest |q|, below which they are one; chosen: with less rounding of one solution makes two of it, with more two that are
+/// near each other are one.
 const ALIKE: f64 = 1e-8;
 
 /// Most unknowns of which all 2^n sets of zeros are looked at; chosen: 2 million eliminations of a row.

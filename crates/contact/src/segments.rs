@@ -31,7 +31,7 @@ pub(crate) fn segments(face: &Face, master: &[Face], grid: &Grid, largest_cosine
             triangles(&piece, &mut points);
         }
     }
-    // Uncovered parts are refused where the points of the face are projected.
+    // Uncovered parts are refused where the points of the face are projected. Chosen: above the rounding of sums of areas, and below any slit that counts.
     const COVERED: f64 = 1e-6;
     if covered < (1.0 - COVERED) * whole { face.kind.rule() } else { points }
 }

@@ -14,7 +14,8 @@ use crate::shortened::cut;
 
 /// Most columns of a line; chosen: lines have 80, some a few more.
 const MOST_ON_LINE: usize = 400;
-/// Most numbers for which there is room before they are read, whatever a header promises.
+/// Most numbers for which there is room before they are read, whatever a header promises. Chosen: room for more is made as
+/// numbers come, so that a false header costs 8 MB at most.
 const MADE_ROOM_FOR: usize = 1 << 20;
 
 /// Type of the matrix, from the third line of a file.

@@ -52,7 +52,7 @@ impl WithSimd for Product<'_> {
     }
 }
 
-/// Columns that are added in one pass over the sums.
+/// Columns that are added in one pass over the sums; chosen: with fewer the sums are read more often, with more the columns do not stay in registers.
 const AT_ONCE: usize = 4;
 
 /// Adds each column times its factor.

@@ -20,7 +20,7 @@ use crate::summary::Summary;
 /// Most blocks per thread that are being evaluated or wait for an earlier block; chosen: enough that no thread is idle behind a
 /// slow block, and few because waiting blocks take memory.
 const BLOCKS_AHEAD: usize = 4;
-/// Time between two looks whether a run is cancelled.
+/// Time between two looks whether a run is cancelled; chosen: no one notices so short a time, and so few looks take none.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Runs a sampling to its end, without checkpoint or progress bar. `empty` makes an empty tally.

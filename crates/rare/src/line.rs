@@ -12,7 +12,7 @@ const STEP: f64 = 1.0;
 const SHORTEST: f64 = STEP / 20.0;
 /// Error of an end of an interval, in standard deviations; chosen: some 1e-3 of the probability beyond.
 pub(crate) const PRECISION: f64 = 5e-4;
-/// Most evaluations for one end; bisection takes 11.
+/// Most evaluations for one end; bisection takes 11. Chosen: every fourth halves, which ends in any case.
 const MOST_EVALUATIONS: usize = 24;
 
 /// The intervals of `[from, to]` in which the margin is above zero, ascending; `margins` gives it at several places. One that is open at an end of the range goes on to infinity.

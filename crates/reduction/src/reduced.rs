@@ -276,7 +276,8 @@ pub fn grows_too_fast(lambda: Complex<f64>) -> bool {
 
 /// Name of a spectrum that is not there, in messages.
 const NO_SPECTRUM: &str = "spectrum of a reduced system";
-/// Part of the wanted residual at which the modes of the reduced system itself have converged.
+/// Part of the wanted residual at which the modes of the reduced system itself have converged; chosen: so that what is left
+/// of them adds little to the residual in the large system.
 const REDUCED_PART: f64 = 0.1;
 
 impl ReducedModes {

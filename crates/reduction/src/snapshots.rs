@@ -15,7 +15,8 @@ use super::wanted::largest;
 use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 
-/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it from there.
+/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it
+/// from there. Chosen: with less a mode that friction moves into the rectangle may be missing, with more full problems have more modes.
 const MARGIN: f64 = 0.02;
 
 /// The part of a mode's length that a basis may miss of it, whatever residual is asked for; chosen. Where stiff parts make all residuals small, one

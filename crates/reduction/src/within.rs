@@ -21,7 +21,8 @@ use super::wanted::{largest, outside};
 use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 
-/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it from there.
+/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it
+/// from there. Chosen, that of the larger basis, which has no others.
 const MARGIN: f64 = 0.02;
 /// Frequencies at which an inverse is kept for corrections; chosen: about as many as there are modes, each a factorisation.
 const INVERSES: usize = 8;

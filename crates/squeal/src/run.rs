@@ -16,7 +16,7 @@ use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reason
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 8;
-/// Time between two checkpoints.
+/// Time between two checkpoints; chosen: what is lost at most when a run is killed. Less would write the same file more often.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
 /// Function that adds figures and estimates to the tables of a finished study: it writes files into the folder that it is given, from

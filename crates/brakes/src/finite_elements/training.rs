@@ -25,7 +25,7 @@ const STEPS: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 pub(super) const MOST_ROUNDS: u64 = 2;
 
 /// Distance, relative to |lambda|, of a mode from the border of where modes are wanted up to which it may be inside in one system and
-/// outside in the other.
+/// outside in the other; chosen: up to that distance eigenvalues of both are one mode ([`reduction::compared`]).
 pub(super) const AT_BORDER: f64 = 1e-3;
 
 /// Closed patches, from 0.

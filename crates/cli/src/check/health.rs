@@ -18,7 +18,7 @@ use crate::Error;
 const ROUNDING: f64 = 1e-12;
 /// Relative error of a known solution from which on a model is called singular at a point; chosen.
 const SINGULAR: f64 = 1e-3;
-/// Rows that are listed of null vectors.
+/// Rows that are listed of null vectors; chosen: the largest tell where it is, and a line holds them.
 const ROWS_LISTED: usize = 5;
 /// A row that a null vector moves less than this, squared, is not listed; chosen.
 const LEAST_MOVED: f64 = 1e-6;

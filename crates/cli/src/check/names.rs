@@ -4,7 +4,7 @@ use brakes::case::{FiniteElementCase, NamesOnMesh, Side};
 
 use super::line;
 
-/// Bodies that are listed.
+/// Bodies that are listed; chosen: a line holds them.
 const BODIES_LISTED: usize = 5;
 
 /// The lines of a check on names.

@@ -13,7 +13,8 @@ pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header, bytes; NumPy's own limit against headers that take long to parse.
 const LONGEST: usize = 10_000;
 
-/// Most numbers for which there is room before they are read, whatever a header promises.
+/// Most numbers for which there is room before they are read, whatever a header promises. Chosen: room for more is made as
+/// numbers come, so that a false header costs little.
 const MADE_ROOM_FOR: usize = 1 << 20;
 
 /// Contents of the header of an array.

@@ -5,7 +5,7 @@ use squeal::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, 
 
 use super::text::{capitalised, escaped};
 
-/// Most modes that have a sentence of their own; the table below has all.
+/// Most modes that have a sentence of their own; the table below has all. Chosen: more are not read.
 const MOST_MODES: usize = 12;
 
 /// The answer, as HTML.

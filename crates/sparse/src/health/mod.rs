@@ -14,7 +14,8 @@ pub use solutions::{SolutionErrors, solution_errors};
 
 /// An eigenvalue below this part of the norm is zero; chosen: an export with 14 digits moves a zero by some 1e-14.
 pub const NULL: f64 = 1e-13;
-/// Most null vectors that are looked at; their number is known from the signs.
+/// Most null vectors that are looked at; their number is known from the signs. Chosen: a brake whose two bodies are
+/// free has twelve.
 const MOST_VECTORS: usize = 12;
 /// Vectors beyond those wanted, for inverse iteration; chosen.
 const MORE_VECTORS: usize = 2;

@@ -33,11 +33,14 @@ const FIRST_POINTS: usize = 10;
 const DEGREE: usize = 3;
 /// Change of the phase between two points, rad, above which one is looked at between them; chosen.
 const LARGEST_CHANGE: f64 = 0.8;
-/// Most points of one circle.
+/// Most points of one circle; chosen: each is a factorisation. With fewer a circle near eigenvalues is given up, with more one along which rounding turns the
+/// phase is looked at for long.
 const MOST_POINTS: usize = 200;
-/// Circles that are tried about one centre.
+/// Circles that are tried about one centre; chosen: two that differ in the same way, or all in one direction, are believed. With fewer rounding next to one
+/// leaves the count open, with more a count that rounding spoils takes longer.
 const CIRCLES: usize = 4;
-/// Distance of a circle from an eigenvalue: so many bounds of that, and this part of the radius.
+/// Distance of a circle from an eigenvalue: so many bounds of that, and this part of the radius; chosen: the phase turns fast next to an eigenvalue, so that a
+/// nearer circle takes more points, and no circle may be left that is farther.
 const BOUNDS: f64 = 1e3;
 const CLEAR: f64 = 1e-6;
 /// Most degrees of freedom of a determinant by a dense matrix, where the sparse one has too small pivots; chosen: some tenths of a second.

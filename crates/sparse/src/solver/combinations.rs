@@ -10,7 +10,7 @@ use super::lanes::{
     Halves, Kernel, Row, add, columns, compute, gathered, joined_conjugate, negative, plus, scatter, turned, zero,
 };
 
-/// Rows that are multiplied with all columns of a basis before the next ones: they stay in the nearest cache.
+/// Rows that are multiplied with all columns of a basis before the next ones: they stay in the nearest cache. Chosen.
 const CHUNK: usize = 256;
 
 type Block = Mat<Complex<f64>>;

@@ -14,7 +14,8 @@ use crate::{SparseError, SparseSecondOrder};
 
 /// Half diagonal of the smallest rectangle that is searched, in units of the margin around what a disc covers; chosen.
 const LEAST_SIZE: f64 = 8.0;
-/// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.
+/// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead. Chosen: with less
+/// long targets are covered by many thin strips, with more they are cut where a strip would do.
 const THINNEST: f64 = 0.1;
 /// Shifts after which the size of a rectangle is estimated, and by how many times it has to be too large then; chosen, because
 /// eigenvalues are not spread evenly.

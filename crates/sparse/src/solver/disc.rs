@@ -16,7 +16,8 @@ use super::ritz::Ritz;
 use super::types::{Counters, Disc, Known, Options, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
-/// Residual of a Ritz value, relative, from which on it counts as known to be there.
+/// Residual of a Ritz value, relative, from which on it counts as known to be there; chosen: larger than [`NEARLY`], as where an eigenvalue outside lies
+/// need be known to fewer digits. Less makes spaces larger, more trusts a disc up to an eigenvalue whose place is not yet known.
 const SEEN: f64 = 1e-6;
 /// Residual of a Ritz value inside the rectangle, relative, from which on it counts as known to be there; chosen.
 const NEARLY: f64 = 1e-8;
@@ -26,13 +27,14 @@ const ENOUGH: f64 = 16.0 * f64::EPSILON;
 const CONVERGED: f64 = 1e-13;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
-/// Columns before the first look at the Ritz values.
+/// Columns before the first look at the Ritz values; chosen: fewer have hardly any that is known, more may be too many where few are wanted.
 const FIRST_LOOK: usize = 40;
 /// Number of columns from which on the radius of a disc grows about evenly; chosen.
 const HIDDEN: usize = 20;
 /// Fraction of the columns that are missing, as the radius grows evenly beyond [`HIDDEN`], by which the basis grows after a look; chosen.
 const OF_MISSING: f64 = 0.75;
-/// Columns of the block by which another one is checked, and steps that both then make together.
+/// Columns of the block by which another one is checked, and steps that both then make together; chosen: the fewest that show a multiple eigenvalue
+/// which the first block holds once. More take more solutions at every disc.
 const CHECKED_BY: usize = 2;
 const CHECK_STEPS: usize = 3;
 /// Factor by which a space may have more columns where blocks come back full, and such a block more than the larger of its own number and
@@ -40,7 +42,8 @@ const CHECK_STEPS: usize = 3;
 const GROWN: usize = 4;
 /// Width of a block, in columns, that a narrower one counts as in [`GROWN`]; chosen.
 const WIDEST: usize = 16;
-/// Number of shifts that are tried, the first one included, where Q(shift) is singular.
+/// Number of shifts that are tried, the first one included, where Q(shift) is singular; chosen: a shift hits an eigenvalue by chance alone, so that more
+/// than one further is needed only where Q is singular everywhere, which is refused.
 const ATTEMPTS: usize = 4;
 
 /// A system that is ready to be solved with at many lambda: its matrices, and the elimination order of their pattern.

@@ -7,9 +7,10 @@ use num_complex::Complex;
 use pulp::bytemuck::{cast, cast_slice, cast_slice_mut};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns of a basis, or rows of a factor, that are taken together.
+/// Columns of a basis, or rows of a factor, that are taken together; chosen: with fewer the other factor is read more often, with more their sums do not
+/// stay in registers.
 pub(super) const GROUP: usize = 4;
-/// Coefficients in a line of a cache.
+/// Coefficients in a line of a cache: 64 bytes.
 const LINE: usize = 4;
 
 type Block = Mat<Complex<f64>>;

@@ -21,7 +21,8 @@ const OF_TOLERANCE_LEFT: f64 = 0.1;
 /// Columns of the left basis at the first look, as a part of those of the right one, and its growth between two looks; chosen.
 const LEFT_LOOK: f64 = 0.7;
 const LEFT_GROWTH: f64 = 1.08;
-/// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift.
+/// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift; chosen, between [`CONVERGED_LEFT`]: with less a
+/// left value that is good enough finds no partner, with more it may take that of a neighbour.
 const SAME_AS_RIGHT: f64 = 1e-5;
 
 type Block = Mat<Complex<f64>>;

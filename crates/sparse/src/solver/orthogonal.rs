@@ -6,7 +6,8 @@ use num_complex::Complex;
 use super::blocks::{dot, length};
 use super::combinations::{add_times, remove};
 
-/// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.
+/// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis. Chosen: far
+/// enough above rounding that what is left is a direction, and so small that hardly any that is new is thrown away.
 const DEPENDENT: f64 = 1e-12;
 /// Part of every vector that has to be left by one pass of orthogonalisation for a second one to be left out: the basis is
 /// orthonormal to ten times rounding.

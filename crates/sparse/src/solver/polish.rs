@@ -14,11 +14,12 @@ use super::products::{Parts, Side};
 use super::types::{Counters, Eigenpair};
 use crate::SparseError;
 
-/// Steps of the Rayleigh quotient: it converges twice as many digits at each.
+/// Steps of the Rayleigh quotient: it converges twice as many digits at each. Chosen: with fewer
+/// digits may be left, with more none is won.
 const STEPS: usize = 3;
-/// Candidates whose products are formed together.
+/// Candidates whose products are formed together; chosen: with fewer the matrices are read more often, with more their vectors take more memory.
 const TOGETHER: usize = 16;
-/// Steps of inverse iteration with one factorisation.
+/// Steps of inverse iteration with one factorisation; chosen: with fewer more factorisations are made, more gain nothing next to the eigenvalue.
 const INVERSE_STEPS: usize = 3;
 /// Fewest and most factorisations, each next to the eigenvalue that the one before found; chosen: from a neighbour three are enough, where
 /// others are near it takes more.
@@ -27,9 +28,11 @@ const FACTORISATIONS: [usize; 2] = [2, 8];
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
 /// Farthest that one factorisation moves an eigenvalue, relative to it; chosen.
 const FARTHEST: f64 = 0.1;
-/// Distance of two eigenvalues, relative, up to which their vectors may be any of a common space.
+/// Distance of two eigenvalues, relative, up to which their vectors may be any of a common space; chosen:
+/// with less left vectors of a multiple eigenvalue are paired with wrong right ones, with more those of neighbours are mixed.
 const ONE_GROUP: f64 = 1e-8;
-/// Smallest reciprocal condition of the couplings of a group whose left vectors can be paired with its right ones.
+/// Smallest reciprocal condition of the couplings of a group whose left vectors can be paired with its right ones; chosen: below,
+/// the pairs would keep less than half of their digits and the vectors stay as they are.
 const PAIRED: f64 = 1e-6;
 /// Factor on motion times backward error, a first-order estimate; that of `cea::certified`, docs/error-bounds.md.
 const FIRST_ORDER_SAFETY: f64 = 4.0;

@@ -19,11 +19,14 @@ use super::products::Side;
 use super::types::{Counters, Eigenpair};
 use crate::SparseError;
 
-/// Condition number from which on a member of a group is solved with the others.
+/// Condition number from which on a member of a group is solved with the others; chosen: with less groups are solved again whose members are good, with
+/// more vectors of members stay that have lost their digits to each other.
 const ILL: f64 = 1e5;
-/// Distance of the same eigenvalue found twice, relative.
+/// Distance of the same eigenvalue found twice, relative, where the bounds of both are not larger; chosen: with less one that two discs found is listed
+/// twice, with more two that are one next to the other have to differ in their vectors.
 const FOUND_TWICE: f64 = 1e-9;
-/// Part of a unit vector outside the span of others below which it is none of its own.
+/// Part of a unit vector outside the span of others below which it is none of its own; chosen: with less the errors of a vector that was found twice count
+/// as a second one, with more two eigenvectors that are nearly one count once.
 const INDEPENDENT: f64 = 1e-4;
 /// Backward error up to which a pair of a projected problem is one of the whole; chosen.
 const CONVERGED: f64 = 1e-9;
@@ -31,7 +34,8 @@ const CONVERGED: f64 = 1e-9;
 const BESIDE_VECTORS: usize = 2;
 const STEPS: usize = 4;
 const BESIDE: f64 = 20.0;
-/// Part of the largest singular value below which a direction of a space is noise.
+/// Part of the largest singular value below which a direction of a space is noise; chosen: with less directions of rounding enter
+/// the projected problem, with more those by which nearly defective members differ leave it.
 const NOISE: f64 = 1e-6;
 
 type Vector = DVector<Complex<f64>>;

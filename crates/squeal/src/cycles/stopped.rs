@@ -9,7 +9,7 @@ use montecarlo::Progress;
 
 use crate::Error;
 
-/// Time between two looks whether work is cancelled; as that of a run.
+/// Time between two looks whether work is cancelled; chosen: no one notices so short a time.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// The result of some work with a flag that is set when it is cancelled.

@@ -23,7 +23,7 @@ const STATE: &str = "estimates.json";
 const FORMAT: Sealed = Sealed { kind: "squeal-estimates", version: 2 };
 /// Number of scenes estimated together; chosen: some for each thread.
 const SCENES_PER_BATCH: usize = 16;
-/// Time between two writes of the state.
+/// Time between two writes of the state; chosen, as [`CHECKPOINT_EVERY`](crate::run): what is lost at most when a run is killed.
 const SAVE_EVERY: Duration = Duration::from_secs(5);
 
 /// The estimates of the scenes of a study.

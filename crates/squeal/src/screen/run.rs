@@ -19,7 +19,7 @@ use crate::Error;
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 3;
-/// Time between two checkpoints.
+/// Time between two checkpoints; chosen, as that of a run.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
 /// Options of a screening.

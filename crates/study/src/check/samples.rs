@@ -7,13 +7,15 @@ use super::same::{Difference, numbers, points_differ};
 use crate::Error;
 use crate::{Contradiction, DrawnInputs, Input, Scene, SingleParameter, UncertainBrake};
 
-/// Rounding of a number of an operating point that is computed twice, as a fraction of it.
+/// Rounding of a number of an operating point that is computed twice, as a fraction of it; chosen: less than that is no other formula.
 const ROUNDING: f64 = 1e-9;
-/// Rounding of the median of a distribution by its quantile function, as a fraction of a number.
+/// Rounding of the median of a distribution by its quantile function, as a fraction of a number; chosen: quantiles that are found by
+/// iteration have fewer digits than sums.
 const OF_QUANTILES: f64 = 1e-6;
-/// Draws by which a scene with one parameter is checked.
+/// Draws by which a scene with one parameter is checked; chosen: with fewer a brake that is wrong somewhere passes, with more every command waits longer.
 const DRAWS: u64 = 8;
-/// Number of values of that parameter between which a draw is looked for, evenly in probability.
+/// Number of values of that parameter between which a draw is looked for, evenly in probability; chosen: section search finds it
+/// between two of these.
 const GRID: u32 = 64;
 /// Distance from the curve of that parameter beyond which a draw is not on it, in units of the range of each number; chosen, far
 /// above what the search leaves and far below what a second parameter does.

@@ -15,7 +15,7 @@ use super::stratum::Stratum;
 use super::{Estimated, Estimates};
 use crate::ModeLabel;
 
-/// The occurrences that are estimated.
+/// The occurrences that are estimated; chosen: both ends, next to them, where intervals by normal numbers fail, and the middle.
 const PROBABILITIES: [f64; 7] = [0.0, 0.0005, 0.005, 0.3, 0.5, 0.995, 1.0];
 /// The mode that is estimated.
 const MODE: ModeLabel = ModeLabel::new(7);

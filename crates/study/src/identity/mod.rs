@@ -19,7 +19,7 @@ use crate::hexadecimal;
 
 /// Version of the line. It changes when a part is added or written in another way, so that older lines are refused by name.
 const VERSION: u32 = 2;
-/// Hexadecimal digits of a digest.
+/// Hexadecimal digits of a digest; chosen: 48 bits, so that no two studies of one user share them by chance, and a line can be read.
 const DIGITS: usize = 12;
 
 /// The line that tells a study from others.

@@ -1,6 +1,7 @@
 //! The memory layout of a batch of matrices.
 
-/// Reflectors of a window: steps of the bulge on a small diagonal block before all are applied together to the rest; chosen.
+/// Reflectors of a window: steps of the bulge on a small diagonal block before all are applied together to the rest; chosen:
+/// with fewer the rest of the matrix is read more often, with more a window and its reflectors do not fit into the nearest cache.
 pub(super) const REFLECTORS_PER_WINDOW: usize = 6;
 /// Spare rows above each column: the sweep applies reflectors to groups of four rows, counted upwards from the window, so that the last group may begin
 /// up to three rows above row 0; four keep whole groups.
