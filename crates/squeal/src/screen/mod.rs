@@ -10,19 +10,21 @@
 mod candidates;
 mod change;
 mod confirm;
-mod found;
 mod growing;
 mod modified;
 mod predict;
 mod run;
+mod screened;
+mod screened_tables;
+mod screened_text;
 mod search;
 
 pub use candidates::{Candidates, ChangeKind, SingleChange, Sizes};
 pub use change::{Attached, Change};
 pub use confirm::Confirmed;
-pub use found::{Screen, ScreenedSet};
 pub use growing::GrowingMode;
 pub use modified::{ChangeSet, Modified};
 pub use predict::Prediction;
 pub use run::{Confirmation, Ranking, ScreenOptions, confirm, rank};
+pub use screened::{Screen, ScreenedSet};
 pub use search::{KindRanking, Ranked};

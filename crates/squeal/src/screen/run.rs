@@ -10,10 +10,10 @@ use study::{Study, UncertainBrake, divergence_doubt, samples_together};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
-use super::found::{Screen, ScreenedSet};
 use super::growing::growing_modes;
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
+use super::screened::{Screen, ScreenedSet};
 use super::search::{KindRanking, Ranked, combinations, search};
 use crate::Error;
 

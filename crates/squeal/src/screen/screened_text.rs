@@ -1,0 +1,143 @@
+//! A screening in words, for people.
+
+use super::candidates::ChangeKind;
+use super::confirm::Confirmed;
+use super::screened::{Screen, ScreenedSet};
+use crate::results::Estimate;
+
+/// Most sets of each kind that are printed without being confirmed; more are in the table. Chosen.
+const MOST_PRINTED: usize = 5;
+
+impl Screen {
+    /// Results in words, for people.
+    pub fn text(&self) -> String {
+        let mut text = self.said_first()
+            + &self.as_it_is().map_or_else(String::new, |now| {
+                format!(
+                    "{}: {} unstable modes in one analysis, any in {} %\n",
+                    self.sets[0].places,
+                    within(&now.unstable, 3, 1.0),
+                    within(&now.squealing, 1, 100.0)
+                )
+            });
+        let of_case: Vec<&ScreenedSet> = self.sets.iter().skip(1).take_while(|set| set.kind.is_none()).collect();
+        if !of_case.is_empty() {
+            text += &format!("\n{}", heading("the case's sets of constraints"));
+            of_case.iter().for_each(|set| text += &self.line(set));
+        }
+        for kind in ChangeKind::ALL {
+            let of_kind: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.kind == Some(kind)).collect();
+            if of_kind.is_empty() {
+                continue;
+            }
+            text += &format!("\n{}", heading(kind.action()));
+            let (confirmed, predicted): (Vec<_>, Vec<_>) =
+                of_kind.into_iter().partition(|set| set.confirmation.is_some());
+            confirmed.iter().chain(predicted.iter().take(MOST_PRINTED)).for_each(|set| text += &self.line(set));
+            if predicted.len() > MOST_PRINTED {
+                text += &format!("{} more, of no larger predicted drop\n", predicted.len() - MOST_PRINTED);
+            }
+        }
+        text += "\n";
+        for set in of_case {
+            text += &self.against(set);
+        }
+        text + &self.remarks()
+    }
+
+    /// Warnings that every number has to be read with: failures, open verdicts, divergence.
+    fn said_first(&self) -> String {
+        let sum =
+            |of: fn(&Confirmed) -> u64| self.sets.iter().filter_map(|set| set.confirmed.as_ref()).map(of).sum::<u64>();
+        let mut text = self.divergence_doubt.as_ref().map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n"));
+        if self.failures > 0 {
+            text += &format!(
+                "{} evaluations of the confirmation FAILED; they may be unstable, and widen the limits\n",
+                self.failures
+            );
+        }
+        let (undecided, divergent) = (sum(|set| set.undecided), sum(|set| set.divergent));
+        if undecided > 0 {
+            text += &format!("{undecided} verdicts are UNDECIDED and count as stable\n");
+        }
+        if divergent > 0 {
+            let of_unchanged = self.as_it_is().map_or(0, |now| now.divergent);
+            text += &format!(
+                "divergence: {divergent} real eigenvalues grow, {of_unchanged} of them without changes; each counts as an unstable mode\n"
+            );
+        }
+        text
+    }
+
+    /// A line for each set of constraints found that holds as many degrees of freedom more as `set` of the case: which of the two leaves fewer unstable modes.
+    fn against(&self, set: &ScreenedSet) -> String {
+        let is_alike = |other: &&ScreenedSet| other.kind == Some(ChangeKind::Constraint) && other.count == set.count;
+        let line = |other: &ScreenedSet| {
+            let Estimate { value, lower, upper } = self.difference(set, other)?;
+            let (than, size) = match value < 0.0 {
+                true => ("more", Estimate { value: -value, lower: -upper, upper: -lower }),
+                false => ("fewer", Estimate { value, lower, upper }),
+            };
+            let (size, places) = (within(&size, 3, 1.0), &set.places);
+            Some(format!(
+                "holding {} leaves {size} unstable modes {than} than \"{places}\", which holds as many\n",
+                other.places
+            ))
+        };
+        self.sets.iter().filter(is_alike).filter_map(line).collect()
+    }
+
+    /// Remarks on the basis of the numbers: sets that failed, and how many analyses were made.
+    fn remarks(&self) -> String {
+        let mut text = String::new();
+        for (set, error) in &self.failed {
+            text += &format!("{set}: not analysed: {error}\n");
+        }
+        if self.predicted_sets == 0 {
+            text += "no change of the kinds that are asked for has a place in this brake; the sets of constraints of the case alone are compared\n";
+        }
+        if self.sets.iter().any(ScreenedSet::lacks_unit) {
+            text += "sizes without a unit are in those of the case's matrices: it does not say which degrees of freedom turn\n";
+        }
+        text + &self.rests_on().join("\n") + "\n"
+    }
+
+    /// Meaning of the numbers, and how many analyses they rest on.
+    pub fn rests_on(&self) -> [String; 2] {
+        let meaning = "drop: unstable modes fewer in one analysis, on average over all arrangements, laws and speed ranges; 95 % limits";
+        let counts = format!(
+            "predicted by {} spectra for each of {} sets of changes, of {} combinations; {} draws; confirmed with {} other draws in {} scenes",
+            self.analyses_per_set,
+            self.predicted_sets,
+            self.combinations,
+            self.prediction_draws,
+            self.samples,
+            self.scenes
+        );
+        [meaning.into(), counts]
+    }
+
+    fn line(&self, set: &ScreenedSet) -> String {
+        let predicted = set.predicted_drop(&self.unchanged).map_or_else(|| "-".into(), |drop| format!("{drop:.3}"));
+        let confirmed = set.confirmed.as_ref().map_or_else(String::new, |confirmed| {
+            format!(
+                "  {:>25}  {:>7.3}  {:>7.1} %",
+                within(&confirmed.drop, 3, 1.0),
+                confirmed.unstable.value,
+                100.0 * confirmed.squealing.value
+            )
+        });
+        format!("{:<38}{predicted:>9}{confirmed}\n", set.name())
+    }
+}
+
+fn heading(what: &str) -> String {
+    format!("{what:<38}{:>9}  {:>25}  {:>7}  {:>9}\n", "predicted", "drop", "left", "any")
+}
+
+/// A value times `times` with its 95 % limits, to `decimals` digits after the point.
+fn within(estimate: &Estimate, decimals: usize, times: f64) -> String {
+    let [value, lower, upper] =
+        [estimate.value, estimate.lower, estimate.upper].map(|x| format!("{:.decimals$}", times * x));
+    format!("{value} ({lower} to {upper})")
+}
