@@ -20,8 +20,10 @@ mod friction;
 mod harmonic_balance;
 mod measure;
 mod motion;
+mod powers;
 mod shooting;
 mod system;
+mod tangent;
 
 pub use contact::SlidingContact;
 pub use continuation::{BranchEnd, BranchPoint, NearMode, Reach, SystemAt};

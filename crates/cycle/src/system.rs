@@ -1,20 +1,13 @@
-//! The equations of motion of a structure with contacts, and their tangent.
+//! The equations of motion of a structure with contacts, and states of motion.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use linsys::{Internal, SecondOrder};
-use nalgebra::{DMatrix, Dyn, SymmetricEigen};
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use crate::contact::along;
 use crate::{Error, SlidingContact};
-
-/// Largest relative deviation of the tangent from the system of the complex eigenvalue analysis; chosen, some hundred roundings.
-const TANGENT_TOLERANCE: f64 = 1e-10;
-
-/// Eigenvalues of a stiffness below this part of its largest entry, negative, count as negative; chosen, far above rounding.
-const NEGATIVE: f64 = 1e-9;
 
 /// A part of a structure whose forces are one family: M, C and K.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,14 +25,14 @@ pub struct Part {
 /// is the state 0.
 #[derive(Debug, Clone)]
 pub struct ContactSystem {
-    parts: Vec<Part>,
-    structure: SecondOrder,
-    contacts: Vec<SlidingContact>,
+    pub(crate) parts: Vec<Part>,
+    pub(crate) structure: SecondOrder,
+    pub(crate) contacts: Vec<SlidingContact>,
     /// z and mu of steady sliding, by contact.
     steady: Vec<(f64, f64)>,
     /// Place of the bristle of each contact in a state of motion.
-    bristles: Vec<Option<usize>>,
-    dimension: usize,
+    pub(crate) bristles: Vec<Option<usize>>,
+    pub(crate) dimension: usize,
     /// `M^-1 [K C]` by rows, as products with a state take it.
     rows: Vec<f64>,
     /// `M^-1 c_i` and `M^-1 b_i`, n by n.
@@ -245,87 +238,6 @@ impl ContactSystem {
         jacobian
     }
 
-    /// The linear system of small motion about steady sliding.
-    #[must_use]
-    pub fn tangent(&self) -> SecondOrder {
-        let n = self.order();
-        let mut tangent = self.structure.clone();
-        tangent.internal = Internal::zeros(n, self.dimension - 2 * n);
-        let at_rest = vec![0.0; self.dimension];
-        for (contact, of) in self.contacts.iter().enumerate() {
-            let forces = self.forces_in(contact, &at_rest);
-            for &(i, b) in &of.sliding {
-                of.normal.iter().for_each(|&(j, c)| tangent.k[(i, j)] -= b * forces.friction_by_gap * of.stiffness * c);
-                of.sliding.iter().for_each(|&(j, other)| tangent.c[(i, j)] += b * forces.friction_by_velocity * other);
-            }
-            if let Some(state) = self.bristles[contact].map(|place| place - 2 * n) {
-                tangent.internal.decay[state] = -forces.rate_by_state;
-                for &(i, b) in &of.sliding {
-                    tangent.internal.drive[(state, i)] -= b * forces.rate_by_velocity;
-                    tangent.internal.force[(i, state)] += b * forces.friction_by_state;
-                }
-            }
-        }
-        tangent
-    }
-
-    /// Checks that K can hold the springs of the contacts: without `sum_i k_i c_i c_i^T` its symmetric part has no more negative eigenvalues
-    /// than with them. A k that is too small gives a spring too stiff for K, which an open contact would take from it.
-    fn check_springs(&self) -> Result<(), Error> {
-        let symmetric = |k: &DMatrix<f64>| SymmetricEigen::new((k + k.transpose()) * 0.5);
-        let mut opened = self.structure.k.clone();
-        for contact in &self.contacts {
-            for (&(i, a), &(j, b)) in contact.normal.iter().flat_map(|a| contact.normal.iter().map(move |b| (a, b))) {
-                opened[(i, j)] -= contact.stiffness * a * b;
-            }
-        }
-        let rounding = NEGATIVE * self.structure.k.amax();
-        let negative = |of: &SymmetricEigen<f64, Dyn>| of.eigenvalues.iter().filter(|k| **k < -rounding).count();
-        let (with, without) = (symmetric(&self.structure.k), symmetric(&opened));
-        if negative(&without) <= negative(&with) {
-            return Ok(());
-        }
-        // The contact whose spring takes most in the most negative direction.
-        let direction = without.eigenvectors.column(without.eigenvalues.imin());
-        let taken = |contact: &SlidingContact| contact.stiffness * along(&contact.normal, direction.as_slice()).powi(2);
-        let Some(contact) = self.contacts.iter().max_by(|a, b| taken(a).total_cmp(&taken(b))) else { return Ok(()) };
-        Err(Error::Contact {
-            contact: contact.name.clone(),
-            field: "stiffness",
-            value: contact.stiffness,
-            allowed: "that of the spring which K holds: K without the springs of the contacts would have a negative stiffness",
-        })
-    }
-
-    /// Checks that the tangent is the system of the complex eigenvalue analysis: `Q(i w)` of both at `w`, half and twice it, rad/s. Returns
-    /// the largest deviation, relative to the norms of the terms of Q. No tangent knows the springs of contacts: that K can hold them is
-    /// checked too.
-    ///
-    /// # Errors
-    /// [`Error::Tangent`] where it is more than rounding; [`Error::Contact`] for a spring that K does not hold; a system of another order.
-    pub fn check_tangent(&self, of_cea: &SecondOrder, omega: f64) -> Result<f64, Error> {
-        self.check_springs()?;
-        let (found, expected) = (of_cea.order(), self.order());
-        if found != expected {
-            return Err(
-                linsys::LinsysError::Count { what: "degrees of freedom of the analysis", found, expected }.into()
-            );
-        }
-        let (tangent, mut deviation) = (self.tangent(), 0.0_f64);
-        for omega in [0.5 * omega, omega, 2.0 * omega] {
-            let lambda = Complex::new(0.0, omega);
-            let difference = (tangent.dynamic_stiffness(lambda) - of_cea.dynamic_stiffness(lambda)).norm();
-            let scale = of_cea.m.norm() * omega * omega + of_cea.c.norm() * omega + of_cea.k.norm();
-            // Not a number must not pass.
-            deviation = if difference.is_finite() { deviation.max(difference / scale) } else { f64::INFINITY };
-        }
-        if deviation <= TANGENT_TOLERANCE {
-            Ok(deviation)
-        } else {
-            Err(Error::Tangent { deviation, allowed: TANGENT_TOLERANCE })
-        }
-    }
-
     /// Scale of each entry of a state in a motion near the angular frequency `omega`, rad/s: the displacement at which a contact opens, or else
     /// that at which one sticks.
     #[must_use]
@@ -379,54 +291,4 @@ impl ContactSystem {
         }
         x
     }
-
-    /// Power of each family of forces on the structure, W, in the order of [`ContactSystem::families`].
-    pub(crate) fn powers(&self, families: &[String], x: &[f64], out: &mut [f64]) {
-        let n = self.order();
-        let (u, velocity) = (&x[..n], &x[n..2 * n]);
-        out.fill(0.0);
-        let place = |family: &str| families.iter().position(|name| name == family);
-        for Part { family, matrices } in &self.parts {
-            let Some(place) = place(family) else { continue };
-            let product = |matrix: &DMatrix<f64>, x: &[f64]| -> f64 {
-                matrix.column_iter().zip(x).map(|(column, x)| x * along_column(column.as_slice(), velocity)).sum()
-            };
-            out[place] -= product(&matrices.c, velocity) + product(&matrices.k, u);
-        }
-        for (contact, of) in self.contacts.iter().enumerate() {
-            let forces = self.forces_in(contact, x);
-            if let Some(place) = place(&of.family) {
-                out[place] += forces.friction * along(&of.sliding, velocity);
-            }
-            // A contact that opens gives back what it took.
-            out[families.len() - 1] -= forces.excess * along(&of.normal, velocity);
-        }
-    }
-
-    /// Names of the families of forces; the last is that of contacts that open, which is elastic.
-    #[must_use]
-    pub fn families(&self) -> Vec<String> {
-        let mut families: Vec<String> = Vec::new();
-        let named =
-            self.contacts.iter().map(|contact| &contact.family).chain(self.parts.iter().map(|part| &part.family));
-        for family in named {
-            if !families.contains(family) {
-                families.push(family.clone());
-            }
-        }
-        families.push("opening".into());
-        families
-    }
-
-    /// Kinetic energy of a state of motion, J.
-    #[must_use]
-    pub fn kinetic_energy(&self, x: &[f64]) -> f64 {
-        let velocity = &x[self.order()..2 * self.order()];
-        let columns = self.structure.m.column_iter().zip(velocity);
-        0.5 * columns.map(|(column, v)| v * along_column(column.as_slice(), velocity)).sum::<f64>()
-    }
-}
-
-fn along_column(column: &[f64], x: &[f64]) -> f64 {
-    column.iter().zip(x).map(|(a, x)| a * x).sum()
 }

@@ -8,14 +8,16 @@
 //! whose square tells its error beside the largest at the points that W was made of; and two-sided inverse iteration on that basis for the modes that may
 //! be wanted. A sample in which any of this fails has a [`Doubt`], and gets the whole spectrum of the reduced brake.
 
-use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, WholeSpectra, Workspace, right_vectors_of_all};
-use linsys::{AffineSystem, Internal, OperatingPoint, SecondOrder};
+use cea::{CeaError, Spectrum, Workspace, right_vectors_of_all};
+use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::basis::{ROUNDING, directions, fewest};
+use super::coarse_states::{CoarseStates, of_mode, with_states};
 use super::compared::compared;
 use super::residual::reduced_residual;
+use super::spectra::{Shapes, spectra, vectors};
 use super::{Reduced, dense, split};
 use crate::ReductionError;
 
@@ -29,8 +31,6 @@ const MARGIN: f64 = 0.01;
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
 const MOST_ERROR: f64 = 1e-3;
-/// Singular values, of vectors of unit length, up to which directions of internal states are left out; chosen: less than is missing of shapes.
-const STATES: f64 = 1e-4;
 /// Columns of the coarse basis, as a part of those of the reduced brake, from which on it spares nothing; chosen.
 const WORTH: f64 = 0.8;
 /// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
@@ -77,17 +77,6 @@ pub struct CoarseBasis {
     pub residual: f64,
 }
 
-/// Directions in which the internal states of modes lie.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CoarseStates {
-    /// Channels that have one, in order.
-    pub channels: Vec<usize>,
-    /// Z, orthonormal, a row for each of these.
-    pub directions: DMatrix<f64>,
-}
-
-/// Shapes of modes at a point.
-type Shapes = Vec<DVector<Complex<f64>>>;
 /// Modes of the reduced brake at a point: eigenvalues, rad/s, and shapes, split, k x 2 m.
 pub(super) type Polished = (Vec<Complex<f64>>, DMatrix<f64>);
 
@@ -297,46 +286,6 @@ fn next_to(
     None
 }
 
-impl CoarseStates {
-    /// The directions of some internal states at each of some points; `None` where no point has any, or they spare nothing.
-    fn new(points: &[OperatingPoint], states: &[Shapes]) -> Result<Option<Self>, ReductionError> {
-        let Some(channels) = points.iter().map(with_states).find(|channels| !channels.is_empty()) else {
-            return Ok(None);
-        };
-        let of_these = points.iter().zip(states).filter(|(point, _)| with_states(point) == channels);
-        let columns: Shapes = of_these.flat_map(|(_, states)| states).cloned().collect();
-        if columns.is_empty() {
-            return Ok(None);
-        }
-        let columns = split::from_columns(&DMatrix::from_columns(&columns));
-        let directions = directions(&DMatrix::zeros(channels.len(), 0), columns, STATES)?;
-        Ok((directions.ncols() < channels.len()).then_some(Self { channels, directions }))
-    }
-
-    /// Internal states in these directions: `Z^T diag(a) Z` is symmetric, and its eigenvalues are the decay rates.
-    fn of(&self, Internal { decay, drive, force }: &Internal) -> Internal {
-        let weighted = DMatrix::from_fn(self.directions.nrows(), self.directions.ncols(), |row, column| {
-            decay[row] * self.directions[(row, column)]
-        });
-        let rates = self.directions.tr_mul(&weighted).symmetric_eigen();
-        let directions = &self.directions * rates.eigenvectors;
-        Internal { decay: rates.eigenvalues, drive: directions.tr_mul(drive), force: force * directions }
-    }
-}
-
-/// Channels that have an internal state at a point.
-fn with_states(point: &OperatingPoint) -> Vec<usize> {
-    (0..point.channels.len()).filter(|&channel| point.channels[channel].lag.is_some()).collect()
-}
-
-/// The internal states of a mode, of unit length, `s = lambda E x / (lambda + a)`; `None` where they are all zero.
-fn of_mode(internal: &Internal, lambda: Complex<f64>, shape: &DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
-    let mut states = linsys::real_times_complex(&internal.drive, shape);
-    states.iter_mut().zip(&internal.decay).for_each(|(state, decay)| *state /= lambda + decay);
-    let size = states.norm();
-    (size > 0.0 && size.is_finite()).then(|| states.unscale(size))
-}
-
 /// `Q(lambda) x`.
 fn image(system: &SecondOrder, lambda: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let x = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(x)));
@@ -371,28 +320,6 @@ fn nearest_other(lambdas: &[Complex<f64>], own: usize) -> f64 {
 /// Columns of a reduced brake.
 fn columns_of(reduced: &Reduced) -> f64 {
     reduced.basis().ncols() as f64
-}
-
-/// The right vectors of some eigenvalues of each of some systems.
-pub(super) fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> Result<Vec<Shapes>, ReductionError> {
-    let of: Vec<(&SecondOrder, &[Complex<f64>])> = systems.iter().zip(known.iter().map(Vec::as_slice)).collect();
-    Ok(right_vectors_of_all(&of, &mut Workspace::default()).into_iter().collect::<Result<_, CeaError>>()?)
-}
-
-/// Whole spectra, those of systems of one shape together in the lanes of vector registers.
-pub(super) fn spectra(systems: &[SecondOrder]) -> Vec<Result<Spectrum, CeaError>> {
-    let shape = |at: &usize| (systems[*at].order(), systems[*at].states());
-    let mut order: Vec<usize> = (0..systems.len()).collect();
-    order.sort_by_key(shape);
-    let (mut all, mut work) = (Vec::with_capacity(systems.len()), Workspace::default());
-    for alike in order.chunk_by(|a, b| shape(a) == shape(b)) {
-        let of_shape: Vec<SecondOrder> = alike.iter().map(|&at| systems[at].clone()).collect();
-        let mut found = Vec::with_capacity(alike.len());
-        WholeSpectra(&BatchSolver).eigenvalues_of_all(&of_shape, &mut work, &mut found);
-        all.extend(alike.iter().copied().zip(found));
-    }
-    all.sort_by_key(|&(at, _)| at);
-    all.into_iter().map(|(_, found)| found).collect()
 }
 
 fn have_merged(modes: &[(Complex<f64>, DVector<Complex<f64>>)]) -> bool {

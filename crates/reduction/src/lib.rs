@@ -18,6 +18,7 @@
 
 mod basis;
 mod coarse;
+mod coarse_states;
 mod combinations;
 mod compared;
 mod contact_path;
@@ -32,12 +33,14 @@ mod route;
 mod shapes;
 mod shared;
 mod snapshots;
+mod spectra;
 mod split;
 mod state_modes;
 mod wanted;
 mod within;
 
-pub use coarse::{CoarseBasis, CoarseStates, Doubt};
+pub use coarse::{CoarseBasis, Doubt};
+pub use coarse_states::CoarseStates;
 pub use combinations::Combinations;
 pub use compared::{Compared, compared};
 pub use contact_path::{ContactPath, OnContactPath};

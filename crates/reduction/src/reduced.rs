@@ -6,9 +6,10 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::Rectangle;
 
-use super::coarse::{Coarse, CoarseBasis, Doubt, Polished, spectra};
+use super::coarse::{Coarse, CoarseBasis, Doubt, Polished};
 use super::norms::NormsAt;
 use super::residual::{Pairs, ResidualForm, reduced_residual};
+use super::spectra::spectra;
 use super::{Combinations, dense, split};
 use crate::{ReductionError, Route};
 

@@ -14,9 +14,9 @@ use num_complex::Complex;
 use sparse::Rectangle;
 
 use super::basis::{ROUNDING, directions};
-use super::coarse::{spectra, vectors};
 use super::compared::compared;
 use super::shared::{Friction, Smaller, Structures};
+use super::spectra::{spectra, vectors};
 use super::wanted::{largest, outside};
 use super::{dense, grows_too_fast, split};
 use crate::ReductionError;

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use reduction::{Compared, compared};
 use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, wider};
 
-use super::reduce::{Trained, is_next_to_axis, modes_beside};
+use super::reduce::Trained;
 use super::training::{AT_BORDER, MOST_ROUNDS, rectangle};
+use super::whole_modes::{is_next_to_axis, modes_beside};
 use super::{Bases, FiniteElementBrake};
 use crate::bits::{Bits as _, bits, put_list};
 use crate::case::FiniteElementCase;

@@ -10,6 +10,7 @@ mod parameters;
 mod places;
 mod points;
 mod reduce;
+mod rungs;
 mod samples;
 mod set_basis;
 mod sliding;
@@ -18,9 +19,12 @@ mod spread_tests;
 mod swept;
 mod training;
 mod whole;
+mod whole_modes;
 
 pub use points::{at_medians, frictionless, loads_at_medians};
-pub use reduce::{BESIDE, Bases, Part, ReducedSet, Rung};
+pub use reduce::{Bases, Part, ReducedSet};
+pub use rungs::Rung;
+pub use whole_modes::BESIDE;
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, StreamRng};
@@ -198,7 +202,7 @@ impl FiniteElementBrake {
     /// # Errors
     /// A draw without an operating point.
     pub fn rungs(&self, constraints: usize) -> Result<Vec<Rung>, Error> {
-        reduce::rungs_of(&self.case, &self.sets[constraints], self.origin(constraints))
+        rungs::rungs_of(&self.case, &self.sets[constraints], self.origin(constraints))
     }
 
     /// The closed patches of a scene, from 0.

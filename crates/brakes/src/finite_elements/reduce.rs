@@ -7,36 +7,24 @@ use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{
-    CoarseBasis, Combinations, Compared, Reduced, ReducedModes, RouteCounts, Within, compared, grows_too_fast,
-    largest_residual, within,
-};
-use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
+use reduction::{CoarseBasis, Combinations, Compared, Reduced, RouteCounts, Within, compared, within};
+use sparse::SparseAffineSystem;
 
 use super::divergence::Responses;
 use super::points::{all_patches, naming_point, of_brake};
 use super::set_basis::{self, HeldOut, SetBasis};
-use super::training::{AT_BORDER, Closed, arrangements, rectangle, training};
+use super::training::{Closed, arrangements, rectangle, training};
+use super::whole_modes::{held_out, modes_at_medians};
 use crate::Error;
 use crate::bits::{Bits as _, bits, put_list};
 use crate::case::FiniteElementCase;
 use crate::prepared::Pieces;
 
-/// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
-const BEYOND: f64 = 1.5;
-/// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
-pub const BESIDE: f64 = 1.05;
 /// Error, relative to |lambda|, that eigenvalues may have on a smaller basis within that of a set, as it is estimated; chosen: a third of what that of a set
 /// is made for.
 const WITHIN: f64 = 3e-7;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
-/// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
-const NEXT_TO_AXIS: f64 = 0.02;
-/// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
-const RUNGS: usize = 6;
-const MEASURED_POINTS: u64 = 6;
-
 /// The brake with one set of constraints.
 #[derive(Debug)]
 pub struct ReducedSet {
@@ -80,17 +68,6 @@ pub struct Part {
     pub reduced: Reduced,
     /// Number of samples that each route found.
     pub routes: Mutex<RouteCounts>,
-}
-
-/// Error of the first columns of the basis of a part, taken as a basis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
-    /// Number of columns.
-    pub columns: usize,
-    /// The largest residual in the whole brake of a mode in the rectangle, at the medians and some draws.
-    pub residual: f64,
-    /// The modes in the rectangle at the medians, rad/s.
-    pub first: Vec<Complex<f64>>,
 }
 
 /// Choice of the arrangements that have a basis of their own.
@@ -238,37 +215,6 @@ pub(super) fn all_bases(
     Ok(AllBases { sets, parts, of_origins, of_configurations })
 }
 
-/// The modes of a whole brake where those of a case are wanted, up to what a reduced one has there at least.
-pub(super) fn whole_modes(
-    case: &FiniteElementCase,
-    system: &SparseSecondOrder,
-    reduced: &[Complex<f64>],
-) -> Result<Vec<Complex<f64>>, Error> {
-    modes_in(system, rectangle(case), reduced)
-}
-
-/// Modes of a whole brake as by [`whole_modes`], with those that are next to the band.
-pub(super) fn modes_beside(
-    case: &FiniteElementCase,
-    system: &SparseSecondOrder,
-    reduced: &[Complex<f64>],
-) -> Result<Vec<Complex<f64>>, Error> {
-    let rectangle = rectangle(case);
-    let [low, high] = rectangle.im;
-    modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
-}
-
-fn modes_in(
-    system: &SparseSecondOrder,
-    mut rectangle: Rectangle,
-    reduced: &[Complex<f64>],
-) -> Result<Vec<Complex<f64>>, Error> {
-    let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
-    rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
-    let found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?;
-    Ok(found.pairs.into_iter().map(|pair| pair.lambda).filter(|&lambda| !grows_too_fast(lambda)).collect())
-}
-
 /// The brake over the rows that are left free, on a basis for all arrangements.
 fn reduced_set(
     case: &FiniteElementCase,
@@ -295,49 +241,6 @@ fn reduced_set(
         held_out_residual: 0.0,
         responses: OnceLock::new(),
     })
-}
-
-/// The modes of the whole brake at the point where those of a part were found first.
-fn modes_at_medians(
-    case: &FiniteElementCase,
-    set: &ReducedSet,
-    closed: &[usize],
-    reduced: &[Complex<f64>],
-) -> Result<Vec<Complex<f64>>, Error> {
-    let at = of_brake(case, closed, &naming_point(case, closed)?);
-    whole_modes(case, &set.system.assemble(&at)?, reduced)
-}
-
-/// True of an eigenvalue so near the imaginary axis that an error may change its verdict.
-pub(super) fn is_next_to_axis(lambda: Complex<f64>) -> bool {
-    lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm()
-}
-
-/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
-/// both has such a mode and the other has none. With it the largest residual of these modes.
-fn held_out<'a>(
-    case: &FiniteElementCase,
-    drawn: &[HeldOut],
-    part: impl Fn(&Closed) -> Option<&'a Part>,
-) -> Result<(f64, f64), Error> {
-    let rectangle = rectangle(case);
-    let is_next_to = |lambda: &&Complex<f64>| {
-        is_next_to_axis(**lambda) && rectangle.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm())
-    };
-    let next_to = |of: &[Complex<f64>]| of.iter().filter(is_next_to).copied().collect::<Vec<_>>();
-    let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
-    for HeldOut { drawn, modes: whole } in drawn {
-        let Some(part) = part(&drawn.closed) else { return Ok((1.0, residual)) };
-        let found = part.reduced.modes(&drawn.at)?;
-        let of_these = found.lambdas.iter().zip(&found.residuals).filter(|(lambda, _)| is_next_to(lambda));
-        residual = largest_residual(of_these.map(|(_, &own)| own).chain([residual]));
-        let reduced = found.lambdas;
-        let [of_whole, of_reduced] =
-            [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others.clone()));
-        let has_others = !(of_whole.missed.is_empty() && of_reduced.missed.is_empty());
-        largest = largest.max(if has_others { 1.0 } else { of_whole.distance });
-    }
-    Ok((largest, residual))
 }
 
 /// A part, from what is kept of it.
@@ -381,28 +284,8 @@ impl ReducedSet {
     }
 
     /// The brake on a smaller basis W within that of the set.
-    fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
+    pub(super) fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
         let of_set = (&self.basis, &self.reduced, &self.combinations);
         Ok(Reduced::within(of_set, columns, rectangle(case), case.reduction.residual)?)
     }
-}
-
-/// Cost against error of a set of constraints with all patches closed: what fewer columns of its basis hold.
-pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part) -> Result<Vec<Rung>, Error> {
-    let all = all_patches(case);
-    let at_median = of_brake(case, &all, &naming_point(case, &all)?);
-    let training = training(case, &[all], MEASURED_POINTS, &[])?;
-    let points: Vec<OperatingPoint> = std::iter::once(at_median).chain(training).collect();
-    let all = origin.within.basis.ncols();
-    let mut columns: Vec<usize> = (1..=RUNGS).map(|rung| (all * rung).div_ceil(RUNGS)).collect();
-    columns.dedup();
-    let rung = |columns: usize| {
-        let first = origin.within.basis.columns(0, columns).into_owned();
-        let reduced = set.reduced_within(&first, case)?;
-        let found = points.iter().map(|at| reduced.modes(at)).collect::<Result<Vec<_>, _>>()?;
-        let residual = largest_residual(found.iter().map(ReducedModes::largest_residual));
-        let first = found.into_iter().next().map_or(Vec::new(), |found| found.lambdas);
-        Ok(Rung { columns, residual, first })
-    };
-    columns.into_iter().map(rung).collect()
 }

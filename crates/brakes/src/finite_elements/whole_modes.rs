@@ -1,0 +1,93 @@
+//! Modes of the whole brake, and how far those of a reduced one are from them.
+
+use num_complex::Complex;
+use reduction::{compared, grows_too_fast, largest_residual};
+use sparse::{Rectangle, SparseSecondOrder, eigenpairs_in};
+
+use super::points::{naming_point, of_brake};
+use super::reduce::{Part, ReducedSet};
+use super::set_basis::HeldOut;
+use super::training::{AT_BORDER, Closed, rectangle};
+use crate::Error;
+use crate::case::FiniteElementCase;
+
+/// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
+const BEYOND: f64 = 1.5;
+/// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
+pub const BESIDE: f64 = 1.05;
+/// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
+const NEXT_TO_AXIS: f64 = 0.02;
+
+/// The modes of a whole brake where those of a case are wanted, up to what a reduced one has there at least.
+pub(super) fn whole_modes(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    modes_in(system, rectangle(case), reduced)
+}
+
+/// Modes of a whole brake as by [`whole_modes`], with those that are next to the band.
+pub(super) fn modes_beside(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    let rectangle = rectangle(case);
+    let [low, high] = rectangle.im;
+    modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
+}
+
+fn modes_in(
+    system: &SparseSecondOrder,
+    mut rectangle: Rectangle,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
+    rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
+    let found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?;
+    Ok(found.pairs.into_iter().map(|pair| pair.lambda).filter(|&lambda| !grows_too_fast(lambda)).collect())
+}
+
+/// The modes of the whole brake at the point where those of a part were found first.
+pub(super) fn modes_at_medians(
+    case: &FiniteElementCase,
+    set: &ReducedSet,
+    closed: &[usize],
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    let at = of_brake(case, closed, &naming_point(case, closed)?);
+    whole_modes(case, &set.system.assemble(&at)?, reduced)
+}
+
+/// True of an eigenvalue so near the imaginary axis that an error may change its verdict.
+pub(super) fn is_next_to_axis(lambda: Complex<f64>) -> bool {
+    lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm()
+}
+
+/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
+/// both has such a mode and the other has none. With it the largest residual of these modes.
+pub(super) fn held_out<'a>(
+    case: &FiniteElementCase,
+    drawn: &[HeldOut],
+    part: impl Fn(&Closed) -> Option<&'a Part>,
+) -> Result<(f64, f64), Error> {
+    let rectangle = rectangle(case);
+    let is_next_to = |lambda: &&Complex<f64>| {
+        is_next_to_axis(**lambda) && rectangle.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm())
+    };
+    let next_to = |of: &[Complex<f64>]| of.iter().filter(is_next_to).copied().collect::<Vec<_>>();
+    let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
+    for HeldOut { drawn, modes: whole } in drawn {
+        let Some(part) = part(&drawn.closed) else { return Ok((1.0, residual)) };
+        let found = part.reduced.modes(&drawn.at)?;
+        let of_these = found.lambdas.iter().zip(&found.residuals).filter(|(lambda, _)| is_next_to(lambda));
+        residual = largest_residual(of_these.map(|(_, &own)| own).chain([residual]));
+        let reduced = found.lambdas;
+        let [of_whole, of_reduced] =
+            [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others.clone()));
+        let has_others = !(of_whole.missed.is_empty() && of_reduced.missed.is_empty());
+        largest = largest.max(if has_others { 1.0 } else { of_whole.distance });
+    }
+    Ok((largest, residual))
+}
