@@ -31,7 +31,7 @@ use crate::lu::{LEAST_PIVOT, Lu, Vector};
 const TERMS_BEYOND: usize = 4;
 /// Ratio of the radii that are tried; chosen: with a smaller one more are tried, with a larger one the radius found is farther above the least.
 const RADIUS_STEP: f64 = 1.25;
-/// Largest group with chains, and most vectors of one: the cost of det S grows with the square of their product.
+/// Largest group with chains, and most vectors of one: the cost of det S grows with the square of their product. Chosen.
 pub(super) const LARGEST_CHAINED: usize = 12;
 
 /// A disc of the scaled plane.

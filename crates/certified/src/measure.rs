@@ -17,7 +17,7 @@ use crate::{CertifiedError, Verdict};
 
 /// Backward errors up to this many units are rounding and not worth a Newton step.
 pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
-/// A refined eigenvalue is known to this part of what rounded data move it by, or better.
+/// A refined eigenvalue is known to this part of what rounded data move it by, or better. Chosen.
 const REFINED_PART: f64 = 1e-6;
 
 /// State of one eigenvalue in the course of its certification, in scaled quantities.

@@ -18,7 +18,7 @@ use super::residual::residual;
 use super::scaled::Scaled;
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
-/// Steps with one factorisation. Each gains the digits that it is good for: sixteen, less those of the condition number.
+/// Steps with one factorisation. Each gains the digits that it is good for: sixteen, less those of the condition number. Chosen.
 const MOST_NEWTON_STEPS: usize = 6;
 /// Factorisations, each at the sigma that the last one led to. Chosen.
 const MOST_FACTORISATIONS: usize = 4;

@@ -209,7 +209,7 @@ fn time_scale(m: f64, c: f64, k: f64) -> f64 {
     }
 }
 
-/// Number of maxima that are found side by side.
+/// Number of maxima that are found side by side; chosen: the numbers of the widest registers.
 const MAXIMA: usize = 8;
 
 /// The greater one of two numbers that are no NaN, in one instruction.

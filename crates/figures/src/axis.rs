@@ -166,7 +166,7 @@ pub(super) fn y_title(canvas: &mut Canvas, right: f64, area: Area, text: &str) {
     }
 }
 
-/// Largest excess of a vertical title over the length of its panel, pt.
+/// Largest excess of a vertical title over the length of its panel, pt; chosen: less breaks titles that have room, more lets them meet those of the next panel.
 const LARGEST_TITLE_OVERHANG: f64 = 14.0;
 
 /// Width that [`y_title`] takes.
@@ -174,7 +174,7 @@ pub(super) fn y_title_width(canvas: &Canvas, height: f64, text: &str) -> f64 {
     LINE_SPACING * canvas.fonts.wrap(text, SMALL_TEXT, false, height + LARGEST_TITLE_OVERHANG).len() as f64
 }
 
-/// Distance of two lines of small text, pt.
+/// Distance of two lines of small text, pt; chosen: 1.25 times the height of the text.
 pub(super) const LINE_SPACING: f64 = 10.0;
 
 /// Bold lines at the top of the page, broken at its width. Returns the y below them.
@@ -188,7 +188,7 @@ pub(super) fn title(canvas: &mut Canvas, text: &str) -> f64 {
     y
 }
 
-/// White space around the page, pt.
+/// White space around the page, pt; chosen: less cuts lines at the edge, more makes figures smaller.
 pub(super) const PAGE_MARGIN: f64 = 4.0;
 
 #[cfg(test)]

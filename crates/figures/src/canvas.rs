@@ -112,7 +112,7 @@ impl Label {
     }
 }
 
-/// The smallest text of a figure, in points at its printed width.
+/// The smallest text of a figure, in points at its printed width; chosen: smaller is hard to read in print.
 pub(super) const SMALL_TEXT: f64 = 8.0;
 
 /// An entry of the display list.

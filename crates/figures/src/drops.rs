@@ -49,7 +49,7 @@ pub struct DropBar {
 /// Distance of two bars, and their thickness, pt; chosen.
 const PITCH: f64 = 13.0;
 const THICKNESS: f64 = 8.0;
-/// Part of the page that names may take; longer ones are broken.
+/// Part of the page that names may take; longer ones are broken. Chosen: about half is left for the bars.
 const MOST_FOR_NAMES: f64 = 0.45;
 
 /// Draws a bar for each drop from zero on, with a whisker over its interval and a diamond at what was predicted. The table has one row

@@ -43,7 +43,7 @@ pub struct IndexBar {
 /// Height of the row of an input, pt, and of a bar in it; chosen.
 const ROW: f64 = 17.0;
 const BAR: f64 = 6.0;
-/// Distance between two columns of panels, pt.
+/// Distance between two columns of panels, pt; chosen: two heights of small text.
 const GAP: f64 = 16.0;
 
 /// Draws the bars in percent of the variance. The table has one row per panel, input and index.

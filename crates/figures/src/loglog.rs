@@ -44,7 +44,7 @@ pub struct LogLogSeries {
     pub joined: bool,
 }
 
-/// Height of the strip for exact zeros, pt.
+/// Height of the strip for exact zeros, pt; chosen: two heights of small text, for its label.
 const ZERO_STRIP_HEIGHT: f64 = 16.0;
 
 /// Draws the panels with shared axes and one key for all series. A y of exactly zero has no place on a logarithmic axis

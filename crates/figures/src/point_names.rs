@@ -3,7 +3,7 @@
 use super::axis::LINE_SPACING;
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 
-/// Room in the corner of a panel for how many points have no name, pt.
+/// Room in the corner of a panel for how many points have no name, pt; chosen: the width of that text.
 const NOT_NAMED_WIDTH: f64 = 90.0;
 
 /// Writes names above their points, as low as there is room in the panel; how many have none is written in its corner.

@@ -74,7 +74,7 @@ pub struct LocusMark {
 /// Heights of the panels, pt; chosen.
 const LOCUS_HEIGHT: f64 = 210.0;
 const LOWER_HEIGHT: f64 = 170.0;
-/// Distance between the panels below, pt.
+/// Distance between the panels below, pt; chosen: some two heights of small text.
 const GAP: f64 = 18.0;
 
 /// A panel: the indices, among parameter, frequency and growth, of what its axes show.

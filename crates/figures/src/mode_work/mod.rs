@@ -18,7 +18,7 @@ use output::Table;
 
 /// Distance between the numbers on the scales of two columns, pt; as all lengths here chosen.
 const SCALE_GAP: f64 = 6.0;
-/// Height of the bar of one body with its white space.
+/// Height of the bar of one body with its white space, pt; chosen: a line of small text fits beside it.
 const BAR_PITCH: f64 = 10.5;
 const WORK_AXIS_TITLE: &str = "normalised median net work (1: that of the oscillator with most)";
 const BODY_AXIS_TITLE: &str = "oscillator, p: plate";

@@ -6,7 +6,7 @@ use super::super::style::{BLUE, VERMILLION, arrow};
 use super::diagram::ModelDiagram;
 use super::elements::{spring, symbol};
 
-/// Half the side of the square that stands for an oscillator, pt.
+/// Half the side of the square that stands for an oscillator, pt; chosen: its number fits into it.
 const OSCILLATOR_HALF_SIDE: f64 = 9.0;
 
 /// The lattice from above. Returns the y below.

@@ -14,13 +14,14 @@ const SERIES_HEIGHT: f64 = 8.0;
 const LEAST_ROW_HEIGHT: f64 = SMALL_TEXT + 1.0;
 /// Height that rows are made lower for: A4 less margins of 25 mm.
 const PAGE_HEIGHT: f64 = 247.0 / 25.4 * 72.0;
-/// Part of the page height for title, legend and notes.
+/// Part of the page height for title, legend and notes, pt; chosen: with less a full page is too high, with more rows are lower than need be.
 const HEIGHT_OF_TEXT: f64 = 160.0;
-/// Part of the page height for the heading and the scale of a line of panels.
+/// Part of the page height for the heading and the scale of a line of panels, pt; chosen: three lines of small text.
 const HEIGHT_BESIDE_PANELS: f64 = 32.0;
-/// Most panels side by side.
+/// Most panels side by side; chosen: more leave no room for the labels of a scale.
 const MOST_COLUMNS: usize = 4;
 /// Largest value, in percent, for which the scale ends with the values; beyond it the scale ends at 100 %.
+/// Chosen: above half the whole is as well read.
 const OWN_SCALE_BELOW: f64 = 50.0;
 
 /// Layout of the panels, and what they share.
