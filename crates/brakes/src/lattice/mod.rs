@@ -1,6 +1,8 @@
 //! The lattice of a case with its friction laws and distributions.
 
 mod draw;
+mod drawn_inputs;
+mod modifiable;
 mod parameters;
 mod sobol;
 
@@ -11,15 +13,14 @@ use cycle::ContactSystem;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 use osc_model::{
-    Axis, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
-    Reversal, Sliding,
+    Axis, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeBody, LatticeModel, PreparedLattice, Reversal,
+    Sliding,
 };
 use output::significant;
 use serde_json::{Map, Value, json};
 use study::{
-    Configuration, Cost, DrawnInputs, Input, ModeIdentity, Modifiable, Moves, NamedParameter, Origin, Parametrised,
-    Place, Plan, Scene, SceneKey, SceneLabels, SingleParameter, SlidingContacts, Symmetry, UncertainBrake,
-    WholeContact,
+    Configuration, Cost, DrawnInputs, Modifiable, Moves, NamedParameter, Origin, Parametrised, Plan, Scene, SceneKey,
+    SceneLabels, SlidingContacts, UncertainBrake,
 };
 
 use crate::any::{listed, values_in_words};
@@ -205,38 +206,6 @@ impl SlidingContacts for LatticeBrake {
     }
 }
 
-impl DrawnInputs<LatticeSample> for LatticeBrake {
-    fn inputs(&self, scene: &Scene) -> Vec<Input> {
-        self.drawn(scene).inputs(self.lattice(scene).arrangement().in_contact(), self.speed_is_drawn(scene))
-    }
-
-    fn input_values(&self, scene: &Scene, sample: &LatticeSample) -> Vec<f64> {
-        let mut values = self.drawn(scene).values(self.lattice(scene).arrangement().in_contact(), sample);
-        values.extend(self.speed_is_drawn(scene).then(|| self.speed(scene.key, sample)));
-        values
-    }
-
-    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> LatticeSample {
-        let contacts = match self.case.readings.draws {
-            Draws::Shared => 1,
-            Draws::Each => self.case.lattice.grid.oscillators(),
-        };
-        self.drawn(scene).sample(contacts, uniform)
-    }
-
-    /// Shared Amontons-Coulomb friction with given loads depends on mu alone. What is computed from that knows modes by
-    /// continuation in mu.
-    fn single_parameter(&self, scene: &Scene) -> Option<SingleParameter<'_, LatticeSample>> {
-        let readings = &self.case.readings;
-        let is_single = self.law(scene.key) == Law::AmontonsCoulomb
-            && readings.draws == Draws::Shared
-            && readings.identity == ModeIdentity::Continuation
-            && readings.lateral != Lateral::Vector
-            && !matches!(readings.preload, Preload::Equilibrium(_));
-        is_single.then(|| SingleParameter::new(&self.case.friction.mu, |mu| self.with_mu(mu)))
-    }
-}
-
 impl Parametrised for LatticeBrake {
     fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
         parameters::named(self, scene)
@@ -244,44 +213,6 @@ impl Parametrised for LatticeBrake {
 
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
         Ok(parameters::system(self, scene, values)?)
-    }
-}
-
-impl Modifiable for LatticeBrake {
-    /// An oscillator in contact: its friction along the sliding and across it, and its contact spring.
-    fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
-        let (lattice, channels) = (self.lattice(scene), self.plan.brake(scene).system.channels());
-        let oscillators = lattice.arrangement().in_contact();
-        let whole = |(at, &number): (usize, &usize)| {
-            let (reading, stiffness) = (&channels[at].reading, self.case.lattice.contact_stiffness[number]);
-            let mut structure = SecondOrder::zeros(lattice.structural().order(), 0);
-            for &(i, a) in reading {
-                // The friction reads the force of the spring, k times its compression.
-                reading.iter().for_each(|&(j, b)| structure.k[(i, j)] = a * b / stiffness);
-            }
-            let channels = (at..channels.len()).step_by(oscillators.len()).collect();
-            WholeContact { number, name: (number + 1).to_string(), channels, structure: Some(structure) }
-        };
-        oscillators.iter().enumerate().map(whole).collect()
-    }
-
-    fn places(&self, _: usize) -> Result<Option<Vec<Place>>, study::Error> {
-        Ok(None)
-    }
-
-    fn symmetries(&self, constraints: usize) -> Vec<Symmetry> {
-        let grid = self.case.lattice.grid;
-        let oscillators = grid.oscillators();
-        let symmetry = |reversal: &Reversal| Symmetry {
-            dofs: (0..3 * (oscillators + 1)).map(|dof| reversal.dof(grid, dof)).collect(),
-            contacts: (0..oscillators).map(|contact| reversal.oscillator(grid, contact)).collect(),
-        };
-        self.symmetries[constraints].iter().map(symmetry).collect()
-    }
-
-    fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
-        let reversal = self.members[scene.configuration][member];
-        self.symmetries[scene.key.constraints].iter().position(|&other| other == reversal).unwrap_or(0)
     }
 }
 
