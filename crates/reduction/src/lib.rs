@@ -8,6 +8,7 @@
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them at many points, from coarse modes | [`Reduced::with_coarse`], [`Reduced::modes_of_all`] |
 //! | compare eigenvalues of two systems | [`compared`] |
+//! | prove that nothing grows faster than it oscillates | [`surely_none_grows_too_fast`] |
 //! | hold the shapes of some modes | [`shape_directions`] |
 //! | follow modes while contacts open | [`ContactPath`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
@@ -30,6 +31,7 @@ mod outer_products;
 mod reduced;
 mod residual;
 mod route;
+mod sector;
 mod shapes;
 mod shared;
 mod snapshots;
@@ -47,6 +49,7 @@ pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
 pub use reduced::{Reduced, ReducedModes, grows_too_fast, largest_residual};
 pub use route::{Route, RouteCounts};
+pub use sector::surely_none_grows_too_fast;
 pub use shapes::shape_directions;
 pub use snapshots::{Snapshot, Snapshots};
 pub use within::{Within, within};

@@ -12,7 +12,7 @@ use cea::{EigenSolver, QrSolver, ROUNDED_DATA, Spectrum, Threshold, Verdict, Wor
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use reduction::{grows_too_fast, shape_directions};
+use reduction::{grows_too_fast, shape_directions, surely_none_grows_too_fast};
 use sparse::{Eigenpair, Problem, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpair_near, eigenpairs_in};
 use study::{ModeSource, Scene};
 
@@ -85,14 +85,18 @@ pub(super) fn expected_columns(case: &FiniteElementCase) -> usize {
     ((OF_THEIR_OWN * responses as f64) as usize).min(MOST_COLUMNS)
 }
 
-/// Where the fastest eigenvalue of a reduced brake that passes a test is, and whether the whole brake has one there that does: `None` where the reduced one
-/// has none, and within that `false` where nothing is found in the whole one. Shapes are lifted to its rows.
+/// Whether the whole brake has an eigenvalue larger than the `end` that passes a test of those that grow faster than they oscillate, next to the fastest such one of a
+/// reduced brake: `None` where that has none, `false` where nothing is found in the whole one. Shapes are lifted to its rows.
 fn in_whole(
     reduced: &SecondOrder,
     lift: impl Fn(&DVector<Complex<f64>>) -> DVector<Complex<f64>>,
     whole: &SparseSecondOrder,
-    passes: impl Fn(Complex<f64>) -> bool,
+    (end, is_fast): (f64, impl Fn(Complex<f64>) -> bool),
 ) -> Result<Option<bool>, Error> {
+    if surely_none_grows_too_fast(reduced, end) {
+        return Ok(None);
+    }
+    let passes = |lambda: Complex<f64>| is_fast(lambda) && lambda.norm() > end;
     let mut work = Workspace::default();
     let all = QrSolver.eigenvalues(reduced, &mut work)?.eigenvalues;
     let fastest = all.into_iter().filter(|&lambda| passes(lambda)).max_by(|a, b| a.re.total_cmp(&b.re));
@@ -151,13 +155,13 @@ impl FiniteElementBrake {
                 && lambda.norm() > slowest_divergence(&self.case)
                 && self.plan.threshold.margin(lambda) > error * lambda.norm()
         };
-        let is_beyond = |lambda: Complex<f64>| is_fast(lambda) && lambda.norm() > end;
         let is_below = |lambda: &Complex<f64>| is_fast(*lambda) && lambda.norm() <= end;
         let part = &self.part(scene).reduced;
-        let mut found = vec![in_whole(&part.system().assemble(at)?, |shape| part.lift(shape), &system, is_beyond)?];
+        let mut found =
+            vec![in_whole(&part.system().assemble(at)?, |shape| part.lift(shape), &system, (end, is_fast))?];
         if let Some(Responses { basis, reduced }) = set.responses(&self.case)? {
             let lift = |shape: &DVector<Complex<f64>>| linsys::real_times_complex(basis, shape);
-            found.push(in_whole(&reduced.assemble(at)?, lift, &system, is_beyond)?);
+            found.push(in_whole(&reduced.assemble(at)?, lift, &system, (end, is_fast))?);
         }
         let (has_beyond, is_open) = (found.contains(&Some(true)), found.contains(&Some(false)));
         let has_below = reduced.eigenvalues.iter().any(is_below);
