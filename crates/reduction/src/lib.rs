@@ -8,7 +8,7 @@
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them at many points, from coarse modes | [`Reduced::with_coarse`], [`Reduced::modes_of_all`] |
 //! | compare eigenvalues of two systems | [`compared`] |
-//! | prove that nothing grows faster than it oscillates | [`surely_none_grows_too_fast`] |
+//! | prove that nothing grows faster than it oscillates, or that something does | [`surely_none_grows_too_fast`], [`growing_real`] |
 //! | hold the shapes of some modes | [`shape_directions`] |
 //! | follow modes while contacts open | [`ContactPath`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
@@ -49,7 +49,7 @@ pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
 pub use reduced::{Reduced, ReducedModes, grows_too_fast, largest_residual};
 pub use route::{Route, RouteCounts};
-pub use sector::surely_none_grows_too_fast;
+pub use sector::{growing_real, surely_none_grows_too_fast};
 pub use shapes::shape_directions;
 pub use snapshots::{Snapshot, Snapshots};
 pub use within::{Within, within};

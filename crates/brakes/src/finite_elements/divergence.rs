@@ -12,7 +12,7 @@ use cea::{EigenSolver, QrSolver, ROUNDED_DATA, Spectrum, Threshold, Verdict, Wor
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use reduction::{grows_too_fast, shape_directions, surely_none_grows_too_fast};
+use reduction::{growing_real, grows_too_fast, shape_directions, surely_none_grows_too_fast};
 use sparse::{Eigenpair, Problem, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpair_near, eigenpairs_in};
 use study::{ModeSource, Scene};
 
@@ -85,8 +85,9 @@ pub(super) fn expected_columns(case: &FiniteElementCase) -> usize {
     ((OF_THEIR_OWN * responses as f64) as usize).min(MOST_COLUMNS)
 }
 
-/// Whether the whole brake has an eigenvalue larger than the `end` that passes a test of those that grow faster than they oscillate, next to the fastest such one of a
-/// reduced brake: `None` where that has none, `false` where nothing is found in the whole one. Shapes are lifted to its rows.
+/// Whether the whole brake has an eigenvalue larger than the `end` that passes a test of those that grow faster than they oscillate, next to one of a
+/// reduced brake: `None` where that has none, `false` where nothing is found in the whole one. Shapes are lifted to its rows. A whole spectrum, which takes the
+/// longest, is made where neither proof says.
 fn in_whole(
     reduced: &SecondOrder,
     lift: impl Fn(&DVector<Complex<f64>>) -> DVector<Complex<f64>>,
@@ -97,13 +98,19 @@ fn in_whole(
         return Ok(None);
     }
     let passes = |lambda: Complex<f64>| is_fast(lambda) && lambda.norm() > end;
+    let is_found = |near: Complex<f64>, shape: &DVector<Complex<f64>>| {
+        eigenpair_near(whole, near, &lift(shape), FOUND).is_ok_and(|pair| passes(pair.lambda))
+    };
+    if let Some((near, shape)) = growing_real(reduced, end)
+        && is_found(near.into(), &shape.map(Complex::from))
+    {
+        return Ok(Some(true));
+    }
     let mut work = Workspace::default();
     let all = QrSolver.eigenvalues(reduced, &mut work)?.eigenvalues;
     let fastest = all.into_iter().filter(|&lambda| passes(lambda)).max_by(|a, b| a.re.total_cmp(&b.re));
     let Some(fastest) = fastest else { return Ok(None) };
-    let Ok(shape) = right_vector(reduced, fastest, &mut work) else { return Ok(Some(false)) };
-    let found = eigenpair_near(whole, fastest, &lift(&shape), FOUND);
-    Ok(Some(found.is_ok_and(|pair| passes(pair.lambda))))
+    Ok(Some(right_vector(reduced, fastest, &mut work).is_ok_and(|shape| is_found(fastest, &shape))))
 }
 
 /// Smallest growth that is looked for as divergence of a case, 1/s.
@@ -157,12 +164,15 @@ impl FiniteElementBrake {
         };
         let is_below = |lambda: &Complex<f64>| is_fast(*lambda) && lambda.norm() <= end;
         let part = &self.part(scene).reduced;
-        let mut found =
-            vec![in_whole(&part.system().assemble(at)?, |shape| part.lift(shape), &system, (end, is_fast))?];
-        if let Some(Responses { basis, reduced }) = set.responses(&self.case)? {
-            let lift = |shape: &DVector<Complex<f64>>| linsys::real_times_complex(basis, shape);
-            found.push(in_whole(&reduced.assemble(at)?, lift, &system, (end, is_fast))?);
-        }
+        let of_part = in_whole(&part.system().assemble(at)?, |shape| part.lift(shape), &system, (end, is_fast))?;
+        let of_responses = match set.responses(&self.case)? {
+            Some(Responses { basis, reduced }) if of_part != Some(true) => {
+                let lift = |shape: &DVector<Complex<f64>>| linsys::real_times_complex(basis, shape);
+                in_whole(&reduced.assemble(at)?, lift, &system, (end, is_fast))?
+            }
+            _ => None,
+        };
+        let found = [of_part, of_responses];
         let (has_beyond, is_open) = (found.contains(&Some(true)), found.contains(&Some(false)));
         let has_below = reduced.eigenvalues.iter().any(is_below);
         let is_told = |whole: &Vec<Complex<f64>>| !whole.is_empty() || has_beyond || !has_below && !is_open;
