@@ -10,7 +10,7 @@ use report::{screen_figure, write_screen_page};
 use serde_json::json;
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
-use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use squeal::screen::{ChangeKind, Confirmation, Criterion, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::Units;
 use squeal::workers;
 
@@ -45,6 +45,10 @@ pub struct ScreenArgs {
     /// Set of constraints that is changed, by name [default: the case's first]
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
+    /// What is ranked by: occurrence (unstable modes in one analysis), probability (anything is unstable), growth-quantile (the growth that 95 % of the draws do not
+    /// exceed) [default: occurrence]
+    #[arg(long, value_name = "NAME")]
+    pub criterion: Option<String>,
     /// Single changes of each kind to confirm; of each larger size one set is [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub confirm: Option<u64>,
@@ -117,6 +121,8 @@ impl ScreenArgs {
                 }
             }
         }
+        let criteria = Criterion::ALL.map(Criterion::name);
+        options.criterion = Criterion::ALL[chosen("--criterion", self.criterion.as_deref(), &criteria)?];
         options.constraints = chosen("--constraints", self.constraints.as_deref(), sets)?;
         options.sizes = Sizes {
             mass: size("--mass", self.mass, units.of("kg"))?,
@@ -171,6 +177,7 @@ impl ScreenArgs {
             let own = json!({
                 "constraints": sets[options.constraints],
                 "kinds": options.kinds,
+                "criterion": options.criterion,
                 "up_to": options.up_to,
                 "confirmed_singles": options.confirmed,
                 "mass": options.sizes.mass,

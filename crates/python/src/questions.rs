@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use squeal::influence::{influence as of_inputs, influence_table};
 use squeal::parts::{Shard, completed, run_part};
-use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use squeal::screen::{ChangeKind, Confirmation, Criterion, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::{Cost, Study, UncertainBrake};
 use squeal::sweep::{Found, Over, stability_map, sweep as over_one};
 use squeal::{RunOptions, RunProgress, workers};
@@ -215,8 +215,8 @@ pub(crate) fn influence(
     })
 }
 
-/// A screen of changes: kinds, places at most, mass, spring and dashpot added, draws of the prediction, single changes to confirm.
-type Screening = (Option<Vec<String>>, usize, [Option<f64>; 3], u64, usize);
+/// A screen of changes: kinds, places at most, mass, spring and dashpot added, draws of the prediction, single changes to confirm, criterion.
+type Screening = (Option<Vec<String>>, usize, [Option<f64>; 3], u64, usize, String);
 
 /// A screen of the first set of constraints of a brake: tables, JSON, text.
 #[pyfunction]
@@ -228,7 +228,7 @@ pub(crate) fn screen(
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<AsTable>, String, String)> {
-    let (kinds, up_to, [mass, spring, dashpot], draws, confirmed) = screening;
+    let (kinds, up_to, [mass, spring, dashpot], draws, confirmed, criterion) = screening;
     let mut options = ScreenOptions::default();
     options.sizes = Sizes { mass, spring, dashpot };
     (options.up_to, options.draws, options.confirmed, options.constraints) = (up_to, draws, confirmed, set);
@@ -240,6 +240,9 @@ pub(crate) fn screen(
         };
         options.kinds = kinds.iter().map(kind).collect::<PyResult<_>>()?;
     }
+    let known = Criterion::ALL.into_iter().find(|known| known.name() == criterion);
+    let allowed = Criterion::ALL.map(Criterion::name).join(", ");
+    options.criterion = known.ok_or_else(|| argument(py, "criterion", &format!("{criterion:?}"), &allowed))?;
     let source = brake.source.clone();
     away(py, Ends::Itself, progress.as_ref(), move |watch| {
         let brake = source.brake(Purpose::Screen, threads, watch)?;

@@ -11,8 +11,8 @@ use squeal::linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondO
 use squeal::montecarlo::{Experiment as _, StreamRng, stream};
 use squeal::osc_model::{Brake, ContactArrangement};
 use squeal::screen::{
-    Attached, Candidates, Change, ChangeKind, ChangeSet, Confirmation, Modified, Screen, ScreenOptions, ScreenedSet,
-    Sizes, confirm, rank,
+    Attached, Candidates, Change, ChangeKind, ChangeSet, Confirmation, Criterion, Modified, Screen, ScreenOptions,
+    ScreenedSet, Sizes, confirm, rank,
 };
 use squeal::study::{Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SpeedLabel, UncertainBrake};
 
@@ -71,7 +71,7 @@ fn hoffmanns_oscillator_does_with_changes_what_closed_forms_say() {
         assert!((drop.value - (now - left)).abs() < slack, "{kind:?} {places}: {drop:?} {}", now - left);
         assert!((confirmed.unstable.value - left).abs() < 0.04, "{kind:?} {places}: {confirmed:?} {left}");
         assert_eq!(confirmed.unstable.value, confirmed.squealing.value);
-        let predicted = set.predicted_drop(&screen.unchanged).unwrap();
+        let predicted = set.predicted_drop(&screen.unchanged, Criterion::Occurrence).unwrap();
         assert!((predicted - (now - left)).abs() < 0.1, "{kind:?} {places}: {predicted} {}", now - left);
     }
     // Two degrees of freedom cannot both be held.
@@ -81,6 +81,68 @@ fn hoffmanns_oscillator_does_with_changes_what_closed_forms_say() {
         screen.failed
     );
     assert!(screen.difference(&screen.sets[0], found(&screen, ChangeKind::Constraint, "x")).unwrap().lower > 0.5);
+}
+
+/// At a coefficient mu = 1.07, below which 95 % of the draws lie, the growth of `(s^2 + c_x s + 2 + k) (s^2 + c_y s + 2) = 1 - D`.
+#[test]
+fn the_growth_that_95_percent_of_the_draws_do_not_exceed_is_that_of_the_quantile_of_friction() {
+    let path = case("hoffmann.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let brake = MatricesBrake::new(MatricesCase::parse(&path, text).unwrap()).unwrap();
+    let mut options = options(&[ChangeKind::Dashpot, ChangeKind::Spring, ChangeKind::Contact], 2);
+    options.criterion = Criterion::GrowthQuantile;
+    let screen = screened(&brake, &options, 4000);
+    let matrix = |entries: [f64; 4]| nalgebra::DMatrix::from_row_slice(2, 2, &entries);
+    let growth = |[c_x, c_y, k]: [f64; 3]| {
+        let d = 1.07 / 0.75;
+        let k = matrix([2.0 + k, 1.0, 1.0 - d, 2.0]);
+        let system = SecondOrder::new(matrix([1.0, 0.0, 0.0, 1.0]), matrix([c_x, 0.0, 0.0, c_y]), k).unwrap();
+        let found = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
+        found.eigenvalues.iter().map(|lambda| lambda.re).fold(0.0, f64::max)
+    };
+    let c = 0.05;
+    let unchanged = growth([c, c, 0.0]);
+    let agrees = |set: &ScreenedSet, growth: f64| {
+        let confirmed = set.confirmed.as_ref().unwrap();
+        let (left, drop) = (confirmed.growth_quantile, confirmed.growth_quantile_drop);
+        // 0.05 of the draws give or take 0.0085 are beyond it.
+        assert!((left.value - growth).abs() < 0.02 * unchanged, "{}: {left:?} {growth}", set.places);
+        assert!(left.lower <= growth * (1.0 + 1e-3) && left.upper >= growth * (1.0 - 1e-3), "{left:?} {growth}");
+        assert!(drop.lower <= unchanged - growth + 1e-9 && drop.upper >= unchanged - growth - 1e-9, "{drop:?}");
+        let predicted = set.prediction.unwrap().growth_quantile;
+        assert!((predicted - growth).abs() < 0.1 * unchanged, "{}: {predicted} {growth}", set.places);
+    };
+    agrees(&screen.sets[0], unchanged);
+    for (kind, places, growth) in [
+        (ChangeKind::Dashpot, "x", growth([c + 1.0, c, 0.0])),
+        (ChangeKind::Dashpot, "y", growth([c, c + 1.0, 0.0])),
+        (ChangeKind::Dashpot, "x y", growth([c + 1.0, c + 1.0, 0.0])),
+        (ChangeKind::Spring, "x", growth([c, c, 0.8])),
+        (ChangeKind::Contact, "belt", 0.0),
+    ] {
+        agrees(found(&screen, kind, places), growth);
+    }
+}
+
+#[test]
+fn singles_are_ranked_by_the_criterion() {
+    let brake = two_by_two();
+    let mut orders = Vec::new();
+    for criterion in Criterion::ALL {
+        let mut options = options(&ChangeKind::ALL, 1);
+        (options.draws, options.criterion) = (8, criterion);
+        let ranking = rank(&brake, &options, &()).unwrap();
+        for of_kind in &ranking.kinds {
+            let values: Vec<f64> =
+                of_kind.singles.iter().map(|ranked| criterion.predicted(&ranked.prediction)).collect();
+            assert!(values.is_sorted(), "{criterion:?}: {values:?}");
+        }
+        orders.push(ranking.kinds.iter().map(|of_kind| of_kind.singles[0].singles.clone()).collect::<Vec<_>>());
+    }
+    assert!(orders[0] != orders[2], "{orders:?}");
+    let few = screened(&brake, &options(&[ChangeKind::Contact], 1), 10);
+    let growth = few.as_it_is().unwrap().growth_quantile;
+    assert!(growth.value > 0.0 && growth.upper.is_infinite(), "no limit of ten samples: {growth:?}");
 }
 
 fn two_by_two() -> LatticeBrake {

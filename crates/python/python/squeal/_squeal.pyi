@@ -43,7 +43,7 @@ class Brake:
 
 _Told = Callable[[str, int, int], object] | None
 _AsTable = tuple[str, list[str], list[list[str]]]
-_Screening = tuple[list[str] | None, int, tuple[float | None, float | None, float | None], int, int]
+_Screening = tuple[list[str] | None, int, tuple[float | None, float | None, float | None], int, int, str]
 _Integers = npt.NDArray[np.int64]
 
 def run(

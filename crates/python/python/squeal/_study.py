@@ -540,6 +540,7 @@ def screen(
     kinds: Sequence[str] | None = None,
     up_to: int = 2,
     constraints: str | None = None,
+    criterion: str = "occurrence",
     confirm: int = 1,
     mass: float | None = None,
     spring: float | None = None,
@@ -552,7 +553,8 @@ def screen(
 ) -> Screen:
     """Screen a brake for what helps: "constraint", "mass", "spring", "dashpot", "contact" at every place, singly and in sets `up_to`.
 
-    All are ranked by a few analyses on `draws` draws, and the best of each kind, `confirm` single ones and one of each larger size, are
+    All are ranked by a few analyses on `draws` draws, by `criterion`: "occurrence" (unstable modes in one analysis), "probability" (anything is
+    unstable) or "growth-quantile" (the growth that 95 % of the draws do not exceed), and the best of each kind, `confirm` single ones and one of each larger size, are
     confirmed on `samples` other draws. `mass`, kg, `spring`, N/m, and `dashpot`, Ns/m, are what is attached; parts of the place's own
     unless given.
     """
@@ -571,7 +573,7 @@ def screen(
         raise refused("samples", count, "2 or more, for an interval")
     if constraints is not None and constraints not in sets:
         raise refused("constraints", constraints, ", ".join(sets))
-    screening = (None if kinds is None else list(kinds), up_to, (sizes[0], sizes[1], sizes[2]), draws, confirm)
+    screening = (None if kinds is None else list(kinds), up_to, (sizes[0], sizes[1], sizes[2]), draws, confirm, criterion)
     at = 0 if constraints is None else sets.index(constraints)
     tables, found, text = _squeal.screen(native, screening, at, workers(threads), receiver(progress))
     return Screen(Tables([Table(*of) for of in tables]), json.loads(found), text)

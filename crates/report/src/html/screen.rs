@@ -5,7 +5,7 @@ use std::path::Path;
 use figures::Figure;
 use serde_json::{Value, json};
 use squeal::fingerprint;
-use squeal::screen::{Screen, ScreenedSet};
+use squeal::screen::{Form, Screen, ScreenedSet};
 use squeal::study::Plan;
 
 use super::FILE;
@@ -85,7 +85,8 @@ fn answer(screen: &Screen) -> String {
     let mut text = String::from("<h3>What helps</h3>\n<ul class=\"lead\">\n");
     let mut best: Vec<&ScreenedSet> = Vec::new();
     for set in screen.sets.iter().skip(1).filter(|set| set.confirmed.is_some()) {
-        let drop = |set: &ScreenedSet| set.confirmed.as_ref().map_or(f64::NEG_INFINITY, |found| found.drop.value);
+        let of = |found| screen.criterion.drop(found).value;
+        let drop = |set: &ScreenedSet| set.confirmed.as_ref().map_or(f64::NEG_INFINITY, of);
         match best.iter_mut().find(|other| other.kind == set.kind) {
             Some(other) if drop(set) > drop(other) => *other = set,
             Some(_) => {}
@@ -95,21 +96,21 @@ fn answer(screen: &Screen) -> String {
     for set in best {
         let Some(found) = &set.confirmed else { continue };
         let action = set.kind.map_or_else(|| "Set of constraints".to_owned(), |kind| capitalised(kind.action()));
-        let effect = if found.drop.lower > 0.0 {
-            "fewer unstable modes"
-        } else if found.drop.upper < 0.0 {
-            "fewer unstable modes: surely more than without it"
+        let (drop, left) = (screen.criterion.drop(found), screen.criterion.left(found).value);
+        let sure = if drop.lower > 0.0 {
+            ""
+        } else if drop.upper < 0.0 {
+            ": surely more than without it"
         } else {
-            "fewer unstable modes: no sure difference"
+            ": no sure difference"
         };
+        let Form { times, decimals, unit, fewer, .. } = screen.criterion.form();
+        let [value, lower, upper, left] =
+            [drop.value, drop.lower, drop.upper, left].map(|number| format!("{:.decimals$}", times * number));
         text += &format!(
-            "<li>{action} <strong>{}</strong>: {:.3} ({:.3} to {:.3}) {effect}; {:.3} are left, and {:.1}&nbsp;% of the analyses have \
-             any.</li>\n",
+            "<li>{action} <strong>{}</strong>: {value} ({lower} to {upper}) {fewer}{sure}; {left}{unit} are left, and {:.1}&nbsp;% of the analyses have \
+             any unstable mode.</li>\n",
             escaped(&set.name()),
-            found.drop.value,
-            found.drop.lower,
-            found.drop.upper,
-            found.unstable.value,
             100.0 * found.squealing.value
         );
     }

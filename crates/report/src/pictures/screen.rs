@@ -1,7 +1,7 @@
 //! The figure of a screening.
 
 use figures::{DropBar, DropGroup, DropsFigure, Figure, drops};
-use squeal::screen::{ChangeKind, Screen, ScreenedSet};
+use squeal::screen::{ChangeKind, Form, Screen, ScreenedSet};
 
 use crate::Error;
 
@@ -10,10 +10,17 @@ use crate::Error;
 /// # Errors
 /// A picture that cannot be drawn.
 pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure, Error> {
+    let Form { times, fewer, .. } = screen.criterion.form();
     let bar = |set: &ScreenedSet| {
-        let drop = set.confirmed.as_ref()?.drop;
-        let limits = [drop.lower, drop.upper];
-        Some(DropBar { name: set.name(), value: drop.value, limits, predicted: set.predicted_drop(&screen.unchanged) })
+        let drop = screen.criterion.drop(set.confirmed.as_ref()?);
+        let limits = [drop.lower, drop.upper].map(|limit| times * limit);
+        let predicted = set.predicted_drop(&screen.unchanged, screen.criterion);
+        Some(DropBar {
+            name: set.name(),
+            value: times * drop.value,
+            limits,
+            predicted: predicted.map(|drop| times * drop),
+        })
     };
     let group = |title: &str, kind: Option<ChangeKind>| {
         let bars = screen.sets.iter().skip(1).filter(|set| set.kind == kind).filter_map(bar).collect();
@@ -23,9 +30,9 @@ pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure,
     let groups = [group("the case's sets of constraints", None)].into_iter().chain(kinds);
     Ok(drops(&DropsFigure {
         title: title.into(),
-        x_label: "unstable modes fewer in one analysis".into(),
+        x_label: fewer.into(),
         groups: groups.filter(|group| !group.bars.is_empty()).collect(),
-        most: screen.as_it_is().map(|now| now.unstable.value),
+        most: screen.as_it_is().map(|now| times * screen.criterion.left(now).value),
         note: note.into(),
     })?)
 }

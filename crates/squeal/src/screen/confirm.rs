@@ -2,12 +2,17 @@
 
 use std::ops::Range;
 
-use montecarlo::{BoundedMean, Bounds, Confidence, CountDifference, CountedSide, Failures, Merge, Runs, Tally, wilson};
+use montecarlo::{
+    BoundedMean, Bounds, Confidence, CountDifference, CountedSide, Failures, Merge, QuantileSketch, Runs, Tally, wilson,
+};
 use serde::{Deserialize, Serialize};
 use study::{Plan, Scene, Study, UncertainBrake};
 
 use super::modified::Modified;
 use crate::results::Estimate;
+
+/// Part of the draws of which the growth is not exceeded, of [`Confirmed::growth_quantile`].
+pub(super) const GROWTH_QUANTILE: f64 = 0.95;
 
 /// Sums over all scenes of each set of changes, sample by sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,6 +25,8 @@ pub(super) struct ScreenTally {
     drops: Vec<Vec<BoundedMean>>,
     /// Sums, by set and other set, of how many more analyses with an unstable mode or divergence the first has.
     squeal_drops: Vec<Vec<BoundedMean>>,
+    /// Largest growth rates in all analyses of a sample, 1/s, by set.
+    growth: Vec<QuantileSketch>,
     /// Number of verdicts that the error bound leaves open, by set.
     pub undecided: Vec<u64>,
     /// Number of real eigenvalues beyond the threshold, by set.
@@ -50,6 +57,7 @@ impl ScreenTally {
             squealing: means.clone(),
             drops: vec![means.clone(); sets],
             squeal_drops: vec![means; sets],
+            growth: vec![QuantileSketch::default(); sets],
             undecided: counts.clone(),
             divergent: counts,
             layout: Layout { scenes },
@@ -69,6 +77,7 @@ impl Merge for ScreenTally {
         add(&mut self.squealing, later.squealing);
         self.drops.iter_mut().zip(later.drops).for_each(|(mine, later)| add(mine, later));
         self.squeal_drops.iter_mut().zip(later.squeal_drops).for_each(|(mine, later)| add(mine, later));
+        self.growth.iter_mut().zip(later.growth).for_each(|(mine, later)| mine.merge(later));
         count(&mut self.undecided, later.undecided);
         count(&mut self.divergent, later.divergent);
     }
@@ -78,11 +87,13 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
     fn record(&mut self, runs: &Runs<'_, Study<'_, Modified<'_, B>>>) {
         // Of a set in which a scene failed nothing is known of this sample.
         let mut sums: Vec<Option<[i32; 2]>> = vec![Some([0; 2]); self.unstable.len()];
+        let mut growth = vec![0.0_f64; sums.len()];
         for (&(set, weight), result) in self.layout.scenes.iter().zip(runs.results) {
             match (result, &mut sums[set]) {
                 (Ok(outcome), Some([unstable, squealing])) => {
                     *unstable += weight * outcome.instabilities() as i32;
                     *squealing += weight * i32::from(outcome.is_unstable());
+                    growth[set] = growth[set].max(outcome.growth);
                     self.undecided[set] += weight as u64 * u64::from(outcome.undecided);
                     self.divergent[set] += weight as u64 * u64::from(outcome.divergent);
                 }
@@ -94,6 +105,7 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
             let Some([unstable, squealing]) = *sum else { continue };
             self.unstable[set].record(unstable);
             self.squealing[set].record(squealing);
+            self.growth[set].record(growth[set]);
             for (other, less) in sums.iter().enumerate() {
                 if let Some([less, less_squealing]) = *less {
                     self.drops[set][other].record(unstable - less);
@@ -120,6 +132,11 @@ pub struct Confirmed {
     pub squealing: Estimate,
     /// Drop of this fraction against the brake without changes, on the same draws.
     pub squealing_drop: Estimate,
+    /// Quantile at 95 %, over the samples, of the largest growth rate in all analyses of a sample, 1/s, to 1/2048 of itself; 0 where nothing grows. Its
+    /// limits are order statistics: from 0, to infinity, where samples are too few or some failed.
+    pub growth_quantile: Estimate,
+    /// Drop of this quantile against the brake without changes, between the limits of the two with 97.5 % each.
+    pub growth_quantile_drop: Estimate,
     /// Number of verdicts that the error bound leaves open; they count as stable.
     pub undecided: u64,
     /// Number of real eigenvalues beyond the threshold.
@@ -153,9 +170,40 @@ impl ScreenTally {
                 by,
                 samples,
             )?,
+            growth_quantile: self.growth_quantile(set, Confidence::P95, samples)?,
+            growth_quantile_drop: self.growth_quantile_drop(set, samples)?,
             undecided: self.undecided[set],
             divergent: self.divergent[set],
             samples: self.unstable[set].count(),
+        })
+    }
+
+    /// Quantile of the growth of a set.
+    fn growth_quantile(&self, set: usize, confidence: Confidence, samples: u64) -> Option<Estimate> {
+        let growth = &self.growth[set];
+        let value = growth.quantile(GROWTH_QUANTILE).ok()?;
+        let limits = growth.quantile_interval(GROWTH_QUANTILE, confidence).ok()?;
+        let (lower, upper) = match limits.filter(|_| growth.count() == samples) {
+            Some(limits) => (limits.lower.min(value), limits.upper.max(value)),
+            None => (0.0, f64::INFINITY),
+        };
+        Some(Estimate { value, lower, upper })
+    }
+
+    /// Drop of the quantile of the growth of a set.
+    fn growth_quantile_drop(&self, set: usize, samples: u64) -> Option<Estimate> {
+        // Two intervals that hold together with 95 %, whatever they have to do with each other.
+        let confidence = Confidence::P95.halved();
+        let (more, less) =
+            (self.growth_quantile(0, confidence, samples)?, self.growth_quantile(set, confidence, samples)?);
+        Some(match set {
+            // Nothing is drawn that could differ.
+            0 => Estimate { value: 0.0, lower: 0.0, upper: 0.0 },
+            _ => Estimate {
+                value: more.value - less.value,
+                lower: more.lower - less.upper,
+                upper: more.upper - less.lower,
+            },
         })
     }
 

@@ -10,6 +10,7 @@
 mod candidates;
 mod change;
 mod confirm;
+mod criterion;
 mod growing;
 mod modified;
 mod predict;
@@ -22,6 +23,7 @@ mod search;
 pub use candidates::{Candidates, ChangeKind, SingleChange, Sizes};
 pub use change::{Attached, Change};
 pub use confirm::Confirmed;
+pub use criterion::{Criterion, Form};
 pub use growing::GrowingMode;
 pub use modified::{ChangeSet, Modified};
 pub use predict::Prediction;

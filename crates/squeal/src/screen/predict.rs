@@ -2,13 +2,14 @@
 
 use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, real_count, verdicts_beyond};
 use linsys::{OperatingPoint, SecondOrder};
-use montecarlo::{Progress, stream};
+use montecarlo::{Progress, quantile, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
 use study::{Configuration, ModifiablePlan, Plan, Scene, SceneKey, Symmetry, UncertainBrake, WholeContact};
 
 use super::change::{Change, ChangedBrake};
+use super::confirm::GROWTH_QUANTILE;
 use super::modified::{inverse, modifiable_of};
 use crate::Error;
 
@@ -16,12 +17,24 @@ use crate::Error;
 const ARRANGEMENTS_PER_PANEL: usize = 2;
 
 /// Prediction for a brake with some changes: means over the analyses of a few draws.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Prediction {
     /// Number of unstable modes and divergences in one analysis.
     pub unstable: f64,
     /// Sum of their growth rates, 1/s.
     pub growth: f64,
+    /// Fraction of the analyses with any of them.
+    pub squealing: f64,
+    /// Quantile at 95 %, over the draws, of the largest growth rate in any analysis of a draw, 1/s; 0 where nothing grows.
+    pub growth_quantile: f64,
+}
+
+/// What a probe says of a brake with some changes: means over the draws, and the largest growth rate of each, 1/s.
+struct Answer {
+    unstable: f64,
+    growth: f64,
+    squealing: f64,
+    fastest: Vec<f64>,
 }
 
 /// Analyses of a brake, a few, on which sets of changes are compared.
@@ -103,18 +116,22 @@ impl<'a> Probes<'a> {
 
     /// The prediction of one set of changes.
     pub fn prediction(&self, changes: &[Change]) -> Result<Prediction, Error> {
-        let (mut sum, mut work) = (Prediction { unstable: 0.0, growth: 0.0 }, Workspace::default());
+        let (mut sum, mut work) = (Prediction::default(), Workspace::default());
+        let mut fastest = vec![0.0; self.draws as usize];
         for probe in &self.probes {
-            let found = probe.prediction(changes, self.plan, &mut work)?;
+            let found = probe.answer(changes, self.plan, &mut work)?;
             sum.unstable += probe.weight * found.unstable;
             sum.growth += probe.weight * found.growth;
+            sum.squealing += probe.weight * found.squealing;
+            fastest.iter_mut().zip(&found.fastest).for_each(|(all, of_probe)| *all = of_probe.max(*all));
         }
-        Ok(sum)
+        fastest.sort_by(f64::total_cmp);
+        Ok(Prediction { growth_quantile: quantile(&fastest, GROWTH_QUANTILE)?, ..sum })
     }
 }
 
 impl Probe<'_> {
-    fn prediction(&self, changes: &[Change], plan: &Plan, work: &mut Workspace) -> Result<Prediction, Error> {
+    fn answer(&self, changes: &[Change], plan: &Plan, work: &mut Workspace) -> Result<Answer, Error> {
         let changes: Vec<Change> = match &self.symmetry {
             Some(symmetry) => changes.iter().map(|change| change.image(symmetry)).collect(),
             None => changes.to_vec(),
@@ -127,11 +144,11 @@ impl Probe<'_> {
             let out = systems.iter_mut().map(|of_sector| &mut of_sector[at]);
             brake.sectors.assemble_into(&brake.system, &changed.point(point.clone()), &mut whole, out)?;
         }
-        let (mut unstable, mut growth) = (0, 0.0);
+        let (mut unstable, mut growth, mut fastest) = (0, 0.0, vec![0.0; self.points.len()]);
         for of_sector in &systems {
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
-            for (system, spectrum) in of_sector.iter().zip(spectra) {
+            for ((system, spectrum), fastest) in of_sector.iter().zip(spectra).zip(&mut fastest) {
                 let spectrum = spectrum?;
                 // A sign alone says nothing near the axis.
                 let may_count = |lambda: &Complex<f64>| {
@@ -143,10 +160,12 @@ impl Probe<'_> {
                     let count = real_count(*lambda).max(1);
                     unstable += count;
                     growth += count as f64 * lambda.re;
+                    *fastest = lambda.re.max(*fastest);
                 }
             }
         }
-        let draws = self.points.len() as f64;
-        Ok(Prediction { unstable: unstable as f64 / draws, growth: growth / draws })
+        let (draws, squealing) = (self.points.len() as f64, fastest.iter().filter(|&&growth| growth > 0.0).count());
+        let [unstable, squealing] = [unstable, squealing].map(|count| count as f64 / draws);
+        Ok(Answer { unstable, growth: growth / draws, squealing, fastest })
     }
 }

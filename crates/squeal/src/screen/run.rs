@@ -10,6 +10,7 @@ use study::{Study, UncertainBrake, divergence_doubt, samples_together};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
+use super::criterion::Criterion;
 use super::growing::growing_modes;
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
@@ -18,7 +19,7 @@ use super::search::{KindRanking, Ranked, combinations, search};
 use crate::Error;
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 3;
+const TALLY_VERSION: u32 = 4;
 /// Time between two checkpoints; chosen, as that of a run.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
@@ -38,6 +39,8 @@ pub struct ScreenOptions {
     pub draws: u64,
     /// Number of single changes of each kind that are confirmed.
     pub confirmed: usize,
+    /// Criterion of the ranking.
+    pub criterion: Criterion,
 }
 
 impl Default for ScreenOptions {
@@ -45,20 +48,30 @@ impl Default for ScreenOptions {
     /// best of each kind is confirmed.
     fn default() -> Self {
         let kinds = ChangeKind::ALL.to_vec();
-        Self { constraints: 0, kinds, sizes: Sizes::default(), up_to: 2, draws: 8, confirmed: 1 }
+        Self {
+            constraints: 0,
+            kinds,
+            sizes: Sizes::default(),
+            up_to: 2,
+            draws: 8,
+            confirmed: 1,
+            criterion: Criterion::default(),
+        }
     }
 }
 
 impl ScreenOptions {
     /// Writes out the options that tell a screening from others of the same brake.
     pub fn written(&self, to: &mut Written) {
-        let Self { constraints, kinds, sizes: Sizes { mass, spring, dashpot }, up_to, draws, confirmed } = self;
+        let Self { constraints, kinds, sizes: Sizes { mass, spring, dashpot }, up_to, draws, confirmed, criterion } =
+            self;
         to.count(*constraints);
         to.list(kinds, |to, kind| to.text(kind.name()));
         [mass, spring, dashpot].into_iter().for_each(|size| to.option(*size, Written::number));
         to.count(*up_to);
         to.text(&draws.to_string());
         to.count(*confirmed);
+        to.text(criterion.name());
     }
 }
 
@@ -79,12 +92,12 @@ pub struct Ranking {
 /// # Errors
 /// A draw without an operating point; a brake that cannot be analysed without changes.
 pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dyn Progress) -> Result<Ranking, Error> {
-    let ScreenOptions { constraints, kinds, sizes, up_to, draws, .. } = options;
+    let ScreenOptions { constraints, kinds, sizes, up_to, draws, criterion, .. } = options;
     let probes = Probes::new(brake, *constraints, *draws)?;
     let candidates = Candidates::all(brake, *constraints, kinds, sizes)?;
     progress.begin(candidates.iter().map(|of_kind| combinations(of_kind, *up_to)).sum(), 0);
     let unchanged = probes.prediction(&[])?;
-    let of_kind = |candidates| search(candidates, &probes, *up_to, progress);
+    let of_kind = |candidates| search(candidates, &probes, *up_to, *criterion, progress);
     let kinds = candidates.into_iter().map(of_kind).collect();
     progress.end();
     progress.go_on()?;
@@ -185,6 +198,7 @@ pub fn confirm<B: UncertainBrake>(
         summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();
     let source = brake.mode_source();
     Ok(Screen {
+        criterion: options.criterion,
         sets,
         differences,
         unchanged: ranking.unchanged,

@@ -2,6 +2,7 @@
 
 use super::candidates::ChangeKind;
 use super::confirm::Confirmed;
+use super::criterion::Criterion;
 use super::growing::GrowingMode;
 use super::modified::ChangeSet;
 use super::predict::Prediction;
@@ -18,7 +19,7 @@ pub struct ScreenedSet {
     pub count: usize,
     /// Sizes with their units; consecutive equal ones are given once, so not one for each place. A unit is empty where the brake does not say which it is.
     pub sizes: Vec<(f64, &'static str)>,
-    /// Predicted mean number of unstable modes per analysis and sum of their growth rates, 1/s; `None` of the case's other sets of constraints.
+    /// Prediction for the brake with the changes; `None` of the case's other sets of constraints.
     pub prediction: Option<Prediction>,
     /// Changes of the set.
     pub changes: ChangeSet,
@@ -31,6 +32,8 @@ pub struct ScreenedSet {
 /// Results of a screening.
 #[derive(serde::Serialize)]
 pub struct Screen {
+    /// Criterion of the ranking.
+    pub criterion: Criterion,
     /// Sets: the brake as it is, its other sets of constraints, then kind by kind: the largest sets first, then single changes, the best
     /// first.
     pub sets: Vec<ScreenedSet>,
@@ -61,9 +64,9 @@ pub struct Screen {
 }
 
 impl ScreenedSet {
-    /// Predicted drop: mean number of unstable modes per analysis of the unchanged brake minus that of this set.
-    pub fn predicted_drop(&self, unchanged: &Prediction) -> Option<f64> {
-        Some(unchanged.unstable - self.prediction?.unstable)
+    /// Predicted drop by a criterion: the value of the unchanged brake minus that of this set.
+    pub fn predicted_drop(&self, unchanged: &Prediction, criterion: Criterion) -> Option<f64> {
+        Some(criterion.predicted(unchanged) - criterion.predicted(&self.prediction?))
     }
 
     /// Words for the changes, for people.

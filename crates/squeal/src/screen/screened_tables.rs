@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use super::candidates::ChangeKind;
 use super::confirm::Confirmed;
+use super::criterion::Criterion;
 use super::screened::{Screen, ScreenedSet};
 use crate::results::Estimate;
 
@@ -37,6 +38,14 @@ impl Screen {
             "divergent",
             "samples",
             "predicted_analyses",
+            "predicted_squealing",
+            "predicted_growth_quantile",
+            "growth_quantile",
+            "growth_quantile_lower",
+            "growth_quantile_upper",
+            "growth_quantile_drop",
+            "growth_quantile_drop_lower",
+            "growth_quantile_drop_upper",
         ];
         let screen = Table::new("screen", header, self.sets.iter().map(|set| self.row(set)));
         let confirmed: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.confirmation.is_some()).collect();
@@ -67,19 +76,25 @@ impl Screen {
             sizes.join(" "),
             set.unit(),
             text(set.prediction.map(|prediction| prediction.unstable)),
-            text(set.predicted_drop(&self.unchanged)),
+            text(set.predicted_drop(&self.unchanged, Criterion::Occurrence)),
             text(set.prediction.map(|prediction| prediction.growth)),
         ];
         let confirmed = set.confirmed.as_ref();
-        let estimates: [fn(&Confirmed) -> Estimate; 4] =
-            [|c| c.unstable, |c| c.drop, |c| c.squealing, |c| c.squealing_drop];
-        for of in estimates {
+        let estimate = |of: fn(&Confirmed) -> Estimate| {
             let estimate = confirmed.map(of);
-            row.extend([estimate.map(|e| e.value), estimate.map(|e| e.lower), estimate.map(|e| e.upper)].map(text));
-        }
+            [estimate.map(|e| e.value), estimate.map(|e| e.lower), estimate.map(|e| e.upper)].map(text)
+        };
+        row.extend(estimate(|c| c.unstable));
+        row.extend(estimate(|c| c.drop));
+        row.extend(estimate(|c| c.squealing));
+        row.extend(estimate(|c| c.squealing_drop));
         let counts: [fn(&Confirmed) -> u64; 3] = [|c| c.undecided, |c| c.divergent, |c| c.samples];
         row.extend(counts.map(|of| confirmed.map_or_else(String::new, |c| of(c).to_string())));
         row.push(if set.prediction.is_some() { self.analyses_per_set.to_string() } else { String::new() });
+        row.push(text(set.prediction.map(|prediction| prediction.squealing)));
+        row.push(text(set.prediction.map(|prediction| prediction.growth_quantile)));
+        row.extend(estimate(|c| c.growth_quantile));
+        row.extend(estimate(|c| c.growth_quantile_drop));
         row
     }
 
@@ -96,12 +111,12 @@ impl Screen {
                     "sizes": set.sizes.iter().map(|(size, _)| size).collect::<Vec<_>>(),
                     "unit": set.kind.map(|_| set.unit()),
                     "predicted": set.prediction,
-                    "predicted_drop": set.predicted_drop(&self.unchanged),
+                    "predicted_drop": set.predicted_drop(&self.unchanged, self.criterion),
                     "confirmed": set.confirmed,
                 })
             })
             .collect();
-        json!({ "warnings": self.divergence_doubt.iter().collect::<Vec<_>>(), "sets": sets, "failed": self.failed, "counts": self.counts() })
+        json!({ "criterion": self.criterion, "warnings": self.divergence_doubt.iter().collect::<Vec<_>>(), "sets": sets, "failed": self.failed, "counts": self.counts() })
     }
 
     /// Numbers of sets, analyses, draws and scenes, as JSON.

@@ -2,6 +2,7 @@
 
 use super::candidates::ChangeKind;
 use super::confirm::Confirmed;
+use super::criterion::{Criterion, Form};
 use super::screened::{Screen, ScreenedSet};
 use crate::results::Estimate;
 
@@ -14,10 +15,11 @@ impl Screen {
         let mut text = self.said_first()
             + &self.as_it_is().map_or_else(String::new, |now| {
                 format!(
-                    "{}: {} unstable modes in one analysis, any in {} %\n",
+                    "{}: {} unstable modes in one analysis, any in {} %{}\n",
                     self.sets[0].places,
                     within(&now.unstable, 3, 1.0),
-                    within(&now.squealing, 1, 100.0)
+                    within(&now.squealing, 1, 100.0),
+                    self.growth_in_words(now)
                 )
             });
         let of_case: Vec<&ScreenedSet> = self.sets.iter().skip(1).take_while(|set| set.kind.is_none()).collect();
@@ -43,6 +45,19 @@ impl Screen {
             text += &self.against(set);
         }
         text + &self.remarks()
+    }
+
+    /// The growth of the brake as it is, where the ranking is by it.
+    fn growth_in_words(&self, now: &Confirmed) -> String {
+        match self.criterion {
+            Criterion::GrowthQuantile => {
+                format!(
+                    "\ngrowth of the fastest mode of a draw at most {} 1/s in 95 % of the draws",
+                    within(&now.growth_quantile, 1, 1.0)
+                )
+            }
+            Criterion::Occurrence | Criterion::Probability => String::new(),
+        }
     }
 
     /// Warnings that every number has to be read with: failures, open verdicts, divergence.
@@ -104,7 +119,8 @@ impl Screen {
 
     /// Meaning of the numbers, and how many analyses they rest on.
     pub fn rests_on(&self) -> [String; 2] {
-        let meaning = "drop: unstable modes fewer in one analysis, on average over all arrangements, laws and speed ranges; 95 % limits";
+        let Form { fewer, over, .. } = self.criterion.form();
+        let meaning = format!("drop: {fewer}, {over}; 95 % limits");
         let counts = format!(
             "predicted by {} spectra for each of {} sets of changes, of {} combinations; {} draws; confirmed with {} other draws in {} scenes",
             self.analyses_per_set,
@@ -114,16 +130,18 @@ impl Screen {
             self.samples,
             self.scenes
         );
-        [meaning.into(), counts]
+        [meaning, counts]
     }
 
     fn line(&self, set: &ScreenedSet) -> String {
-        let predicted = set.predicted_drop(&self.unchanged).map_or_else(|| "-".into(), |drop| format!("{drop:.3}"));
+        let Form { times, decimals, .. } = self.criterion.form();
+        let number = |value: f64| format!("{:.decimals$}", times * value);
+        let predicted = set.predicted_drop(&self.unchanged, self.criterion).map_or_else(|| "-".into(), number);
         let confirmed = set.confirmed.as_ref().map_or_else(String::new, |confirmed| {
             format!(
-                "  {:>25}  {:>7.3}  {:>7.1} %",
-                within(&confirmed.drop, 3, 1.0),
-                confirmed.unstable.value,
+                "  {:>25}  {:>7}  {:>7.1} %",
+                within(&self.criterion.drop(confirmed), decimals, times),
+                number(self.criterion.left(confirmed).value),
                 100.0 * confirmed.squealing.value
             )
         });

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use montecarlo::Progress;
 
 use super::candidates::Candidates;
+use super::criterion::Criterion;
 use super::predict::{Prediction, Probes};
 
 /// Changes of one kind with their prediction.
@@ -48,6 +49,7 @@ pub(super) fn search(
     candidates: Candidates,
     probes: &Probes<'_>,
     up_to: usize,
+    criterion: Criterion,
     progress: &dyn Progress,
 ) -> KindRanking {
     let mut known: HashMap<Vec<usize>, Option<Prediction>> = HashMap::new();
@@ -85,7 +87,7 @@ pub(super) fn search(
             Some(Ranked { singles, prediction })
         });
         let mut analysed: Vec<Ranked> = analysed.collect();
-        analysed.sort_by(by_prediction);
+        analysed.sort_by(|a, b| criterion.order(&a.prediction, &b.prediction));
         let Some(best) = analysed.first().cloned() else { break };
         ranking.best.push(best);
         let is_symmetric = |ranked: &&Ranked| ranking.candidates.is_symmetric(&ranked.singles);
@@ -96,13 +98,6 @@ pub(super) fn search(
     }
     progress.advance(ranking.combinations - done);
     ranking
-}
-
-/// The order of a ranking: fewest unstable modes first, of equally many the least growth.
-fn by_prediction(a: &Ranked, b: &Ranked) -> std::cmp::Ordering {
-    let of = |ranked: &Ranked| (ranked.prediction.unstable, ranked.prediction.growth);
-    let ((a, a_growth), (b, b_growth)) = (of(a), of(b));
-    a.total_cmp(&b).then(a_growth.total_cmp(&b_growth))
 }
 
 impl KindRanking {
