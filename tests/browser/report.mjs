@@ -30,6 +30,8 @@ const tables = async (page, folder) => {
     assert.ok(text === readFileSync(join(folder, name), 'utf8'), `${name} differs from its file`);
   }
   await page.value(select('table-choice', '0'));
+  const long = "[...document.querySelectorAll('#table td.number')].map(cell => cell.textContent).filter(text => text.length > 16)";
+  assert.deepEqual(await page.value(long), [], 'numbers with all their digits');
   // By the column of numbers that differ most.
   const shown = await page.value(`[...document.querySelectorAll('#table tbody tr:first-child td')].map((cell, i) =>
     cell.className === 'number' ? new Set(${column('i')}).size : 0)`);
@@ -281,6 +283,8 @@ const check = async (browser, folder, pictures) => {
       if (pictures) writeFileSync(join(pictures, `${basename(resolve(folder))}-${width}-${scheme}.png`), await calm.picture());
     }
   }
+  const cut = "[...document.querySelectorAll('pre')].filter(part => part.checkVisibility() && part.scrollWidth > part.clientWidth).length";
+  assert.equal(await calm.value(cut), 0, 'text that is cut on a wide screen');
   await paper(calm, folder, pictures);
   assert.deepEqual([...page.complaints, ...calm.complaints], []);
   assert.deepEqual([...page.requests, ...calm.requests].filter(request => request !== url && !request.startsWith('blob:')), []);

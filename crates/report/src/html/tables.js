@@ -1,9 +1,11 @@
 // Tables: rows that can be sorted, searched and saved as the CSV file that they came from.
 const ROWS_SHOWN = 50;
-// On paper all rows that are chosen, up to some forty pages, a longer table says that it is cut, and of numbers so many digits: those
-// of the file have no place there.
+// On paper all rows that are chosen, up to some forty pages, and a longer table says that it is cut.
 const ROWS_PRINTED = 2000;
+// Of numbers that are not whole so many digits; those of the file stand beside the pointer.
+const DIGITS_SHOWN = 7;
 const DIGITS_PRINTED = 5;
+const shortened = (text, digits) => (/^-?\d+$/.test(text) ? text : String(Number(Number(text).toPrecision(digits))));
 
 // The rows of a table; neighbours that are alike are stored once.
 const rowsOf = table => {
@@ -65,8 +67,9 @@ const startTables = () => {
 
   const show = () => {
     const page = rows.slice(first, first + most);
-    const number = text => (most === ROWS_PRINTED ? String(Number(Number(text).toPrecision(DIGITS_PRINTED))) : text);
-    const cell = text => (isNumber(text) ? make('td', { class: 'number' }, number(text)) : make('td', {}, text));
+    const digits = most === ROWS_PRINTED ? DIGITS_PRINTED : DIGITS_SHOWN;
+    const number = (text, short) => make('td', short === text ? { class: 'number' } : { class: 'number', title: text }, short);
+    const cell = text => (isNumber(text) ? number(text, shortened(text, digits)) : make('td', {}, text));
     shown.tBodies[0].replaceChildren(...page.map(row => make('tr', {}, ...row.map(cell))));
     const last = first + page.length;
     const where = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : 'No row';
