@@ -49,6 +49,7 @@ pub use finite_elements::{
 };
 pub use header::CaseHeader;
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
+pub use set::parameter_of;
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};
 
 /// The README's example, compiled and run as a doctest.

@@ -10,6 +10,17 @@ use super::check::Check;
 /// Tables whose entries are distributions, which their names alone are enough for.
 const DRAWN: [&str; 2] = ["parameters", "friction"];
 
+/// Tables of a case whose fields are parameters that can be swept.
+const OF_PARAMETERS: [&str; 3] = ["parameters", "friction", "lattice"];
+
+/// The name of the parameter that a field holds, as `x_damping` of `lattice.x_damping`: what is set by its field is swept by it too. Any other
+/// name stays.
+#[must_use]
+pub fn parameter_of(field: &str) -> &str {
+    let inner = |table: &str| field.strip_prefix(table)?.strip_prefix('.');
+    OF_PARAMETERS.into_iter().find_map(inner).unwrap_or(field)
+}
+
 /// The text of a case with fields set, each as `NAME=VALUE`, in their order; all else stays as it is written. A text that is no TOML stays,
 /// for its reader to say where.
 ///
@@ -51,6 +62,12 @@ pub(super) fn placed(error: CaseError, text: &str, set: &[String]) -> CaseError 
 
 /// Puts a value into a document; the error says what is allowed.
 fn put(document: &mut Table, keys: &[Key], value: Value) -> Result<(), String> {
+    // A table that is in another one alone needs no name of that, as no field does.
+    if let [first, _, ..] = keys
+        && let Some(outer) = only_table_with(document, first.get())
+    {
+        return put(document, &[&[Key::new(outer)], keys].concat(), value);
+    }
     let (table, key) = match keys {
         [name] => (parameters_with(document, name.get())?, name),
         [table, key] if !document.contains_key(table.get()) => {
@@ -75,6 +92,15 @@ fn put(document: &mut Table, keys: &[Key], value: Value) -> Result<(), String> {
             Ok(())
         }
     }
+}
+
+/// The one table of a document that has a table of this name within it; `None` where the document has one of its own.
+fn only_table_with(document: &Table, name: &str) -> Option<String> {
+    let has_table = |(_, item): &(&str, &Item)| {
+        item.as_table_like().and_then(|of| of.get(name)).is_some_and(|inner| inner.is_table_like())
+    };
+    let mut tables = document.iter().filter(has_table).map(|(table, _)| table.to_owned());
+    tables.next().filter(|_| tables.next().is_none() && !document.contains_key(name))
 }
 
 fn is_distribution(item: &Item) -> bool {
@@ -163,7 +189,7 @@ fn distribution(item: &mut Item, value: Value) -> Result<(), String> {
 mod tests {
     use std::path::Path;
 
-    use super::edited;
+    use super::{edited, parameter_of};
     use crate::CaseFile;
 
     const CASE: &str = r#"
@@ -219,6 +245,22 @@ coefficient = 1.0
             assert_ne!(found, CASE, "{setting}");
         }
         assert_eq!(set(&["mu=1", "parameters.mu.value=2"]).unwrap(), set(&["mu=2"]).unwrap());
+        assert_eq!(set(&["mu.to=1.3"]).unwrap(), set(&["parameters.mu.to=1.3"]).unwrap());
+    }
+
+    #[test]
+    fn a_field_that_is_swept_is_its_parameter() {
+        for (field, parameter) in [
+            ("lattice.x_damping", "x_damping"),
+            ("lattice.plate.mass", "plate.mass"),
+            ("friction.mu_k", "mu_k"),
+            ("parameters.c", "c"),
+            ("plate.mass", "plate.mass"),
+            ("lattices.c", "lattices.c"),
+            ("mu", "mu"),
+        ] {
+            assert_eq!(parameter_of(field), parameter);
+        }
     }
 
     #[test]
