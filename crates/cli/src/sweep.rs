@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::case::ChosenSpeed;
+use brakes::case::{ChosenSpeed, parameter_of};
 use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
 use output::printable;
@@ -55,7 +55,11 @@ pub(super) fn over(text: &str) -> Result<Over, String> {
     let parts = || {
         let (name, range) = text.split_once('=')?;
         let (from, to) = range.split_once(':')?;
-        Some(Over { name: name.trim().into(), from: from.trim().parse().ok()?, to: to.trim().parse().ok()? })
+        Some(Over {
+            name: parameter_of(name.trim()).into(),
+            from: from.trim().parse().ok()?,
+            to: to.trim().parse().ok()?,
+        })
     };
     parts().ok_or_else(|| "allowed: NAME=FROM:TO, as mu=0:1".to_owned())
 }

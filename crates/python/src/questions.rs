@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use ::cea::{self as analysis, BatchSolver, CeaError, CountedSpectrum, EigenSolver, QrSolver, Workspace};
+use brakes::case::parameter_of;
 use brakes::{AnyBrake, CaseBrake, Purpose};
 use linsys::SecondOrder;
 use montecarlo::MonteCarloError;
@@ -169,7 +170,8 @@ pub(crate) fn sweep(
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<AsTable>, String, String)> {
-    let over: Vec<Over> = over.into_iter().map(|(name, from, to)| Over { name, from, to }).collect();
+    let over: Vec<Over> =
+        over.into_iter().map(|(name, from, to)| Over { name: parameter_of(&name).into(), from, to }).collect();
     if !(1..=2).contains(&over.len()) {
         return Err(argument(py, "sweep", &format!("{} parameters", over.len()), "one or two"));
     }
