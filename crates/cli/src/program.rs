@@ -7,8 +7,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
-    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, InfluenceArgs, MergeArgs, NewArgs, PrepareArgs,
-    RareArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse,
+    CeaArgs, CheckArgs, CompareArgs, CycleArgs, EigArgs, Error, ExplainArgs, InfluenceArgs, MergeArgs, NewArgs,
+    PrepareArgs, RareArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse,
 };
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
@@ -41,6 +41,7 @@ enum Command {
     Rare(RareArgs),
     Screen(ScreenArgs),
     Compare(CompareArgs),
+    Explain(ExplainArgs),
     /// Print completions of these commands for a shell, to be put where it looks for them.
     #[command(after_help = "Example: squeal completions bash > squeal.bash")]
     Completions {
@@ -79,6 +80,7 @@ pub fn program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Rare(args) => args.run(&mut out),
         Command::Screen(args) => args.run(&mut out),
         Command::Compare(args) => args.run(&mut out),
+        Command::Explain(args) => args.run(&mut out),
         Command::Completions { shell } => completions(*shell, &mut out),
         Command::Man => manual(&mut out).map_err(Error::StandardOutput),
     };

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
+use super::made::Made;
 use super::packages::{Packages, text_of};
 use super::{licences, refusals};
 use crate::error::TaskError;
@@ -31,7 +32,7 @@ pub struct ReleaseCheckArgs {
 pub fn run(args: &ReleaseCheckArgs, root: &Path) -> Result<(), TaskError> {
     let packages = Packages::read(root)?;
     let mut faults: Vec<String> = Vec::new();
-    faults.extend(refusals::page(root)?.fault());
+    faults.extend(refusals::pages(root)?.iter().filter_map(Made::fault));
     faults.extend(licences::page(root)?.fault());
     let published: Vec<&Value> = packages.own().filter(|package| package["publish"].is_null()).collect();
     let Some(version) = published.first().map(|package| text_of(package, "version")) else {
@@ -42,6 +43,10 @@ pub fn run(args: &ReleaseCheckArgs, root: &Path) -> Result<(), TaskError> {
         if args.to_publish && text_of(package, "repository").is_empty() {
             faults.push(format!("{}: no repository; workspace.package.repository says it", text_of(package, "name")));
         }
+    }
+    let citation = std::fs::read_to_string(root.join("CITATION.cff")).unwrap_or_default();
+    if args.to_publish && !citation.contains("\nrepository-code: ") {
+        faults.push("CITATION.cff: no repository-code".into());
     }
     faults.extend(of_archives(root, &packages, &published)?);
     for (file, needed) in [

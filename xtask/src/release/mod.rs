@@ -13,13 +13,14 @@ pub use files::{ReleaseFilesArgs, run as files};
 use std::path::Path;
 
 use crate::error::TaskError;
+use made::Made;
 
-/// Makes `docs/refusals.md`.
+/// Makes `docs/refusals.md` and its copy in the program.
 ///
 /// # Errors
-/// As [`refusals::page`].
+/// As [`refusals::pages`].
 pub fn make_refusals(root: &Path) -> Result<(), TaskError> {
-    refusals::page(root)?.write()
+    refusals::pages(root)?.iter().try_for_each(Made::write)
 }
 
 /// Makes `THIRD-PARTY.md`.

@@ -1,4 +1,5 @@
-//! `docs/refusals.md`: every line with which the program refuses something, from the errors of the crates themselves.
+//! `docs/refusals.md`, and the same text for `squeal explain`: every line with which the program refuses something, from the errors of the
+//! crates themselves.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,16 +20,25 @@ code is 2. Exit code 1 means that results are written, but are not to be trusted
 
 This page has all of these lines. `{words}` stand for what is different each time. Search it for words of a line that are no names and no numbers;
 a line that begins with a file and a field is explained best by the field, in [case-files.md](case-files.md). Where one line has another one at
-its end, after a colon, both are here.
+its end, after a colon, both are here. `squeal explain \"LINE\"` prints what this page says of a line.
 
 *Made by `cargo xtask refusals` from the errors of the crates; a test compares it with them.*
 ";
 
-/// The page.
+/// The page of the documentation, and its copy within the crate of the program, whose archive has nothing from outside of its folder.
 ///
 /// # Errors
 /// A source file that cannot be read, or is not Rust.
-pub(super) fn page(root: &Path) -> Result<Made, TaskError> {
+pub(super) fn pages(root: &Path) -> Result<[Made; 2], TaskError> {
+    let text = text(root)?;
+    Ok(["docs/refusals.md", "crates/cli/src/refusals.md"].map(|file| Made {
+        path: root.join(file),
+        text: text.clone(),
+        task: "refusals",
+    }))
+}
+
+fn text(root: &Path) -> Result<String, TaskError> {
     let mut text = HEAD.to_owned();
     let mut crates = folders(&root.join("crates"))?;
     crates.retain(|dir| !NOT_FOR_USERS.iter().any(|name| dir.ends_with(name)));
@@ -48,7 +58,7 @@ pub(super) fn page(root: &Path) -> Result<Made, TaskError> {
             let _ = write!(text, "\n## {name}\n{sections}");
         }
     }
-    Ok(Made { path: root.join("docs/refusals.md"), text, task: "refusals" })
+    Ok(text)
 }
 
 fn not_rust(file: &Path, error: &syn::Error) -> TaskError {
