@@ -85,8 +85,10 @@ fn answer(screen: &Screen) -> String {
     let mut text = String::from("<h3>What helps</h3>\n<ul class=\"lead\">\n");
     let mut best: Vec<&ScreenedSet> = Vec::new();
     for set in screen.sets.iter().skip(1).filter(|set| set.confirmed.is_some()) {
-        let of = |found| screen.criterion.drop(found).value;
-        let drop = |set: &ScreenedSet| set.confirmed.as_ref().map_or(f64::NEG_INFINITY, of);
+        let drop = |set: &ScreenedSet| match &set.confirmed {
+            Some(found) => screen.criterion.drop(found).value,
+            None => f64::NEG_INFINITY,
+        };
         match best.iter_mut().find(|other| other.kind == set.kind) {
             Some(other) if drop(set) > drop(other) => *other = set,
             Some(_) => {}
