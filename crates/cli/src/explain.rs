@@ -10,6 +10,9 @@ const PAGE: &str = include_str!("refusals.md");
 
 /// Fewest letters that a line must have in common with a message, beside what differs each time; chosen.
 const LEAST_LETTERS: usize = 3;
+/// Letters that a sign between the parts of a line weighs as much as; chosen, so that `brake.toml: x = 0; allowed: 1 to 9` is of a field and its
+/// value before it is of any message that ends so.
+const LETTERS_OF_A_SIGN: usize = 4;
 
 /// Explain a line with which something was refused: what is wrong, and what each part of the line says.
 #[derive(Debug, clap::Args)]
@@ -63,14 +66,16 @@ impl Refusal {
         })
     }
 
-    /// Letters and characters that a line has in common with this message; `None` where it is not of this message.
-    fn in_common(&self, line: &str) -> Option<(usize, usize)> {
+    /// How much a line has in common with this message, a sign counted as [`LETTERS_OF_A_SIGN`] letters; `None` where it is not of this message.
+    fn in_common(&self, line: &str) -> Option<usize> {
         let mut rest = line;
         for fixed in self.fixed() {
             (_, rest) = rest.split_once(fixed)?;
         }
-        let letters = self.fixed().flat_map(str::chars).filter(|letter| letter.is_alphanumeric()).count();
-        (letters >= LEAST_LETTERS).then(|| (letters, self.fixed().map(str::len).sum()))
+        let count = |is: fn(&char) -> bool| self.fixed().flat_map(str::chars).filter(is).count();
+        let letters = count(|letter| letter.is_alphanumeric());
+        let signs = count(|sign| !sign.is_alphanumeric() && !sign.is_whitespace());
+        (letters >= LEAST_LETTERS).then_some(letters + LETTERS_OF_A_SIGN * signs)
     }
 
     /// True if every word is in the message.
@@ -97,16 +102,14 @@ fn refusals() -> Vec<Refusal> {
     all
 }
 
-/// Messages that a line is of, that with most in common first; of words that are no line the messages that have them all.
+/// Messages that a line has most in common with; of words that are no line the messages that have them all.
 fn matching(line: &str) -> Vec<Refusal> {
     let line = line.trim().trim_start_matches("error: ");
     let mut found: Vec<_> =
         refusals().into_iter().filter_map(|refusal| Some((refusal.in_common(line)?, refusal))).collect();
     found.sort_by_key(|(in_common, _)| Reverse(*in_common));
     if let Some(&(best, _)) = found.first() {
-        // As many letters and fewer signs: a vaguer form of the same. Fewer letters: what stands at its end, after a colon.
-        found.retain(|(in_common, _)| *in_common == best || (in_common.0 < best.0 && 2 * in_common.0 >= best.0));
-        return found.into_iter().map(|(_, refusal)| refusal).collect();
+        return found.into_iter().filter(|(in_common, _)| *in_common == best).map(|(_, refusal)| refusal).collect();
     }
     let words: Vec<String> = line.to_lowercase().split_whitespace().map(str::to_owned).collect();
     refusals().into_iter().filter(|refusal| refusal.has_words(&words)).collect()
