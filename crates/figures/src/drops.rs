@@ -40,8 +40,8 @@ pub struct DropBar {
     pub name: String,
     /// Size of the drop.
     pub value: f64,
-    /// Interval of the drop: lower and upper limit.
-    pub limits: [f64; 2],
+    /// Interval of the drop: lower and upper limit; `None` where nothing is known of it.
+    pub limits: Option<[f64; 2]>,
     /// Size that was predicted.
     pub predicted: Option<f64>,
 }
@@ -61,7 +61,8 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
     let table = check(data)?;
     let mut canvas = Canvas::new()?;
     let bars = || data.groups.iter().flat_map(|group| &group.bars);
-    let values = bars().flat_map(|bar| [bar.value, bar.limits[0], bar.limits[1], bar.predicted.unwrap_or(0.0)]);
+    let values = bars()
+        .flat_map(|bar| [bar.value, bar.predicted.unwrap_or(0.0)].into_iter().chain(bar.limits.into_iter().flatten()));
     let scale = AxisScale::linear(values.chain(data.most), 6.0);
     let headings = data.groups.iter().map(|group| canvas.fonts.width(&group.title, SMALL_TEXT, true));
     let widest = bars().map(|bar| canvas.fonts.width(&bar.name, SMALL_TEXT, false)).chain(headings).fold(0.0, f64::max);
@@ -120,13 +121,15 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
 
 /// Draws a bar at the height y.
 fn draw(canvas: &mut Canvas, bar: &DropBar, y: f64, x: &dyn Fn(f64) -> f64) {
-    let [lower, upper] = bar.limits;
-    let words = format!("{}: {:.4} ({lower:.4} to {upper:.4})", bar.name, bar.value);
+    let limits = bar.limits.map_or_else(String::new, |[lower, upper]| format!(" ({lower:.4} to {upper:.4})"));
+    let words = format!("{}: {:.4}{limits}", bar.name, bar.value);
     canvas.group("mark", words, |canvas| {
         let (from, to) = (x(bar.value.min(0.0)), x(bar.value.max(0.0)));
         let fill = if bar.value < 0.0 { VERMILLION } else { BLUE };
         canvas.rect(Area { x: from, y: y - 0.5 * THICKNESS, width: to - from, height: THICKNESS }, Paint::fill(fill));
-        whisker(canvas, [x(lower), x(upper)], y);
+        if let Some(limits) = bar.limits {
+            whisker(canvas, limits.map(x), y);
+        }
         if let Some(predicted) = bar.predicted {
             diamond(canvas, (x(predicted), y));
         }
@@ -168,8 +171,10 @@ fn check(data: &DropsFigure) -> Result<Table, FigureError> {
         for bar in &group.bars {
             let named = |what: &str| format!("{what} of {} {}", group.title, bar.name);
             let mut row = vec![group.title.clone(), bar.name.clone()];
-            for (what, value) in [("drop", bar.value), ("lower limit", bar.limits[0]), ("upper limit", bar.limits[1])] {
-                row.push(finite(value, || named(what))?.to_string());
+            row.push(finite(bar.value, || named("drop"))?.to_string());
+            for (at, what) in ["lower limit", "upper limit"].into_iter().enumerate() {
+                let limit = bar.limits.map(|limits| finite(limits[at], || named(what))).transpose()?;
+                row.push(limit.map_or_else(String::new, |limit| limit.to_string()));
             }
             let predicted = bar.predicted.map(|value| finite(value, || named("prediction"))).transpose()?;
             row.push(predicted.map_or_else(String::new, |value| value.to_string()));

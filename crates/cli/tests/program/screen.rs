@@ -48,6 +48,30 @@ fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
 }
 
 #[test]
+fn each_criterion_has_its_files_and_says_of_what_its_drop_is_with_few_draws_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, SMALL).unwrap();
+    for (criterion, words) in [
+        ("occurrence", "drop: unstable modes fewer in one analysis"),
+        ("probability", "drop: percentage points fewer analyses with anything unstable"),
+        (
+            "growth-quantile",
+            "limits of growth are not known from fewer than 72 draws, or where some failed: inf\ndrop: 1/s less growth",
+        ),
+    ] {
+        let dir = folder.path().join(criterion);
+        let options = ["--criterion", criterion, "--kinds", "contact,dashpot", "--draws", "2", "--out"];
+        let text = answer("screen", &case, &[&options[..], &[dir.to_str().unwrap()]].concat());
+        assert!(text.contains(words), "{text}");
+        let page = std::fs::read_to_string(dir.join("report.html")).unwrap();
+        assert!(page.contains(words.split("drop: ").last().unwrap()), "{criterion}");
+        let limits = columns(&dir.join("screen.csv"), &["growth_quantile", "growth_quantile_upper"]);
+        assert!(limits[0][0].parse::<f64>().unwrap() > 0.0 && limits[0][1] == "inf", "{limits:?}");
+    }
+}
+
+#[test]
 fn sizes_have_no_unit_where_nobody_says_what_turns_and_the_counts_of_sets_are_told_apart() {
     let words = answer("screen", &hoffmann(), &["--kinds", "spring", "--samples", "20"]);
     assert!(

@@ -19,7 +19,7 @@ pub fn compare_figure(found: &ComparedStudies) -> Result<Option<Figure>, Error> 
         Some(DropBar {
             name: format!("{}: {}", row.scene_in_words(), row.name_in_words()),
             value: difference.value?,
-            limits: [difference.interval.lower, difference.interval.upper],
+            limits: Some([difference.interval.lower, difference.interval.upper]),
             predicted: None,
         })
     };

@@ -13,7 +13,8 @@ pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure,
     let Form { times, fewer, .. } = screen.criterion.form();
     let bar = |set: &ScreenedSet| {
         let drop = screen.criterion.drop(set.confirmed.as_ref()?);
-        let limits = [drop.lower, drop.upper].map(|limit| times * limit);
+        let limits = Some([drop.lower, drop.upper].map(|limit| times * limit));
+        let limits = limits.filter(|limits| limits.iter().all(|limit| limit.is_finite()));
         let predicted = set.predicted_drop(&screen.unchanged, screen.criterion);
         Some(DropBar {
             name: set.name(),

@@ -111,6 +111,12 @@ impl Screen {
         if self.predicted_sets == 0 {
             text += "no change of the kinds that are asked for has a place in this brake; the sets of constraints of the case alone are compared\n";
         }
+        let has_no_limits = |set: &ScreenedSet| {
+            set.confirmed.as_ref().is_some_and(|found| self.criterion.left(found).upper.is_infinite())
+        };
+        if self.sets.iter().any(has_no_limits) {
+            text += "limits of growth are not known from fewer than 72 draws, or where some failed: inf\n";
+        }
         if self.sets.iter().any(ScreenedSet::lacks_unit) {
             text += "sizes without a unit are in those of the case's matrices: it does not say which degrees of freedom turn\n";
         }
