@@ -207,6 +207,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         kinds: None,
         up_to: Some(1),
         constraints: None,
+        criterion: None,
         confirm: None,
         mass: None,
         spring: None,
