@@ -292,7 +292,7 @@ coefficient = 1.0
             let set: Vec<String> = set.iter().map(|&setting| setting.to_owned()).collect();
             CaseFile::read_with(&path, &set).unwrap_err().to_string()
         };
-        for setting in ["k.from=0.3", "study.sample=5", "study.seed=-1", "terms.all.colour=red"] {
+        for setting in ["kk.from=0.3", "study.sample=5", "study.seed=-1", "terms.all.colour=red"] {
             for others in [&[][..], &["study.name=other", "accuracy.half_width=0.01"]] {
                 let found = refused(case, &[others, &[setting], others].concat());
                 assert!(found.contains(&format!("brake.toml: --set {setting}: ")), "{found}");
