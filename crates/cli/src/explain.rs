@@ -53,12 +53,12 @@ impl ExplainArgs {
 struct Refusal {
     /// Message with `{words}` for what differs each time.
     message: &'static str,
-    /// What is wrong, and what the words are.
+    /// Fault, and meaning of the words.
     about: String,
 }
 
 impl Refusal {
-    /// What every line of this message has, in its order.
+    /// Parts that every line of this message has, in their order.
     fn fixed(&self) -> impl Iterator<Item = &'static str> {
         self.message.split('{').enumerate().map(|(at, part)| match part.split_once('}') {
             Some((_, after)) if at > 0 => after,
@@ -66,7 +66,7 @@ impl Refusal {
         })
     }
 
-    /// How much a line has in common with this message, a sign counted as [`LETTERS_OF_A_SIGN`] letters; `None` where it is not of this message.
+    /// Letters that a line has in common with this message, a sign counted as [`LETTERS_OF_A_SIGN`] letters; `None` where it is not of this message.
     fn in_common(&self, line: &str) -> Option<usize> {
         let mut rest = line;
         for fixed in self.fixed() {

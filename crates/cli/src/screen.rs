@@ -45,7 +45,7 @@ pub struct ScreenArgs {
     /// Set of constraints that is changed, by name [default: the case's first]
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
-    /// What is ranked by: occurrence (unstable modes in one analysis), probability (anything is unstable), growth-quantile (the growth that 95 % of the draws do not
+    /// Criterion of the ranking: occurrence (unstable modes in one analysis), probability (anything is unstable), growth-quantile (the growth that 95 % of the draws do not
     /// exceed) [default: occurrence]
     #[arg(long, value_name = "NAME")]
     pub criterion: Option<String>,

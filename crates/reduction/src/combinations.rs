@@ -31,7 +31,7 @@ pub struct Combinations {
 }
 
 impl Combinations {
-    /// Those of a system on the orthonormal columns of a basis, n x k. They have independent normal numbers of variance 1 / 128: the mean of the squared
+    /// Combinations of a system on the orthonormal columns of a basis, n x k. They have independent normal numbers of variance 1 / 128: the mean of the squared
     /// norm of what they make of a vector is that of the vector. The numbers are the same every time.
     #[must_use]
     pub fn new(system: &SparseAffineSystem, basis: &DMatrix<f64>) -> Self {

@@ -83,10 +83,8 @@ pub fn growing_real(system: &SecondOrder, size: f64) -> Option<(f64, DVector<f64
 
 /// Factors of Q(s), s real.
 fn factorised(system: &SecondOrder, s: f64) -> PartialPivLu<f64> {
-    let SecondOrder { m, c, k, internal } = system;
-    let share = internal.decay.map(|decay| s / (s + decay));
-    let q = m * (s * s) + c * s + k - &internal.force * DMatrix::from_diagonal(&share) * &internal.drive;
-    PartialPivLu::new(Mat::from_fn(q.nrows(), q.ncols(), |i, j| q[(i, j)]).as_ref())
+    let q = system.dynamic_stiffness(Complex::from(s));
+    PartialPivLu::new(Mat::from_fn(q.nrows(), q.ncols(), |i, j| q[(i, j)].re).as_ref())
 }
 
 /// True if the determinant of a factorised matrix is negative.

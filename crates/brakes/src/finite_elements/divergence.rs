@@ -85,7 +85,7 @@ pub(super) fn expected_columns(case: &FiniteElementCase) -> usize {
     ((OF_THEIR_OWN * responses as f64) as usize).min(MOST_COLUMNS)
 }
 
-/// Whether the whole brake has an eigenvalue larger than the `end` that passes a test of those that grow faster than they oscillate, next to one of a
+/// True if the whole brake has an eigenvalue larger than the `end` that passes a test of those that grow faster than they oscillate, next to one of a
 /// reduced brake: `None` where that has none, `false` where nothing is found in the whole one. Shapes are lifted to its rows. A whole spectrum, which takes the
 /// longest, is made where neither proof says.
 fn in_whole(

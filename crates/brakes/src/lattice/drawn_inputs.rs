@@ -1,4 +1,4 @@
-//! What is drawn of a lattice, as numbers and by quantiles.
+//! Inputs that are drawn of a lattice, as numbers and by quantiles.
 
 use osc_model::{Lateral, Preload};
 use study::{DrawnInputs, Input, ModeIdentity, Scene, SingleParameter};

@@ -1,4 +1,4 @@
-//! What a screening may change of a lattice: its contacts, and its symmetries.
+//! Parts of a lattice that a screening may change: its contacts, and its symmetries.
 
 use linsys::SecondOrder;
 use osc_model::Reversal;
