@@ -9,7 +9,7 @@ use study::{
 };
 
 use crate::any::{listed, with_family, with_unit};
-use crate::case::{MatricesCase, Parameter, TakenMatrix};
+use crate::case::{Branch, MatricesCase, Parameter, TakenMatrix};
 use crate::motion::parts;
 use crate::{CaseBrake, Error};
 
@@ -161,11 +161,18 @@ impl CaseBrake for MatricesBrake {
     fn contents(&self) -> Vec<(&'static str, String)> {
         let case = &self.case;
         let terms = case.system.terms().iter().map(|term| with_family(&term.name, &term.family));
-        let contacts = case.system.channels().iter().map(|channel| with_family(&channel.name, &channel.family));
+        let contacts = case.system.contacts().map(|channel| with_family(&channel.name, &channel.family));
         let parameters = case.parameters.iter().map(|parameter| format!("{} [{}]", parameter.name, parameter.unit));
         let mut lines = vec![("dofs", case.dofs.len().to_string()), ("terms", listed(terms.collect()))];
         for (at, taken) in TakenMatrix::in_words(&case.taken).into_iter().enumerate() {
             lines.push((if at == 0 { "matrices" } else { "" }, taken));
+        }
+        let relaxing = case.branches.iter().map(|branch| {
+            let Branch { term, directions, .. } = branch;
+            format!("{} in {directions} directions", case.system.terms()[*term].name)
+        });
+        if !case.branches.is_empty() {
+            lines.push(("viscoelastic", listed(relaxing.collect())));
         }
         lines.extend([
             ("contacts", listed(contacts.collect())),

@@ -48,7 +48,7 @@ pub use finite_elements::{
     STIFFNESS_FACTOR, Side, Spread, SpreadParameter, SpreadParameters,
 };
 pub use header::CaseHeader;
-pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
+pub use matrices::{BodyDofs, Branch, FixedDofs, GainExpressions, MatricesCase, Parameter};
 pub use set::parameter_of;
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};
 

@@ -84,11 +84,8 @@ impl AffineSystem {
         let free = |entries: &[(usize, f64)]| {
             entries.iter().filter_map(|&(dof, value)| Some((dofs.position(dof)?, value))).collect()
         };
-        let channel = |Channel { name, family, force, reading }: &Channel| {
-            Channel::new(name.clone(), family.clone(), free(force), free(reading))
-        };
         let terms = self.terms.iter().map(term).collect::<Result<_, _>>()?;
-        Self::new(terms, self.channels.iter().map(channel).collect())
+        Self::new(terms, self.channels.iter().map(|channel| channel.mapped(free)).collect())
     }
 
     /// n, the number of free degrees of freedom.
@@ -101,9 +98,14 @@ impl AffineSystem {
         &self.terms
     }
 
-    /// The friction channels.
+    /// The channels: of friction, and of what relaxes.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
+    }
+
+    /// The channels of friction.
+    pub fn contacts(&self) -> impl Iterator<Item = &Channel> {
+        self.channels.iter().filter(|channel| channel.is_contact)
     }
 
     /// Names of the force families, whose work is computed separately; those of channels come first.

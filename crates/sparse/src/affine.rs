@@ -90,11 +90,8 @@ impl SparseAffineSystem {
         let entries = |entries: &[(usize, f64)]| {
             entries.iter().filter_map(|&(dof, value)| Some((dofs.position(dof)?, value))).collect()
         };
-        let channel = |channel: &Channel| {
-            Channel::new(&channel.name, &channel.family, entries(&channel.force), entries(&channel.reading))
-        };
         let terms = self.terms.iter().map(term).collect::<Result<_, SparseError>>()?;
-        Self::new(terms, self.channels.iter().map(channel).collect())
+        Self::new(terms, self.channels.iter().map(|channel| channel.mapped(entries)).collect())
     }
 
     /// The system at an operating point. The lag of a channel becomes an internal state.

@@ -102,14 +102,15 @@ impl Modifiable for ModifiablePlan<'_> {
     fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
         let configurations = &self.0.configurations;
         let mut names: Vec<&str> = Vec::new();
-        for channel in configurations.iter().flat_map(|configuration| configuration.brake.system.channels()) {
+        for channel in configurations.iter().flat_map(|configuration| configuration.brake.system.contacts()) {
             if !names.contains(&channel.name.as_str()) {
                 names.push(&channel.name);
             }
         }
         let channels = self.0.brake(scene).system.channels();
         let whole = |(number, name): (usize, &str)| {
-            let channels: Vec<usize> = (0..channels.len()).filter(|&at| channels[at].name == name).collect();
+            let channels: Vec<usize> =
+                (0..channels.len()).filter(|&at| channels[at].is_contact && channels[at].name == name).collect();
             (!channels.is_empty()).then(|| WholeContact { number, name: name.into(), channels, structure: None })
         };
         names.into_iter().enumerate().filter_map(whole).collect()

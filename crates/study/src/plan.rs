@@ -133,10 +133,10 @@ impl Plan {
 
     /// Adds a scene: a brake under a set of constraints, whose modes are named at an operating point of its own, that of the medians.
     pub fn add_constraint_set(&mut self, name: &str, brake: Brake, naming_point: OperatingPoint) {
-        let contacts: Vec<&str> = brake.system.channels().iter().map(|channel| channel.name.as_str()).collect();
+        let contacts: Vec<&str> = brake.system.contacts().map(|channel| channel.name.as_str()).collect();
         let contacts = contacts.join(" ");
         if self.scenes.is_empty() {
-            let in_contact = brake.system.channels().len();
+            let in_contact = brake.system.contacts().count();
             self.labels.laws = vec![LawLabel { name: "given".into(), title: String::new() }];
             self.labels.panels = vec![PanelLabel { in_contact, arrangements: vec![contacts.clone()] }];
             self.labels.named_at = "at median parameters".into();

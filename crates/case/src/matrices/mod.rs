@@ -8,8 +8,11 @@ mod elsewhere;
 mod loss;
 mod motion;
 pub(super) mod read;
+mod relaxing;
 pub(super) mod schema;
 mod terms;
+
+pub use relaxing::Branch;
 
 use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
@@ -31,14 +34,16 @@ pub struct MatricesCase {
     pub dofs: Vec<String>,
     /// Kinds of their motions, as far as the files of the matrices say them.
     pub moves: Vec<Moves>,
-    /// Terms and channels over all degrees of freedom.
+    /// Terms and channels over all degrees of freedom: those of contacts, then those of branches.
     pub system: AffineSystem,
     /// How each matrix was taken.
     pub taken: Vec<TakenMatrix>,
     /// The coefficient of each term.
     pub coefficients: Vec<Expression>,
-    /// The gain of each channel.
+    /// The gain of the channel of each contact.
     pub gains: Vec<GainExpressions>,
+    /// Branches of viscoelastic terms, of which each has a channel for each of its directions.
+    pub branches: Vec<Branch>,
     /// Groups of degrees of freedom; each degree of freedom is in one.
     pub bodies: Vec<BodyDofs>,
     /// Sets of constraints, in the order of the file; at least one.
@@ -143,7 +148,8 @@ impl MatricesCase {
         let terms = self.system.terms().iter().zip(&self.coefficients);
         let coefficients =
             terms.map(|(term, coefficient)| evaluated(coefficient, &|| field("terms", &term.name, "coefficient")));
-        let channels = self.system.channels().iter().zip(&self.gains).map(|(channel, gain)| {
+        let coefficients = coefficients.collect::<Result<Vec<f64>, CaseError>>()?;
+        let contacts = self.system.channels().iter().zip(&self.gains).map(|(channel, gain)| {
             let of_contact =
                 |expression: &Expression, key: &str| evaluated(expression, &|| field("contacts", &channel.name, key));
             let lag = |LagExpressions { decay, drive, force }: &LagExpressions| {
@@ -161,10 +167,9 @@ impl MatricesCase {
                 lag: gain.lag.as_ref().map(lag).transpose()?,
             })
         });
-        Ok(OperatingPoint {
-            coefficients: coefficients.collect::<Result<_, CaseError>>()?,
-            channels: channels.collect::<Result<_, CaseError>>()?,
-        })
+        let mut channels = contacts.collect::<Result<Vec<_>, CaseError>>()?;
+        channels.extend(self.gains_of_branches(values, &coefficients)?);
+        Ok(OperatingPoint { coefficients, channels })
     }
 }
 

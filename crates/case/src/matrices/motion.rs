@@ -15,7 +15,7 @@ impl MatricesCase {
     /// sticks below `stick` of its speed.
     ///
     /// # Errors
-    /// A contact without load or speed, or with a reading and no stiffness; one whose law is known by its slope alone.
+    /// A contact without load or speed, or with a reading and no stiffness; one whose law is known by its slope alone; a viscoelastic term.
     pub fn sliding_contacts(
         &self,
         channels: &[Channel],
@@ -23,6 +23,10 @@ impl MatricesCase {
         values: &[f64],
         stick: f64,
     ) -> Result<Vec<SlidingContact>, CaseError> {
+        if let Some(branch) = self.branches.first() {
+            let allowed = "terms that do not relax: the motion after the onset is followed without their states";
+            return Err(Check::new(&self.header.path).value(&branch.field, "given", allowed));
+        }
         let contacts = channels.iter().zip(gains).zip(&self.gains);
         contacts.map(|((channel, gain), given)| self.sliding_contact(channel, gain, given, values, stick)).collect()
     }

@@ -11,6 +11,7 @@ use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::elsewhere::Places;
 use super::loss::add_losses;
+use super::relaxing;
 use super::schema::{self, MatricesFile};
 use super::terms::{Terms, read_terms};
 use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
@@ -57,10 +58,13 @@ impl MatricesCase {
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);
-        let Terms { mut terms, coefficients, losses, taken, rows } = read_terms(&check, &mut formulas, terms)?;
+        let Terms { mut terms, coefficients, losses, branches, taken, rows } =
+            read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
-        let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
+        let (mut channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
+        let (branches, relaxing) = relaxing::branches(&check, &mut formulas, &terms, &losses, branches)?;
+        channels.extend(relaxing);
         let all_used = formulas.all_used();
         let constraints = constraint_sets(&check, &dofs, constraints)?;
         refuse_held(&check, &dofs, &terms, &constraints)?;
@@ -78,6 +82,7 @@ impl MatricesCase {
             coefficients,
             taken,
             gains,
+            branches,
             bodies: groups(&check, &dofs, bodies)?,
             constraints,
             moves: dofs.moves().to_vec(),

@@ -107,6 +107,16 @@ pub(super) struct TermTable {
     pub damping: Option<MatrixEntry>,
     pub stiffness: Option<MatrixEntry>,
     pub loss_factor: Option<f64>,
+    #[serde(default)]
+    pub viscoelastic: Vec<BranchTable>,
+}
+
+/// A branch of a viscoelastic term.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BranchTable {
+    pub ratio: Formula,
+    pub rate: Formula,
 }
 
 /// A number, or an expression in the parameters.

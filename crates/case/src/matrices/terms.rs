@@ -6,7 +6,7 @@ use formats::{Dof, FormatsError, Kind, Limits, Matrix, Wanted, on_common_rows, s
 use linsys::{SecondOrder, Term};
 use nalgebra::DMatrix;
 
-use super::schema::{MatrixEntry, TermTable};
+use super::schema::{BranchTable, MatrixEntry, TermTable};
 use crate::check::{Check, TakenMatrix, field};
 use crate::expression::formulas::Formulas;
 use crate::input::{LARGEST_MATRIX, LARGEST_ORDER, check_size};
@@ -19,6 +19,8 @@ pub(super) struct Terms {
     pub coefficients: Vec<Expression>,
     /// Loss factor of each term, where it has one.
     pub losses: Vec<Option<f64>>,
+    /// Viscoelastic branches of each term.
+    pub branches: Vec<Vec<BranchTable>>,
     /// How each matrix was taken.
     pub taken: Vec<TakenMatrix>,
     /// The rows of the matrices, where files name them.
@@ -37,8 +39,9 @@ pub(super) fn read_terms(
         return Err(check.value("terms", "[]", "one term or more"));
     }
     let (mut all, mut fields, mut taken) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut tables, mut losses) = (Vec::new(), Vec::new());
-    for TermTable { name, family, coefficient, symmetry, mass, damping, stiffness, loss_factor } in given {
+    let (mut tables, mut losses, mut branches) = (Vec::new(), Vec::new(), Vec::new());
+    for TermTable { name, family, coefficient, symmetry, mass, damping, stiffness, loss_factor, viscoelastic } in given
+    {
         let parts = [(Kind::Mass, mass), (Kind::Damping, damping), (Kind::Stiffness, stiffness)];
         let has = parts.each_ref().map(|(_, entry)| entry.is_some());
         if has == [false; 3] {
@@ -58,6 +61,7 @@ pub(super) fn read_terms(
             fields.push(field);
         }
         losses.push(loss_factor);
+        branches.push(viscoelastic);
         tables.push((name, family, coefficient, has));
     }
     if !tables.iter().any(|(.., has)| has[0]) {
@@ -86,7 +90,7 @@ pub(super) fn read_terms(
         let family = family.unwrap_or_else(|| name.clone());
         terms.push(SecondOrder::new(m, c, k).and_then(|system| Term::new(name, family, system)).map_err(refused)?);
     }
-    Ok(Terms { terms, coefficients, losses, taken, rows })
+    Ok(Terms { terms, coefficients, losses, branches, taken, rows })
 }
 
 /// Reads a matrix from a file of any format, small enough to be a full one.

@@ -1,4 +1,4 @@
-//! The friction of one contact in a system.
+//! The friction of one contact in a system, or what relaxes in one direction of it.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -11,9 +11,11 @@ use crate::{LinsysError, SecondOrder};
 /// Friction adds `b (mu r^T + lambda s(lambda) b^T)` to the dynamic stiffness, which stands on the left of the equations of motion: the
 /// force on the brake is `-b (mu r^T u + s b^T u')`, in N. With a positive mu and a normal force `r^T u` that grows it acts against b; a negative
 /// slope s, Ns/m, feeds a motion along b.
+///
+/// A part of the structure that relaxes, such as one direction of a viscoelastic shim, is a channel without a reading too: its internal state is all of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// The contact's name.
+    /// The name of the contact, or of what relaxes.
     pub name: String,
     /// The family to which the work of its forces belongs.
     pub family: String,
@@ -21,17 +23,37 @@ pub struct Channel {
     pub force: Vec<(usize, f64)>,
     /// r, N/m: degrees of freedom, from 0, with coefficients.
     pub reading: Vec<(usize, f64)>,
+    /// True of a contact, false of a part of the structure that relaxes.
+    pub is_contact: bool,
 }
 
 impl Channel {
-    /// A channel with these directions.
+    /// The friction of a contact with these directions.
     pub fn new(
         name: impl Into<String>,
         family: impl Into<String>,
         force: Vec<(usize, f64)>,
         reading: Vec<(usize, f64)>,
     ) -> Self {
-        Self { name: name.into(), family: family.into(), force, reading }
+        Self { name: name.into(), family: family.into(), force, reading, is_contact: true }
+    }
+
+    /// A part of the structure that relaxes in the direction b: with the lag of rate a, drive 1 and force k it adds `k lambda / (lambda + a) b b^T`, a spring k
+    /// in series with a dashpot k / a.
+    pub fn relaxing(name: impl Into<String>, family: impl Into<String>, direction: Vec<(usize, f64)>) -> Self {
+        Self { is_contact: false, ..Self::new(name, family, direction, Vec::new()) }
+    }
+
+    /// The channel with each side given by the entries that a function makes of those of this one.
+    #[must_use]
+    pub fn mapped(&self, entries: impl Fn(&[(usize, f64)]) -> Vec<(usize, f64)>) -> Self {
+        Self {
+            name: self.name.clone(),
+            family: self.family.clone(),
+            force: entries(&self.force),
+            reading: entries(&self.reading),
+            is_contact: self.is_contact,
+        }
     }
 
     /// Checks that every degree of freedom is one of `order` and every coefficient is finite.
@@ -57,7 +79,7 @@ impl Channel {
             let coordinate = |column: usize| side.iter().map(|&(dof, value)| value * basis[(dof, column)]).sum();
             (0..basis.ncols()).map(|column| (column, coordinate(column))).collect()
         };
-        Self::new(&self.name, &self.family, onto(&self.force), onto(&self.reading))
+        self.mapped(onto)
     }
 
     /// Adds `-b (mu r^T + lambda s(lambda) b^T) phi`.

@@ -90,8 +90,8 @@ impl Balance {
             families.push(contribution(&family.name, alone(&family.name, &buffer)?));
         }
         let mut contacts = Vec::new();
-        if system.channels().len() <= MOST_CONTACTS {
-            for (place, channel) in system.channels().iter().enumerate() {
+        if system.contacts().count() <= MOST_CONTACTS {
+            for (place, channel) in system.channels().iter().enumerate().filter(|(_, channel)| channel.is_contact) {
                 system.channel_into(place, at, &mut buffer)?;
                 contacts.push(contribution(&channel.name, alone(&channel.name, &buffer)?));
             }

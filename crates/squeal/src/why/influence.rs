@@ -112,7 +112,7 @@ pub(super) fn of_terms(
 }
 
 /// The influences of friction: of the coefficient, the slope and the lag in each contact, or of each family as a factor where there are
-/// too many contacts.
+/// too many contacts; and of what relaxes, as a factor of each term that does.
 pub(super) fn of_friction(
     brake: &Brake,
     at: &OperatingPoint,
@@ -120,35 +120,38 @@ pub(super) fn of_friction(
     expansion: &Expansion<'_>,
     units: Units,
 ) -> Result<Vec<Influence>, Error> {
-    let (channels, lambda) = (brake.system.channels(), triple.lambda);
-    let pairs = channels.iter().zip(&at.channels);
+    let is_each = brake.system.contacts().count() <= MOST_CONTACTS;
+    let pairs = brake.system.channels().iter().zip(&at.channels);
+    let (each, together): (Vec<_>, Vec<_>) = pairs.partition(|(channel, _)| is_each && channel.is_contact);
     let mut found = Vec::new();
-    if channels.len() <= MOST_CONTACTS {
-        for (channel, gain) in pairs {
-            for GainPart { what, unit, value, gain, reads_force } in parts(gain, lambda) {
-                let reading = if reads_force { &channel.reading } else { &channel.force };
-                if reading.is_empty() {
-                    continue;
-                }
-                let rates = expansion.rates(&Perturbation::product(triple, gain, &channel.force, reading))?;
-                let name = format!("{what} of contact {}", channel.name);
-                found.push(Influence::new(InfluenceKind::Contact, &name, units.of(unit), value, &rates));
+    for (channel, gain) in each {
+        for GainPart { what, unit, value, gain, reads_force } in parts(gain, triple.lambda) {
+            let reading = if reads_force { &channel.reading } else { &channel.force };
+            if reading.is_empty() {
+                continue;
             }
+            let rates = expansion.rates(&Perturbation::product(triple, gain, &channel.force, reading))?;
+            let name = format!("{what} of contact {}", channel.name);
+            found.push(Influence::new(InfluenceKind::Contact, &name, units.of(unit), value, &rates));
         }
-        return Ok(found);
     }
-    for family in brake.system.families() {
-        let mut whole = None::<Perturbation>;
-        for (channel, gain) in pairs.clone().filter(|(channel, _)| channel.family == *family) {
-            for GainPart { value, gain, reads_force, .. } in parts(gain, lambda) {
-                let reading = if reads_force { &channel.reading } else { &channel.force };
-                *whole.get_or_insert_with(|| Perturbation::none(triple)) +=
-                    Perturbation::product(triple, gain.map(|gain| gain * value), &channel.force, reading);
+    let mut wholes: Vec<(InfluenceKind, String, Perturbation)> = Vec::new();
+    for (channel, gain) in together {
+        let (kind, name) = match channel.is_contact {
+            true => (InfluenceKind::Family, channel.family.clone()),
+            false => (InfluenceKind::Term, format!("relaxation of {}", channel.name)),
+        };
+        for GainPart { value, gain, reads_force, .. } in parts(gain, triple.lambda) {
+            let reading = if reads_force { &channel.reading } else { &channel.force };
+            let part = Perturbation::product(triple, gain.map(|gain| gain * value), &channel.force, reading);
+            match wholes.iter_mut().find(|(_, known, _)| *known == name) {
+                Some((.., whole)) => *whole += part,
+                None => wholes.push((kind, name.clone(), part)),
             }
         }
-        if let Some(whole) = whole {
-            found.push(Influence::new(InfluenceKind::Family, family, "times", 1.0, &expansion.rates(&whole)?));
-        }
+    }
+    for (kind, name, whole) in wholes {
+        found.push(Influence::new(kind, &name, "times", 1.0, &expansion.rates(&whole)?));
     }
     Ok(found)
 }

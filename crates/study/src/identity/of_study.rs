@@ -68,8 +68,8 @@ fn matrix(to: &mut Written, of: &DMatrix<f64>) {
     to.list(of.as_slice(), |to, &entry| to.number(entry));
 }
 
-/// Writes out a channel of friction.
-pub fn channel(to: &mut Written, Channel { name, family, force, reading }: &Channel) {
+/// Writes out a channel of friction, or of what relaxes.
+pub fn channel(to: &mut Written, Channel { name, family, force, reading, is_contact }: &Channel) {
     to.text(name);
     to.text(family);
     for entries in [force, reading] {
@@ -77,6 +77,10 @@ pub fn channel(to: &mut Written, Channel { name, family, force, reading }: &Chan
             to.count(dof);
             to.number(value);
         });
+    }
+    // Only of what relaxes, so that other studies stay as they were.
+    if !is_contact {
+        to.count(0);
     }
 }
 
