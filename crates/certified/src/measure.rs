@@ -32,6 +32,8 @@ pub(super) struct State {
     /// Backward error for the scaled matrices.
     pub(super) scaled_error: f64,
     pub(super) scaled_condition: f64,
+    /// Distance that sigma may move, to first order, for a rounding of each entry of the matrices: far less than for one of their norms, where rows differ in size.
+    pub(super) data_shift: f64,
     /// |sigma - exact| estimated, in the scaled problem.
     pub(super) bound: f64,
     pub(super) verdict: Verdict,
@@ -60,14 +62,9 @@ impl State {
         FIRST_ORDER_SAFETY * self.shift()
     }
 
-    /// Distance that sigma may move, to first order, for its own backward error or that of rounded data.
+    /// Distance that sigma may move, to first order, for its own backward error or that of data rounded by norms.
     pub(super) fn shift(&self) -> f64 {
         self.scaled_condition * self.scaled_error.max(UNIT_ROUNDOFF) * self.sigma.norm()
-    }
-
-    /// Distance that sigma may move, to first order, for rounded data alone.
-    pub(super) fn data_shift(&self) -> f64 {
-        self.scaled_condition * UNIT_ROUNDOFF * self.sigma.norm()
     }
 }
 
@@ -113,6 +110,7 @@ impl Measure {
             condition: f64::INFINITY,
             scaled_error: 0.0,
             scaled_condition: 0.0,
+            data_shift: 0.0,
             bound: 0.0,
             // Exactly zero for the matrices as given.
             verdict: Verdict::Marginal { tolerance: 0.0 },
@@ -181,7 +179,7 @@ impl Measure {
 
     /// The eigenvalue refined within `reach`, and how far it may still be from the exact one of these matrices.
     pub(super) fn refine(&self, state: &State, reach: f64) -> Option<(State, f64)> {
-        let enough = REFINED_PART * state.data_shift();
+        let enough = REFINED_PART * state.data_shift;
         let Refined { sigma, x, left } = newton(&self.scaled, state.sigma, &state.x, enough, reach)?;
         Some((self.state(sigma, x, state.y.clone()), left))
     }
@@ -189,6 +187,7 @@ impl Measure {
     pub(super) fn state(&self, sigma: Complex<f64>, x: Vector, y: Vector) -> State {
         let (scaled_condition, condition) = self.conditions(sigma, from_ref(&x), from_ref(&y));
         let (scaled_error, backward_error) = self.errors(sigma, &x);
+        let data_shift = self.data_shift(sigma, &x, &y);
         let verdict = Verdict::Undecided { bound: f64::INFINITY };
         let bound = f64::INFINITY;
         let (is_simple, hidden, blur, alone) = (false, 0, 0.0, Alone::Open);
@@ -200,6 +199,7 @@ impl Measure {
             condition,
             scaled_error,
             scaled_condition,
+            data_shift,
             bound,
             verdict,
             is_simple,
@@ -207,6 +207,21 @@ impl Measure {
             blur,
             alone,
         }
+    }
+
+    /// Distance that sigma may move, to first order, for a rounding of each entry, `u |y|^T (|sigma|^2 |M| + |sigma| |C| + |K|) |x| / |y^H Q' x|`, which no scaling of
+    /// rows and columns changes.
+    fn data_shift(&self, sigma: Complex<f64>, x: &Vector, y: &Vector) -> f64 {
+        let (s, size) = (&self.scaled, sigma.norm());
+        let slope = y.dotc(&s.derivative_times(sigma, x)).norm();
+        let [x, y] = [x, y].map(|vector| vector.map(|entry| entry.norm()));
+        let of = |matrix: &DMatrix<f64>| {
+            let column = |(j, weight): (usize, &f64)| {
+                *weight * matrix.column(j).iter().zip(&y).map(|(entry, y)| entry.abs() * y).sum::<f64>()
+            };
+            x.iter().enumerate().map(column).sum::<f64>()
+        };
+        UNIT_ROUNDOFF * ((of(&s.m) * size + of(&s.c)) * size + of(&s.k)) / slope
     }
 
     /// Backward errors of the scaled and of the given problem.

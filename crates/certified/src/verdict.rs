@@ -39,7 +39,7 @@ pub(super) fn decide(problem: &Measure, mut state: State, gap: f64, disc: Option
 
 /// An eigenvalue that the first-order bound holds for; the verdict in scaled units.
 fn decide_simple(problem: &Measure, state: &mut State, gap: f64) -> (f64, Verdict) {
-    let (bound, mut tolerance) = (state.first_order(), FIRST_ORDER_SAFETY * state.data_shift());
+    let (bound, mut tolerance) = (state.first_order(), FIRST_ORDER_SAFETY * state.data_shift);
     // Re sigma is known to this; sharp where that is no more than rounded data allow.
     let (mut known_to, mut is_sharp) = (bound, false);
     if state.sigma.re.abs() <= bound {

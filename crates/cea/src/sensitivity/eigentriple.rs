@@ -123,6 +123,29 @@ impl Eigentriple {
         ROUNDINGS * f64::EPSILON * self.size / self.slope.norm()
     }
 
+    /// Bound of the error of lambda by a rounding of each entry of the matrices, rad/s, to first order: as [`Eigentriple::rounding`] with
+    /// `|y|^T (|lambda|^2 |M| + |lambda| |C| + |K|) |x|` in place of the norms, which no scaling of rows and columns changes.
+    #[must_use]
+    pub fn rounding_of_entries(&self, system: &SecondOrder) -> f64 {
+        let [x, y] = [&self.right, &self.left].map(|vector| vector.map(|entry| entry.norm()));
+        let of = |matrix: &DMatrix<f64>| {
+            let column = |(j, weight): (usize, &f64)| {
+                *weight * matrix.column(j).iter().zip(&y).map(|(entry, y)| entry.abs() * y).sum::<f64>()
+            };
+            x.iter().enumerate().map(column).sum::<f64>()
+        };
+        let (abs, internal) = (self.lambda.norm(), &system.internal);
+        let of_states: f64 = (0..system.states())
+            .map(|state| {
+                let driven: f64 = internal.drive.row(state).iter().zip(&x).map(|(entry, x)| entry.abs() * x).sum();
+                let forced: f64 = internal.force.column(state).iter().zip(&y).map(|(entry, y)| entry.abs() * y).sum();
+                driven * forced * abs / (self.lambda + internal.decay[state]).norm()
+            })
+            .sum();
+        let size = (of(&system.m) * abs + of(&system.c)) * abs + of(&system.k) + of_states;
+        ROUNDINGS * f64::EPSILON * size / self.slope.norm()
+    }
+
     /// The relative condition number, `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |y^H Q' x|)` with unit vectors and Frobenius
     /// norms (Tisseur, Linear Algebra Appl. 309, 2000): the relative change of lambda over that of the matrices.
     #[must_use]

@@ -142,7 +142,8 @@ impl<'a> Judge<'a> {
 
     /// Distance from the axis, rad/s, up to which an eigenvalue is on it: the larger of 1e-12 of the scale and 32 roundings.
     fn tolerance(&self, lambda: Complex<f64>, work: &mut Workspace) -> f64 {
-        let rounding = Eigentriple::new(self.system, lambda, work).map_or(0.0, |triple| triple.rounding());
+        let triple = Eigentriple::new(self.system, lambda, work);
+        let rounding = triple.map_or(0.0, |triple| triple.rounding_of_entries(self.system));
         (ON_AXIS * self.spectrum.scale).max(ROUNDED_DATA * rounding)
     }
 
