@@ -9,6 +9,7 @@ use crate::elsewhere::{Elsewhere, elsewhere};
 use crate::limit_state::{Counted, LimitState};
 use crate::line::PRECISION;
 use crate::normal::{tail, tail_point};
+use crate::one_input;
 use crate::options::Options;
 use crate::sampled::{Sampled, Witness};
 use crate::search::{DesignPoint, design_points};
@@ -57,6 +58,8 @@ pub struct Estimate {
     pub elsewhere: [usize; 2],
     /// Number of plain samples, none of which failed; 0 where failure was found.
     pub plain: usize,
+    /// Widest step of the scan of the only input, in standard deviations, so that narrower failure may be missed; `None` of several inputs.
+    pub scanned: Option<f64>,
     /// Number of evaluations in all.
     pub evaluations: u64,
     /// The standard error that was asked for is reached.
@@ -73,6 +76,9 @@ pub fn estimate<L: LimitState>(of: &L, options: &Options) -> Result<Estimate, L:
     let middle = of.worst(&vec![0.0; of.dimensions()])?;
     if middle.margin > 0.0 {
         return Err(Error::NotRare { omega: middle.omega, growth: middle.growth }.into());
+    }
+    if of.dimensions() == 1 {
+        return one_input::estimate(&of, options)?.map_or_else(|| never(&of, options), Ok);
     }
     let points = design_points(&of, &directions(of.dimensions(), options))?;
     let Some(nearest) = points.first() else { return never(&of, options) };
@@ -105,6 +111,7 @@ pub fn estimate<L: LimitState>(of: &L, options: &Options) -> Result<Estimate, L:
         lines,
         elsewhere: [number, looked.hits],
         plain: 0,
+        scanned: None,
         evaluations: of.evaluations(),
         is_reached: error <= options.relative * value,
         design_points: points,
@@ -160,6 +167,7 @@ fn never<L: LimitState>(of: &Counted<'_, L>, options: &Options) -> Result<Estima
         lines: 0,
         elsewhere: [0, 0],
         plain,
+        scanned: None,
         evaluations: of.evaluations(),
         is_reached: false,
     })

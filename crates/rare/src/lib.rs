@@ -6,6 +6,8 @@
 //! 2. points elsewhere, a fixed part of the budget, whose failures must lead to a design point that is known;
 //! 3. lines in the direction of each design point, with every interval of failure on them, until their mean has the error that is asked for.
 //!
+//! Of a system of one input all failure lies on one line, which is scanned instead.
+//!
 //! What contradicts is an [`Error`] and no number; what is not proven widens the interval upwards.
 
 mod elsewhere;
@@ -14,6 +16,7 @@ mod estimate;
 mod limit_state;
 mod line;
 mod normal;
+mod one_input;
 mod options;
 mod sampled;
 mod search;

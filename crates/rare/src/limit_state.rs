@@ -43,6 +43,11 @@ pub trait LimitState: Sync {
     /// # Errors
     /// As [`LimitState::modes`].
     fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Self::Error>;
+
+    /// Ranges of the only input of a system, in standard deviations, in all of which it is proven that nothing fails. Default: none is.
+    fn proven(&self) -> Vec<[f64; 2]> {
+        Vec::new()
+    }
 }
 
 /// A limit state whose evaluations are counted.
@@ -62,6 +67,10 @@ impl<'a, L: LimitState> Counted<'a, L> {
 
     pub fn dimensions(&self) -> usize {
         self.of.dimensions()
+    }
+
+    pub fn proven(&self) -> Vec<[f64; 2]> {
+        self.of.proven()
     }
 
     /// The mode of the largest margin.

@@ -13,6 +13,9 @@ const PLACES: [f64; 3] = [0.236_068, 0.5, 0.618_034];
 /// Largest distance from that line, relative; chosen: rounding.
 const STRAIGHT: f64 = 1e-12;
 
+/// Standard deviations by which a certified range is shortened at its ends; chosen: above the rounding of quantiles at the deviations that are looked at.
+const SHORTENED: f64 = 1e-6;
+
 /// Certified bound of the probability of squeal.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct CertifiedBound {
@@ -20,6 +23,19 @@ pub struct CertifiedBound {
     pub stable: Vec<[f64; 2]>,
     /// Probability of all other values, above which that of squeal is not.
     pub probability: f64,
+}
+
+impl CertifiedBound {
+    /// The ranges as standard deviations of the coordinate whose quantiles the parameter's values are, a little shortened for rounding.
+    pub(super) fn deviations(&self, cumulative: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+        let deviation = |value: f64| match cumulative(value) {
+            p if p <= 0.0 => f64::NEG_INFINITY,
+            p if p >= 1.0 => f64::INFINITY,
+            p => -::rare::tail_point(p),
+        };
+        let ranges = self.stable.iter().map(|&[from, to]| [deviation(from) + SHORTENED, deviation(to) - SHORTENED]);
+        ranges.filter(|[from, to]| from < to).collect()
+    }
 }
 
 /// The bound of a scene that depends on one parameter; `None` where it depends on more, or nothing is certified.

@@ -25,6 +25,8 @@ pub(super) struct SceneState<'a, B: UncertainBrake> {
     pub coordinates: Vec<u32>,
     pub solver: &'a dyn EigenSolver,
     pub progress: &'a dyn Progress,
+    /// Ranges of the only coordinate, in standard deviations, in which nothing grows for certain.
+    pub proven: Vec<[f64; 2]>,
 }
 
 impl<'a, B: UncertainBrake> SceneState<'a, B> {
@@ -41,7 +43,7 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
             0.5
         });
         let coordinates = asked.into_inner().into_iter().collect();
-        Self { study, scene, drawn, coordinates, solver, progress }
+        Self { study, scene, drawn, coordinates, solver, progress, proven: Vec::new() }
     }
 
     /// The sample at a point.
@@ -99,6 +101,10 @@ impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
         let modes = systems.iter().zip(spectra).map(of_system).collect();
         self.progress.advance(points.len() as u64);
         modes
+    }
+
+    fn proven(&self) -> Vec<[f64; 2]> {
+        self.proven.clone()
     }
 
     fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {

@@ -80,6 +80,8 @@ pub struct Rare {
     pub elsewhere: [usize; 2],
     /// Number of plain samples, none of which squeals; 0 where a design point was found.
     pub plain: usize,
+    /// Widest step of the scan of the only input, in standard deviations: what squeals in a narrower range of it may be missed. `None` of several inputs.
+    pub scanned: Option<f64>,
     /// Number of spectra in all, the study's names not among them.
     pub spectra: u64,
     /// The standard error that was asked for is reached.
@@ -111,9 +113,13 @@ pub fn rare<B: UncertainBrake>(
         return Err(Error::Input { input: discrete.name.clone(), value, allowed });
     }
     let solver = WholeSpectra(solver);
-    let state = SceneState::new(study, of_scene, drawn, &solver, progress);
+    let mut state = SceneState::new(study, of_scene, drawn, &solver, progress);
     progress.begin(options.budget, 0);
     let bound = bound::certified(brake, of_scene, drawn, &study.certificates()[of_scene.configuration]);
+    let single = drawn.single_parameter(of_scene);
+    if let (Some(bound), Some(single), 1) = (&bound, single, state.coordinates.len()) {
+        state.proven = bound.deviations(|value| single.distribution.cumulative(value));
+    }
     let of_study = |error| match error {
         Error::Rare(source) => Error::RareOf { study: plan.source(), source },
         other => other,
@@ -128,7 +134,9 @@ pub fn rare<B: UncertainBrake>(
     let widening = |point: &LikelySqueal| Some((point.moved? * point.beta.max(1.0)).abs());
     let widened = design_points.iter().filter_map(widening).fold(0.0, f64::max).exp();
     let is_not_compared = brake.mode_source().is_some() && design_points.iter().any(|point| point.moved.is_none());
-    let Estimate { probability, unproven, witnesses, lines, elsewhere, plain, evaluations, is_reached, .. } = found;
+    let Estimate {
+        probability, unproven, witnesses, lines, elsewhere, plain, scanned, evaluations, is_reached, ..
+    } = found;
     let modes = by_mode(&witnesses, &names, unproven, lines).into_iter();
     let modes = modes.map(|mode| ModeProbability { probability: wider(mode.probability, widened), ..mode }).collect();
     let mut probability = wider(probability, widened);
@@ -151,6 +159,7 @@ pub fn rare<B: UncertainBrake>(
         lines,
         elsewhere,
         plain,
+        scanned,
         spectra: evaluations,
         is_reached,
     })

@@ -54,10 +54,18 @@ impl Rare {
         if self.modes.iter().any(is_lower) {
             text += "  the lower end of a mode is that of a count of the lines that have seen it, however sure the mean of these is\n";
         }
-        text += &format!(
-            "  by {} lines; of {} points elsewhere {} squeal, and none that was followed contradicts what is known; {:.1e} of the upper end is not proven\n",
-            self.lines, self.elsewhere[0], self.elsewhere[1], self.unproven
-        );
+        if let Some(step) = self.scanned {
+            text += &format!(
+                "  by a scan of {}: what squeals in a range wider than {step:.1e} deviations is found; {:.1e} of the upper end is not proven\n",
+                self.inputs.first().map_or("", |input| &input.name),
+                self.unproven
+            );
+        } else {
+            text += &format!(
+                "  by {} lines; of {} points elsewhere {} squeal, and none that was followed contradicts what is known; {:.1e} of the upper end is not proven\n",
+                self.lines, self.elsewhere[0], self.elsewhere[1], self.unproven
+            );
+        }
         if self.widened > 1.0 {
             text += &format!(
                 "  the brake is reduced: its onsets at the likeliest squealing brakes differ from those of the full model, by which intervals are \
