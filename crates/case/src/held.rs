@@ -6,11 +6,16 @@
 
 use std::fmt;
 
-use formats::Entry;
+use formats::{Entry, Kind};
 
 /// Ratio to the largest of all other rows from which on a row is huge. Chosen: without it the others change by 1e-8 at most (measured: 6e-10 at
 /// 2.5e8), and with it the bounds on their errors are larger.
 const GAP: f64 = 1e8;
+/// Entry from which on a row is held whatever its mass; chosen: no part is so stiff in any unit, programs write 1e36.
+const MARK: f64 = 1e30;
+/// Ratio to the heaviest row that is not huge up to which a stiff one is held; chosen: rows of masses and of moments of inertia differ by less, and a row that is
+/// scaled as a whole has a mass as huge as its stiffness.
+const HEAVY: f64 = 1e4;
 /// Ratio to the largest of all other rows from which on a stiff tie is refused; chosen: four digits of the others are left beside it.
 const TIED: f64 = 1e12;
 /// Least entry that may be huge, in the units of the file. Chosen: no stiffness of a part comes near it in SI or mm-t-s, and no mass;
@@ -39,15 +44,61 @@ impl fmt::Display for Tied {
     }
 }
 
-/// Rows that are held, from 0 and ascending, of a square matrix by its entries (row, column, value), each entry at most once.
-///
-/// # Errors
-/// [`Tied`].
-pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry> + Clone) -> Result<Vec<usize>, Tied> {
-    let (mut largest, mut is_negative) = (vec![[0.0_f64; 2]; order], vec![false; order]);
+/// Rows of a brake that are held, of which the entries of M, C and K say.
+#[derive(Debug, Clone)]
+pub struct HeldRows {
+    /// Diagonals of M, C and K.
+    diagonals: [Vec<f64>; 3],
+    /// True of rows whose diagonal is huge in M, C or K, and that nothing is tied to.
+    huge: [Vec<bool>; 3],
+}
+
+impl HeldRows {
+    /// Rows of a brake of so many degrees of freedom, none of which is held so far.
+    pub fn new(order: usize) -> Self {
+        Self { diagonals: std::array::from_fn(|_| vec![0.0; order]), huge: std::array::from_fn(|_| vec![false; order]) }
+    }
+
+    /// Adds M, C or K, all of it, by its entries (row, column, value), each entry at most once.
+    ///
+    /// # Errors
+    /// [`Tied`].
+    pub fn add(&mut self, kind: Kind, entries: impl Iterator<Item = Entry> + Clone) -> Result<(), Tied> {
+        let at = match kind {
+            Kind::Mass => 0,
+            Kind::Damping => 1,
+            Kind::Stiffness => 2,
+        };
+        let order = self.diagonals[at].len();
+        for Entry { row, value, .. } in entries.clone().filter(|entry| entry.row == entry.column) {
+            self.diagonals[at][row as usize] += value;
+        }
+        self.huge[at] = huge_rows(order, entries)?;
+        Ok(())
+    }
+
+    /// Rows that are held, from 0 and ascending: by a huge stiffness, or by an entry of 1e30 or more in any of the matrices. What is huge in its mass too is a row in
+    /// another unit, which vibrates like others; and negative mass, damping or stiffness holds nothing: it makes a brake diverge.
+    pub fn rows(&self) -> Vec<usize> {
+        let [mass, damping, stiffness] = &self.diagonals;
+        let is_huge = |row: usize| self.huge.iter().any(|huge| huge[row]);
+        let order = mass.len();
+        let heaviest = (0..order).filter(|&row| !is_huge(row)).map(|row| mass[row]).fold(0.0, f64::max);
+        let is_held = |row: usize| {
+            let is_marked = self.huge.iter().zip(&self.diagonals).any(|(huge, of)| huge[row] && of[row] >= MARK);
+            let is_stiff = self.huge[2][row] && mass[row] <= HEAVY * heaviest;
+            let is_passive = mass[row] >= 0.0 && damping[row] >= 0.0 && stiffness[row] >= 0.0;
+            is_passive && (is_marked || is_stiff)
+        };
+        (0..order).filter(|&row| is_held(row)).collect()
+    }
+}
+
+/// True of each row of a square matrix whose diagonal is huge and that nothing is tied to.
+fn huge_rows(order: usize, entries: impl Iterator<Item = Entry> + Clone) -> Result<Vec<bool>, Tied> {
+    let mut largest = vec![[0.0_f64; 2]; order];
     for Entry { row, column, value } in entries.clone() {
         let (row, column, size) = (row as usize, column as usize, value.abs());
-        is_negative[row] |= row == column && value < 0.0;
         for at in [row, column] {
             let which = usize::from(row != column);
             largest[at][which] = largest[at][which].max(size);
@@ -56,28 +107,30 @@ pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry> + Clone) -> 
     let of_row = |row: &[f64; 2]| row[0].max(row[1]);
     let mut sizes: Vec<f64> = largest.iter().map(of_row).filter(|size| *size > 0.0).collect();
     sizes.sort_by(f64::total_cmp);
-    let gap = sizes.windows(2).find(|pair| pair[1] >= LEAST && pair[1] >= GAP * pair[0]);
-    let Some(&[others, from]) = gap else { return Ok(Vec::new()) };
+    // Against the next smaller row, or against the softest quarter of all: rows of many sizes may leave no gap.
+    let soft = sizes.get(sizes.len().saturating_sub(1) / 4).copied().unwrap_or(0.0);
+    let is_huge = |at: usize| {
+        let below = if at > 0 { sizes[at - 1] } else { f64::INFINITY };
+        sizes[at] >= LEAST && (sizes[at] >= GAP * below || (at > 0 && sizes[at] >= GAP * soft))
+    };
+    let Some(first) = (0..sizes.len()).find(|&at| is_huge(at)) else { return Ok(vec![false; order]) };
+    let [others, from] = [sizes[first - 1], sizes[first]];
     let huge = || largest.iter().enumerate().filter(|(_, row)| of_row(row) >= from);
     let is_tied = |[diagonal, beside]: &[f64; 2]| *beside > diagonal / GAP;
-    match huge().find(|(_, row)| is_tied(row) && of_row(row) >= TIED * others) {
-        Some((row, [_, entry])) => Err(Tied { row: row + 1, entry: *entry, others }),
-        // A negative spring holds nothing: it makes a brake diverge.
-        None => {
-            let mut held: Vec<bool> = largest.iter().map(|row| of_row(row) >= from && !is_tied(row)).collect();
-            held.iter_mut().zip(is_negative).for_each(|(held, is_negative)| *held &= !is_negative);
-            // What is soft beside a huge row hangs on it all the same: without it its own stiffness would change.
-            for Entry { row, column, value } in entries {
-                for (at, other) in [(row as usize, column as usize), (column as usize, row as usize)] {
-                    let change = value * (value / largest[at][0]);
-                    if held[at] && of_row(&largest[other]) < from && change > largest[other][0] / GAP {
-                        held[at] = false;
-                    }
-                }
+    if let Some((row, [_, entry])) = huge().find(|(_, row)| is_tied(row) && of_row(row) >= TIED * others) {
+        return Err(Tied { row: row + 1, entry: *entry, others });
+    }
+    let mut held: Vec<bool> = largest.iter().map(|row| of_row(row) >= from && !is_tied(row)).collect();
+    // What is soft beside a huge row hangs on it all the same: without it its own stiffness would change.
+    for Entry { row, column, value } in entries {
+        for (at, other) in [(row as usize, column as usize), (column as usize, row as usize)] {
+            let change = value * (value / largest[at][0]);
+            if held[at] && of_row(&largest[other]) < from && change > largest[other][0] / GAP {
+                held[at] = false;
             }
-            Ok((0..order).filter(|&row| held[row]).collect())
         }
     }
+    Ok(held)
 }
 
 /// Sentence on degrees of freedom that were taken out, by their names.
@@ -104,6 +157,20 @@ impl fmt::Display for Held<'_> {
 mod tests {
     use super::*;
 
+    fn diagonal(values: &[f64]) -> Vec<Entry> {
+        let entry = |(at, &value): (usize, &f64)| Entry { row: at as u32, column: at as u32, value };
+        values.iter().enumerate().map(entry).collect()
+    }
+
+    fn held(matrices: [&[Entry]; 3]) -> Result<Vec<usize>, Tied> {
+        let order = matrices.iter().flat_map(|of| of.iter()).map(|entry| entry.row as usize + 1).max().unwrap();
+        let mut rows = HeldRows::new(order);
+        for (kind, of) in [Kind::Mass, Kind::Damping, Kind::Stiffness].into_iter().zip(matrices) {
+            rows.add(kind, of.iter().copied())?;
+        }
+        Ok(rows.rows())
+    }
+
     /// Without the second row the first one would have k_11 in place of k_11 - k_12 k_21 / k_22: at most 1e-8 more.
     #[test]
     fn a_row_that_a_soft_one_hangs_on_is_not_held() {
@@ -113,25 +180,45 @@ mod tests {
                     let beside = f64::sqrt(part * soft * huge);
                     let entry = |row, column, value| Entry { row, column, value };
                     let all = [entry(0, 0, soft), entry(0, 1, beside), entry(1, 0, beside), entry(1, 1, huge)];
-                    let Ok(found) = held_rows(2, all.into_iter()) else { continue };
+                    let Ok(found) = held([&[], &[], &all]) else { continue };
                     assert!(found.is_empty() || part <= 1.01e-8, "{soft:e} {huge:e} {part}: {found:?}");
                 }
             }
-            let alone =
-                [[0, 0], [1, 1]].map(|[row, column]| Entry { row, column, value: if row == 0 { soft } else { 1e36 } });
-            assert_eq!(held_rows(2, alone.into_iter()), Ok(vec![1]));
+            assert_eq!(held([&[], &[], &diagonal(&[soft, 1e36])]), Ok(vec![1]));
         }
     }
 
     #[test]
     fn a_negative_spring_holds_nothing_however_huge_it_is() {
-        let diagonal = |values: &[f64]| {
-            let entry = |(at, &value): (usize, &f64)| Entry { row: at as u32, column: at as u32, value };
-            held_rows(values.len(), values.iter().enumerate().map(entry)).ok()
-        };
         for huge in [1e20, 1e30, 1e36] {
-            assert_eq!(diagonal(&[1e4, huge, 2e4, -huge]), Some(vec![1]));
-            assert_eq!(diagonal(&[1e4, -huge]), Some(vec![]));
+            assert_eq!(held([&[], &[], &diagonal(&[1e4, huge, 2e4, -huge])]), Ok(vec![1]));
+            assert_eq!(held([&[], &[], &diagonal(&[1e4, -huge])]), Ok(vec![]));
+            // Nor does a stiff row with a dashpot that feeds it.
+            assert_eq!(held([&[], &diagonal(&[0.0, -1.0]), &diagonal(&[1e4, huge])]), Ok(vec![]));
+        }
+    }
+
+    /// A row in another unit, all of it multiplied, vibrates as before.
+    #[test]
+    fn a_row_that_is_scaled_as_a_whole_is_not_held() {
+        for factor in [1e9, 1e12, 1e15, 1e18, 1e25] {
+            let all = [&[1.0, 0.5, factor][..], &[0.1, 0.0, 0.3 * factor], &[1e4, 3e4, 2e4 * factor]].map(diagonal);
+            assert_eq!(held(all.each_ref().map(Vec::as_slice)), Ok(vec![]), "{factor:e}");
+        }
+        // A boundary condition in matrices that are all marked is one.
+        let all = [&[1.0, 0.5, 1e36][..], &[0.1, 0.0, 0.0], &[1e4, 3e4, 1e36]].map(diagonal);
+        assert_eq!(held(all.each_ref().map(Vec::as_slice)), Ok(vec![2]));
+    }
+
+    /// Stiff springs to ground of all sizes, so that no row is 1e8 times the next smaller one.
+    #[test]
+    fn rows_of_many_sizes_are_held_from_a_hundred_million_times_the_soft_ones_on() {
+        for step in [1e2, 1e4, 1e6, 9e7] {
+            let penalties: Vec<f64> = (1..).map(|at| 1e8 * f64::powi(step, at)).take_while(|k| *k < 1e37).collect();
+            let values = [vec![2e8; 3 * penalties.len() + 1], penalties.clone()].concat();
+            let found = held([&diagonal(&vec![1.0; values.len()]), &[], &diagonal(&values)]).unwrap();
+            let expected = (0..values.len()).filter(|&at| values[at] >= 2e16).collect::<Vec<_>>();
+            assert_eq!(found, expected, "{step:e}");
         }
     }
 }

@@ -1,11 +1,9 @@
 //! Eigenvalues of `lambda^2 M + lambda C + K`, and the health of its matrices.
 
-use std::collections::BTreeSet;
-
-use brakes::case::held::{Tied, held_rows};
+use brakes::case::held::{HeldRows, Tied};
 use cea::certified::{ClusterKind, Counters, Verdict, certify, solve};
 use cea::{BatchSolver, CeaError, EigenSolver, Workspace};
-use formats::Entry;
+use formats::{Entry, Kind};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -117,16 +115,15 @@ pub(crate) fn eig<'py>(
 /// Rows, from 0, that are held by entries huge against all others: the others have no digits left beside them.
 #[pyfunction]
 pub(crate) fn held<'py>(py: Python<'py>, m: Columns<'py>, c: Columns<'py>, k: Columns<'py>) -> PyResult<Vec<usize>> {
-    let mut all = BTreeSet::new();
-    for (name, columns) in [("M", &m), ("C", &c), ("K", &k)] {
+    let mut held = HeldRows::new(m.0);
+    for (name, kind, columns) in [("M", Kind::Mass, &m), ("C", Kind::Damping, &c), ("K", Kind::Stiffness, &k)] {
         let matrix = sparse(py, name, columns)?;
         let entry =
             |(row, column, &value): (usize, usize, &f64)| Entry { row: row as u32, column: column as u32, value };
         let tied = |tied: Tied| argument(py, name, "a matrix with a huge entry", &tied.to_string());
-        let rows = py.detach(|| held_rows(matrix.nrows(), matrix.triplet_iter().map(entry)));
-        all.extend(rows.map_err(tied)?);
+        py.detach(|| held.add(kind, matrix.triplet_iter().map(entry))).map_err(tied)?;
     }
-    Ok(all.into_iter().collect())
+    Ok(held.rows())
 }
 
 /// The eigenvalues in a rectangle, by sparse matrices: re from, re to, im from, im to, rad/s.

@@ -12,7 +12,7 @@ use super::nodes::Model;
 use super::schema::{HolderTable, LossEntry, LossTable, TermTable};
 use crate::check::{Check, TakenMatrix, field};
 use crate::expression::formulas::Formulas;
-use crate::held::{Held, held_rows};
+use crate::held::{Held, HeldRows};
 use crate::symmetry::wanted;
 use crate::{CaseError, Expression};
 
@@ -72,15 +72,15 @@ pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Ter
 
 /// Takes out the rows that are fixed by a huge diagonal entry in any of M, C or K, with a note. Returns the rows kept and those taken out.
 fn take_out_held(check: &Check<'_>, all: &mut [ReadTerm], dofs: Vec<Dof>) -> Result<(Vec<Dof>, Vec<Dof>), CaseError> {
-    let mut rows = BTreeSet::new();
-    for at in 0..3 {
+    let mut rows = HeldRows::new(dofs.len());
+    for (at, kind) in [Kind::Mass, Kind::Damping, Kind::Stiffness].into_iter().enumerate() {
         let entries = all.iter().filter_map(|term| term.matrices[at].as_ref()).flat_map(Matrix::entries);
-        let held = held_rows(dofs.len(), entries.copied()).map_err(|tied| {
+        rows.add(kind, entries.copied()).map_err(|tied| {
             let found = format!("matrices whose row {} has a huge entry", dofs[tied.row - 1]);
             check.value("terms", found, &tied.to_string())
         })?;
-        rows.extend(held);
     }
+    let rows = BTreeSet::from_iter(rows.rows());
     if rows.is_empty() {
         return Ok((dofs, Vec::new()));
     }

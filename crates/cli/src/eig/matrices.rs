@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use brakes::case::held::{Held, held_rows};
+use brakes::case::held::{Held, HeldRows};
 use brakes::case::input::check_size;
 use formats::{
     Dof, FormatsError, Kind, Limits, Matrix, Options, on_common_rows, own_rows_in_words, read_with, split_name,
@@ -199,20 +199,19 @@ fn word(kind: Kind) -> &'static str {
 
 /// Takes out the rows and columns that are held by entries huge against all others, and says so.
 fn take_out_held(all: &mut [Given<'_>]) -> Result<Vec<String>, Error> {
-    let mut held = std::collections::BTreeSet::new();
+    let order = all.first().map_or(0, |given| given.matrix.rows());
+    let mut held = HeldRows::new(order);
     for given in all.iter() {
-        let rows =
-            held_rows(given.matrix.rows(), given.matrix.entries().iter().copied()).map_err(|tied| Error::Option {
-                option: option(given.kind),
-                value: given.path.display().to_string(),
-                allowed: tied.to_string(),
-            })?;
-        held.extend(rows);
+        held.add(given.kind, given.matrix.entries().iter().copied()).map_err(|tied| Error::Option {
+            option: option(given.kind),
+            value: given.path.display().to_string(),
+            allowed: tied.to_string(),
+        })?;
     }
+    let held = std::collections::BTreeSet::from_iter(held.rows());
     if held.is_empty() {
         return Ok(Vec::new());
     }
-    let order = all.first().map_or(0, |given| given.matrix.rows());
     let labels = all.iter().find_map(|given| given.matrix.row_labels());
     let names: Vec<String> = held
         .iter()
