@@ -48,6 +48,14 @@ impl MergeArgs {
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        if self.case.case.is_dir() {
+            let (option, value) = ("CASE", self.case.case.display().to_string());
+            return Err(Error::Option {
+                option,
+                value,
+                allowed: "a case file, and then the folders of its parts".into(),
+            });
+        }
         let mut case = self.case.read()?;
         // Parts that are not complete are refused before anything large is made.
         let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;

@@ -150,6 +150,24 @@ pub enum ContactError {
         /// Number of the node.
         node: i64,
     },
+    /// A node with two pressures.
+    #[error("node {node} has a pressure twice: a file may hold several steps")]
+    PressedTwice {
+        /// Number of the node.
+        node: i64,
+    },
+    /// Contact points that neither press nor are open by more than rounding.
+    #[error(
+        "whether {points} of {of} points are closed is not determined: under loads of {loads:e} N they neither press nor open by more than rounding"
+    )]
+    Undetermined {
+        /// Number of these points.
+        points: usize,
+        /// Number of all points.
+        of: usize,
+        /// Sum of the sizes of all loads, N.
+        loads: f64,
+    },
     /// A structure that moves though all contacts are closed.
     #[error(
         "nothing holds the bodies: with all contacts closed there is a motion without stiffness (a solution has the size {growth:e} of what the stiffness asks for)"

@@ -24,7 +24,7 @@ impl Interface {
     /// `N = A sum_a N_a p_a`, 0 where quadratic shape functions make it less.
     ///
     /// # Errors
-    /// A node of the slave without a pressure, a pressure of another node, one below 0 or not finite, none above 0.
+    /// A node of the slave without a pressure or with two, a pressure of another node, one below 0 or not finite, none above 0.
     pub fn of_pressures(&self, mesh: &Mesh, pressures: &[(i64, f64)]) -> Result<Vec<f64>, ContactError> {
         let mut of_node = HashMap::with_capacity(pressures.len());
         let own: HashSet<usize> = self.points().iter().flat_map(|point| &point.slave).map(|(node, _)| *node).collect();
@@ -33,7 +33,9 @@ impl Interface {
                 return Err(value("a pressure", pressure, "a finite number >= 0"));
             }
             let place = mesh.place(node).filter(|place| own.contains(place));
-            of_node.insert(place.ok_or(ContactError::UnknownNode { node })?, pressure);
+            if of_node.insert(place.ok_or(ContactError::UnknownNode { node })?, pressure).is_some() {
+                return Err(ContactError::PressedTwice { node });
+            }
         }
         let mut forces = Vec::with_capacity(self.points().len());
         for point in self.points() {

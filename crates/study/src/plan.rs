@@ -88,6 +88,8 @@ pub struct Plan {
     pub units: Units,
     /// Squeal that was measured, with which results are compared, if there is any; no sample depends on it.
     pub measured: Option<Measured>,
+    /// Sentences that a brake says against its own results, which stand before all others; no number depends on them.
+    pub doubts: Vec<String>,
     /// Labels for the keys of the scenes.
     pub labels: SceneLabels,
     /// Origins of the names of modes.
@@ -124,6 +126,7 @@ impl Plan {
             is_named_at_medians: false,
             units: Units::Si,
             measured: None,
+            doubts: Vec::new(),
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),

@@ -7,10 +7,15 @@ use osc_model::{Body, Brake, Sectors};
 use reduction::Reduced;
 use study::{Configuration, Origin, Plan, SceneLabels, Units};
 
-use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};
+use super::points::{
+    ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, none_presses, speeds_of,
+};
 use crate::Error;
 use crate::case::{FiniteElementCase, PatchContact};
 use crate::labels::friction_labels;
+
+/// Most arrangements that a sentence names; chosen.
+const MOST_NAMED: usize = 5;
 
 /// The plan, and the closed patches of each of its configurations.
 ///
@@ -42,7 +47,26 @@ pub(super) fn plan(
             }
         }
     }
+    plan.doubts.extend(nothing_rubs(case, &plan, &closed)?);
     Ok((plan, closed))
+}
+
+/// Sentence on configurations in which no contact point is closed at the medians.
+fn nothing_rubs(case: &FiniteElementCase, plan: &Plan, closed: &[Vec<usize>]) -> Result<Option<String>, Error> {
+    let mut open = Vec::new();
+    for (configuration, closed) in plan.configurations.iter().zip(closed) {
+        if none_presses(case, closed)? {
+            open.push(format!("{} ({})", configuration.contacts, plan.labels.constraints[configuration.origin]));
+        }
+    }
+    Ok((!open.is_empty()).then(|| {
+        let (number, all) = (open.len(), plan.configurations.len());
+        open.truncate(MOST_NAMED);
+        format!(
+            "NOTHING RUBS at the medians in {number} of {all} arrangements of contacts: none of their points is closed ({}). Look at the signs of [[forces]].",
+            open.join(", ")
+        )
+    }))
 }
 
 /// Adds the configurations and scenes of a set of constraints with a contact.

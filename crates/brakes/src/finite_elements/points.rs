@@ -110,11 +110,23 @@ pub(super) fn depends_on_speed(contact: &PatchContact, law: Law) -> bool {
 
 /// The point at which modes are named: friction by [`PatchContact::naming_law`] at median parameters, and the median of the first range of speed.
 pub(super) fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
+    let (friction, median) = naming(case);
+    scene_point(case, closed, friction, &median).map_err(no_median(case))
+}
+
+/// True where loads are in equilibrium and, at the point at which modes are named, no point of the closed patches presses.
+pub(super) fn none_presses(case: &FiniteElementCase, closed: &[usize]) -> Result<bool, Error> {
+    let (friction, median) = naming(case);
+    let presses = closed_points(case, closed, friction, &median, UNSCALED).map_err(no_median(case))?;
+    Ok(!presses.is_empty() && !presses.contains(&true))
+}
+
+/// Law with its speed, and the sample, with which modes are named.
+fn naming(case: &FiniteElementCase) -> (Option<(Law, f64)>, FiniteElementSample) {
     let law = case.contact.as_ref().map_or(Law::AmontonsCoulomb, PatchContact::naming_law);
     let median = median(case);
     let range = case.contact.as_ref().and_then(|contact| speeds_of(contact, law).first().copied().flatten());
-    let friction = law_and_speed(case, Some((law, range)), &median);
-    scene_point(case, closed, friction, &median).map_err(no_median(case))
+    (law_and_speed(case, Some((law, range)), &median), median)
 }
 
 /// The operating point of the whole brake from that of a configuration: holders count once, closed patches as their stiffness

@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use contact::{Balance, Condensed, ContactError, Row, Stiffness, Uniqueness};
-use nalgebra::DMatrix;
+use contact::{Balance, Condensed, ContactError, Equilibrium, Row, Stiffness, Uniqueness};
+use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CscMatrix;
 use study::identity::Written;
 
@@ -14,6 +14,8 @@ use crate::Expression;
 /// takes some megabytes.
 const STRUCTURES: usize = 8;
 const STATES: usize = 64;
+/// Part of the loads up to which a force is rounding; chosen: an equilibrium has some twelve digits, and its smallest forces that count far more.
+const ROUNDING: f64 = 1e-10;
 
 /// Contact points, loads and springs of contacts in static equilibrium.
 #[derive(Debug)]
@@ -143,11 +145,32 @@ impl ContactBalance {
                 }
                 _ => condensed.equilibrium(&balance)?,
             };
+            self.check_determined(&kept, &springs, &found, acting.loads)?;
             let mut forces = vec![0.0; self.points()];
             kept.iter().zip(found.forces).for_each(|(&at, force)| forces[at] = force);
             let stiffness = (0..self.points()).map(|at| self.stiffness(at, forces[at], acting.stiffness[at])).collect();
             Ok(ContactState { forces, stiffness, uniqueness: found.uniqueness })
         })
+    }
+
+    /// An error where points neither press nor are open by more than rounding: which of them are closed, and what they add to the brake, rounding would say.
+    fn check_determined(
+        &self,
+        kept: &[usize],
+        springs: &[f64],
+        found: &Equilibrium,
+        factors: &[f64],
+    ) -> Result<(), ContactError> {
+        let acting = &self.loads * DVector::from_column_slice(factors);
+        let loads: f64 = acting.iter().map(|force| force.abs()).sum();
+        let is_open = |(at, gap): (&usize, &f64)| springs[*at] * gap > ROUNDING * loads;
+        let presses = found.forces.iter().map(|force| *force > ROUNDING * loads);
+        let points =
+            kept.iter().zip(&found.gaps).map(is_open).zip(presses).filter(|&(open, presses)| !open && !presses);
+        match (loads > 0.0, points.count()) {
+            (false, _) | (_, 0) => Ok(()),
+            (_, points) => Err(ContactError::Undetermined { points, of: self.points(), loads }),
+        }
     }
 
     /// Tangent stiffness of a point under a force over that which its channel reads.

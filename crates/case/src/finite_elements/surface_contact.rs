@@ -15,6 +15,9 @@ use crate::check::field;
 /// The directions x, y and z.
 const TRANSLATIONS: [u32; 3] = [1, 2, 3];
 
+/// Angle between the sliding and the face from which on a line says so, degrees; chosen: faces of coarse meshes are that much off.
+const STEEP: f64 = 10.0;
+
 /// A contact of the case with its points.
 pub(super) struct SurfaceContact<'t> {
     pub table: &'t FacesTable,
@@ -65,6 +68,17 @@ impl<'t> SurfaceContact<'t> {
             }
         }
         let interface = Interface::new(&solids.mesh, &slave, &master, &pairing).map_err(&of_contact)?;
+        let steepest = interface.points().iter().map(|point| {
+            let velocity = sliding.velocity(&point.position);
+            (velocity.dot(&point.normal).abs() / velocity.norm()).min(1.0).asin().to_degrees()
+        });
+        let steepest = steepest.fold(0.0, f64::max);
+        if steepest > STEEP {
+            check.note(format!(
+                "{}: the disc would move out of its face by up to {steepest:.0} degrees; what lies in the face is the sliding",
+                key("sliding")
+            ));
+        }
         // Of a whole body those that are met.
         let master: BTreeSet<FaceId> = interface.points().iter().map(|point| point.master_face).collect();
         let master = master.into_iter().collect();

@@ -41,6 +41,9 @@ impl Surfaces {
         if contacts.is_empty() {
             return Err(check.value("contact", "[]", "one table or more"));
         }
+        for (at, contact) in contacts.iter().enumerate() {
+            refuse_again(solids, contact, &contacts[..at])?;
+        }
         let count = tables.iter().filter(|table| table.is_in_equilibrium()).count();
         if count != 0 && count != contacts.len() {
             return Err(check.value("contact.load", "\"equilibrium\" in some", "\"equilibrium\" in all or in none"));
@@ -101,6 +104,27 @@ impl Surfaces {
         check.names("contact.patches", out.patches.iter().map(|patch| &patch.name))?;
         Ok(Self { patches: out, mean_speed, balance })
     }
+}
+
+/// Refuses a contact of faces that another one has too: stiffness, load and friction would count twice.
+fn refuse_again(
+    solids: &Solids<'_>,
+    contact: &SurfaceContact<'_>,
+    others: &[SurfaceContact<'_>],
+) -> Result<(), CaseError> {
+    let faces = |of: &SurfaceContact<'_>| {
+        of.interface.points().iter().map(|point| point.slave_face).collect::<std::collections::BTreeSet<_>>()
+    };
+    let own = faces(contact);
+    for other in others {
+        let Some(id) = faces(other).intersection(&own).next().copied() else { continue };
+        let check = solids.model.check;
+        let key = field("contact", &contact.table.name, "slave");
+        let element = solids.mesh.element(id.element).map_err(check.contact(&key))?.label;
+        let found = format!("a face of the contact {:?} too, S{} of element {element}", other.table.name, id.number);
+        return Err(check.value(&key, found, "faces that are the slave of one contact"));
+    }
+    Ok(())
 }
 
 /// The mean speed of points about axes by their areas; 1 where all slide along directions.

@@ -118,6 +118,12 @@ pub(super) fn spring_term(
     };
     let from = weighed("nodes", &table.nodes)?;
     let to = table.to.as_ref().map(|nodes| weighed("to", nodes)).transpose()?;
+    let nodes_of =
+        |nodes: &[(i64, f64)]| nodes.iter().map(|(node, _)| *node).collect::<std::collections::BTreeSet<_>>();
+    if to.as_ref().is_some_and(|to| nodes_of(to) == nodes_of(&from)) {
+        let allowed = "other nodes than those of nodes, whose mean motion against themselves is 0";
+        return Err(check.value(&key("to"), "the same nodes", allowed));
+    }
     let entry = |node: i64, share: f64| {
         (1..=3).filter_map(move |d| Some((model.row(node, d)?, share * direction[d as usize - 1])))
     };

@@ -7,7 +7,7 @@ use super::Results;
 impl Results {
     /// Reasons why the results may not be those of the full model, in sentences; none where nothing speaks against it.
     pub fn doubts(&self) -> Vec<String> {
-        let mut doubts = Vec::new();
+        let mut doubts = self.plan().doubts.clone();
         if let Some(checks) = &self.full_checks {
             doubts.extend(failed_checks(checks));
         }
