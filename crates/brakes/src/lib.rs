@@ -36,7 +36,6 @@ mod friction_parameters;
 mod labels;
 mod lattice;
 mod matrices;
-mod motion;
 mod prepared;
 
 pub use any::{AnyBrake, CaseBrake, Purpose, cost_of_making, make, make_prepared};

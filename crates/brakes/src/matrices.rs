@@ -1,16 +1,16 @@
 //! A brake given by its matrices in a case file.
 
-use cycle::ContactSystem;
+use cycle::{ContactSystem, Part};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use serde_json::{Map, Value, json};
 use study::{
-    DrawnInputs, Input, NamedParameter, Parametrised, Plan, Scene, SingleParameter, SlidingContacts, UncertainBrake,
+    DrawnContacts, DrawnInputs, Input, NamedParameter, Parametrised, Plan, Scene, SingleParameter, SlidingContacts,
+    UncertainBrake,
 };
 
 use crate::any::{listed, with_family, with_unit};
 use crate::case::{Branch, MatricesCase, Parameter, TakenMatrix};
-use crate::motion::parts;
 use crate::{CaseBrake, Error};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
@@ -93,6 +93,10 @@ impl UncertainBrake for MatricesBrake {
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         Some(self)
     }
+
+    fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<Vec<f64>>> {
+        Some(self)
+    }
 }
 
 impl SlidingContacts for MatricesBrake {
@@ -102,10 +106,16 @@ impl SlidingContacts for MatricesBrake {
         values: &[(usize, f64)],
         stick: f64,
     ) -> Result<ContactSystem, study::Error> {
-        let (system, values) = (&self.plan.brake(scene).system, self.with_values(values));
-        let at = self.case.operating_point(&values)?;
-        let contacts = self.case.sliding_contacts(system.channels(), &at.channels, &values, stick)?;
-        Ok(ContactSystem::new(parts(system, &at.coefficients), contacts).map_err(Error::from)?)
+        self.contact_system_of(scene, &self.with_values(values), stick)
+    }
+}
+
+impl DrawnContacts<Vec<f64>> for MatricesBrake {
+    fn contact_system_of(&self, scene: &Scene, sample: &Vec<f64>, stick: f64) -> Result<ContactSystem, study::Error> {
+        let system = &self.plan.brake(scene).system;
+        let at = self.case.operating_point(sample)?;
+        let contacts = self.case.sliding_contacts(system.channels(), &at.channels, sample, stick)?;
+        Ok(ContactSystem::new(Part::of_terms(system, &at.coefficients), contacts).map_err(Error::from)?)
     }
 }
 

@@ -62,6 +62,19 @@ pub struct CycleArgs {
     pub memory: MemoryArgs,
 }
 
+/// Refuses an option that asks for the motion after the onset of a brake that does not give its contacts, before its reduction, which would take
+/// long.
+///
+/// # Errors
+/// A case of finite elements.
+pub(crate) fn has_motion(case: &CaseFile, option: &'static str, value: &str) -> Result<(), Error> {
+    if !matches!(case, CaseFile::FiniteElements(_)) {
+        return Ok(());
+    }
+    let allowed = "a case of a lattice or of matrices: of finite elements the motion after the onset is not computed";
+    Err(Error::Option { option, value: value.to_owned(), allowed: allowed.into() })
+}
+
 /// The rank of a mode, or `noise`.
 fn start(text: &str) -> Result<Start, String> {
     match text {
@@ -77,13 +90,7 @@ impl CycleArgs {
     /// What is wrong with the case or an option, and what has no motion.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
-        if matches!(case, CaseFile::FiniteElements(_)) {
-            // Its reduction would take long, and its contacts are not given.
-            let allowed =
-                "a case of a lattice or of matrices: of finite elements the motion after the onset is not computed"
-                    .into();
-            return Err(Error::Option { option: "CASE", value: self.case.case.display().to_string(), allowed });
-        }
+        has_motion(&case, "CASE", &self.case.case.display().to_string())?;
         let purpose = self.over.as_ref().map_or(Purpose::Analysis, |over| Purpose::Sweep(std::slice::from_ref(over)));
         let brake = sized::brake(case, purpose, self.memory.into(), &self.case.prepared)?;
         let text = self.motion(&brake)?;

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use brakes::Purpose;
 use squeal::parts::completed;
 
-use super::options::{MachineArgs, number, override_run};
+use super::cycle::has_motion;
+use super::options::{MachineArgs, number, override_run, samples};
 use super::run::RunArgs;
 use super::sized;
 use crate::Error;
@@ -34,6 +35,9 @@ pub struct MergeArgs {
     /// Also every occurrence to this half width at 95 %, by the cheapest estimator, in estimates.csv
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = number)]
     pub half_width: Option<f64>,
+    /// Also the motion from each unstable mode of the first K unstable samples of each scene, in cycles_of_draws.csv; docs/cycles.md
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = samples)]
+    pub cycles: Option<u64>,
     /// Let parts of other programs, and of processors that round differently, pass; manifest.json lists what made them
     #[arg(long)]
     pub mixed: bool,
@@ -57,6 +61,9 @@ impl MergeArgs {
             });
         }
         let mut case = self.case.read()?;
+        if let Some(draws) = self.cycles {
+            has_motion(&case, "--cycles", &draws.to_string())?;
+        }
         // Parts that are not complete are refused before anything large is made.
         let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.
@@ -78,6 +85,7 @@ impl MergeArgs {
             half_width: self.half_width.or(case.header().half_width),
             until_half_width: None,
             keep_samples: parts.iter().any(|part| part.identity.contains(" samples=kept")),
+            cycles: self.cycles,
             shard: None,
             from: 0,
             machine: self.machine,

@@ -8,12 +8,14 @@ use brakes::case::{HALF_WIDTHS, is_half_width};
 use brakes::{CaseBrake, Purpose};
 use output::printable;
 use report::{draw_damping, draw_occurrence, write_page};
+use squeal::cycles::{CycleOptions, CyclesOfDraws, check_contacts_of_draws};
 use squeal::influence::write_kept_samples;
 use squeal::parts::{Shard, merge_parts, run_part};
 use squeal::results::{Estimates, Results, Stopped};
 use squeal::study::{DivergenceCounts, FullChecks, Study};
 use squeal::{RunOptions, RunProgress, run_study_with};
 
+use super::cycle::has_motion;
 use super::mesh_shapes::{geometry, write_mesh_shapes};
 use super::options::{MachineArgs, number, override_run, samples, whole_number};
 use super::reduction::write_reduction;
@@ -52,8 +54,11 @@ pub struct RunArgs {
     /// Keep the samples: samples.csv has what was drawn and what grew, influence.csv which input makes squeal vary
     #[arg(long)]
     pub keep_samples: bool,
+    /// Also the motion from each unstable mode of the first K unstable samples of each scene, in cycles_of_draws.csv; docs/cycles.md
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = samples)]
+    pub cycles: Option<u64>,
     /// Only part I of N of the samples, from 1, into a folder of its own, for `squeal merge`; docs/clusters.md
-    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width"])]
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width", "cycles"])]
     pub shard: Option<(u64, u64)>,
     /// With --shard: the first sample of all parts, where those before it are in parts already
     #[arg(long, value_name = "K", default_value_t = 0, requires = "shard", value_parser = whole_number)]
@@ -83,6 +88,9 @@ impl RunArgs {
         let (begin, mut case) = (Instant::now(), self.case.read()?);
         override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
         let half_width = self.half_width.or(case.header().half_width);
+        if let Some(draws) = self.cycles {
+            has_motion(&case, "--cycles", &draws.to_string())?;
+        }
         if self.shard.is_some() {
             // A part has no report: what draws of the full model say belongs to the whole.
             return self.part(&sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?, out);
@@ -157,6 +165,10 @@ impl RunArgs {
                 return Err(Error::Option { option, value, allowed });
             }
         }
+        let stick = CycleOptions::default().stick;
+        if self.cycles.is_some() {
+            check_contacts_of_draws(brake, stick)?;
+        }
         let (mut summary, mut estimates) = (String::new(), String::new());
         let mut doubts = String::new();
         let mut most_failed = None;
@@ -176,6 +188,13 @@ impl RunArgs {
                 estimates =
                     Estimates::run(study, results, half_width, &self.out, dir, &*told.stage("scenes estimated"))?
                         .text();
+            }
+            if let Some(draws) = self.cycles {
+                let asked = (draws, stick);
+                let progress = &*told.stage("draws whose motion is followed");
+                let found = CyclesOfDraws::run(study, results, asked, &self.out, dir, progress)?;
+                found.add_to_summary(study.plan(), dir)?;
+                estimates += &found.text(study.plan());
             }
             // Last: it shows the tables.
             write_page(results, &geometry(brake), dir)?;

@@ -191,6 +191,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         half_width: Some(0.05),
         until_half_width: None,
         keep_samples: true,
+        cycles: None,
         shard: None,
         from: 0,
         machine,

@@ -30,7 +30,7 @@ pub use continuation::{BranchEnd, BranchPoint, NearMode, Reach, SystemAt};
 pub use error::Error;
 pub use friction::{Bristled, ContactFriction, Smoothed};
 pub use harmonic_balance::{Balance, BalancedCycle};
-pub use measure::{Measures, Shares, history, measure};
+pub use measure::{Measures, Shares, history, measure, measure_over};
 pub use motion::{Motion, Settings, follow, follow_telling, state_after};
 pub use shooting::{Cycle, shoot};
 pub use system::{ContactSystem, Part};

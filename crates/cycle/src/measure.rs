@@ -54,6 +54,34 @@ struct Measured<'a> {
     system: &'a ContactSystem,
     scales: Vec<f64>,
     families: Vec<String>,
+    /// Steps end where a contact opens, closes or sticks and where a displacement peaks; else these are known to a step of time.
+    is_exact: bool,
+}
+
+impl Measured<'_> {
+    /// By contact its normal force and its velocity against both stick speeds; then all velocities, which turn where displacements peak.
+    fn kinks(&self, x: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        let (u, velocity) = x.split_at(self.system.order());
+        for contact in self.system.contacts() {
+            let (slip, stick) = (contact.slip(velocity), contact.friction.stick_speed());
+            out.extend([contact.load + contact.approach(u), slip + stick, slip - stick]);
+        }
+        out.extend_from_slice(&velocity[..u.len()]);
+    }
+
+    /// Sides of all kinks on which a motion is.
+    fn sides(&self, motion: &Integrator<'_, Self>, out: &mut Vec<bool>, values: &mut Vec<f64>) {
+        out.clear();
+        match self.is_exact {
+            // At a kink a value may have either sign.
+            true => out.extend_from_slice(&motion.sides),
+            false => {
+                self.kinks(&motion.x, values);
+                out.extend(values.iter().map(|value| *value > 0.0));
+            }
+        }
+    }
 }
 
 impl Flow for Measured<'_> {
@@ -67,15 +95,11 @@ impl Flow for Measured<'_> {
         rest[n] = self.system.kinetic_energy(x);
     }
 
-    /// By contact its normal force and its velocity against both stick speeds; then all velocities, which turn where displacements peak.
     fn switches(&self, x: &[f64], out: &mut Vec<f64>) {
-        out.clear();
-        let (u, velocity) = x.split_at(self.system.order());
-        for contact in self.system.contacts() {
-            let (slip, stick) = (contact.slip(velocity), contact.friction.stick_speed());
-            out.extend([contact.load + contact.approach(u), slip + stick, slip - stick]);
+        match self.is_exact {
+            true => self.kinks(x, out),
+            false => out.clear(),
         }
-        out.extend_from_slice(&velocity[..u.len()]);
     }
 
     fn scales(&self) -> &[f64] {
@@ -92,23 +116,50 @@ impl Flow for Measured<'_> {
 /// # Errors
 /// A motion that cannot be followed.
 pub fn measure(system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<Measures, Error> {
+    Ok(measured(system, &cycle.start, [cycle.period, cycle.period], tolerance, true)?.0)
+}
+
+/// Goes on with a motion that need not be periodic for a time, s, of many periods, and measures it; gives its last state too. `period`, s, is
+/// about that in which it swings, and scales it. Peaks and shares are known to the steps of time alone, and powers need not sum to zero: the
+/// motion may end with another energy than it has at first.
+///
+/// # Errors
+/// A motion that cannot be followed.
+pub fn measure_over(
+    system: &ContactSystem,
+    start: &[f64],
+    [time, period]: [f64; 2],
+    tolerance: f64,
+) -> Result<(Measures, Vec<f64>), Error> {
+    measured(system, start, [time, period], tolerance, false)
+}
+
+fn measured(
+    system: &ContactSystem,
+    start: &[f64],
+    [time, period]: [f64; 2],
+    tolerance: f64,
+    is_exact: bool,
+) -> Result<(Measures, Vec<f64>), Error> {
     let (d, n, families) = (system.dimension(), system.order(), system.families());
-    let mut x = cycle.start.clone();
+    let mut x = start.to_vec();
     x.resize(d + families.len() + n + 1, 0.0);
-    let mut scales = system.scales(std::f64::consts::TAU / cycle.period);
+    let mut scales = system.scales(std::f64::consts::TAU / period);
     // The works are controlled too, by the energy of the motion.
-    let energy = cycle.start.iter().zip(&scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max).powi(2)
+    let energy = start.iter().zip(&scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max).powi(2)
         * system.kinetic_energy(&scales);
     scales.resize(d + families.len(), energy.max(f64::MIN_POSITIVE));
-    let flow = Measured { system, scales, families };
-    let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * cycle.period);
+    let flow = Measured { system, scales, families, is_exact };
+    let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * period);
     let contacts = system.contacts().len();
+    let (mut sides, mut values) = (Vec::new(), Vec::new());
     let mut shares = vec![Shares::default(); contacts];
     let mut peak: Vec<f64> = motion.x[..n].iter().map(|u| u.abs()).collect();
-    while motion.time < cycle.period {
-        let (from, sides) = (motion.time, motion.sides.clone());
-        motion.step(cycle.period)?;
-        let part = (motion.time - from) / cycle.period;
+    while motion.time < time {
+        let from = motion.time;
+        flow.sides(&motion, &mut sides, &mut values);
+        motion.step(time)?;
+        let part = (motion.time - from) / time;
         for (share, sides) in shares.iter_mut().zip(sides.chunks_exact(3)) {
             let [is_closed, is_above, is_beyond] = [sides[0], sides[1], sides[2]];
             share.open += if is_closed { 0.0 } else { part };
@@ -118,14 +169,16 @@ pub fn measure(system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<
     }
     let integrals = &motion.x[d..];
     let (works, rest) = integrals.split_at(flow.families.len());
-    let mean = |integral: &f64| integral / cycle.period;
-    Ok(Measures {
+    let mean = |integral: &f64| integral / time;
+    let measures = Measures {
         rms_velocity: rest[..n].iter().map(|square| mean(square).sqrt()).collect(),
         peak,
         kinetic_energy: mean(&rest[n]),
         powers: flow.families.iter().cloned().zip(works.iter().map(mean)).collect(),
         contacts: shares,
-    })
+    };
+    motion.x.truncate(d);
+    Ok((measures, motion.x))
 }
 
 /// Normal force and sliding velocity of each contact at equal steps over a period of a cycle, `samples` rows of `(N, w)` by contact, N and m/s.
@@ -154,7 +207,7 @@ pub(crate) fn states(
     tolerance: f64,
 ) -> Result<Vec<Vec<f64>>, Error> {
     let scales = system.scales(std::f64::consts::TAU / cycle.period);
-    let flow = Measured { system, scales, families: system.families() };
+    let flow = Measured { system, scales, families: system.families(), is_exact: true };
     let mut x = cycle.start.clone();
     x.resize(system.dimension() + flow.families.len() + system.order() + 1, 0.0);
     let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * cycle.period);

@@ -36,6 +36,8 @@ pub enum Motion {
     NotPeriodic {
         /// Time that was looked at, s.
         time: f64,
+        /// State of motion at its end.
+        state: Vec<f64>,
     },
 }
 
@@ -156,7 +158,7 @@ pub fn follow_telling(
         // Not yet there, or not at all: a shooting costs more than some periods.
         next_try = 20;
     }
-    Ok(Motion::NotPeriodic { time: motion.time })
+    Ok(Motion::NotPeriodic { time: motion.time, state: motion.x })
 }
 
 /// False for an equilibrium beside steady sliding, where the state after any time is that before.

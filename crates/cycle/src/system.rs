@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use linsys::SecondOrder;
+use linsys::{AffineSystem, SecondOrder, Term};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
@@ -16,6 +16,19 @@ pub struct Part {
     pub family: String,
     /// Matrices of the part.
     pub matrices: SecondOrder,
+}
+
+impl Part {
+    /// Terms of a structure at coefficients, each a part of its family.
+    #[must_use]
+    pub fn of_terms(system: &AffineSystem, coefficients: &[f64]) -> Vec<Self> {
+        let part = |(term, &coefficient): (&Term, &f64)| {
+            let SecondOrder { m, c, k, internal } = term.matrices().clone();
+            let matrices = SecondOrder { m: m * coefficient, c: c * coefficient, k: k * coefficient, internal };
+            Self { family: term.family.clone(), matrices }
+        };
+        system.terms().iter().zip(coefficients).map(part).collect()
+    }
 }
 
 /// `M u'' + C u' + K u + sum_i [ c_i (N_i - N0_i - k_i c_i^T u) - b_i (mu_i N_i - mu0_i N0_i) ] = 0`, with `N_i = max(0, N0_i + k_i c_i^T u)`,

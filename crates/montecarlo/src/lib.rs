@@ -45,6 +45,7 @@
 //! | when may a run stop? | [`interim_looks`], [`distance`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
 //! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
+//! | do two quantities order things alike? | [`rank_correlation`] |
 //! | which input makes an output vary? | [`first_order_by_ranks`], [`PickFreeze`], [`SobolIndex`] |
 //! | how uncertain is an estimate? | [`Confidence`], [`Interval`] |
 //!
@@ -75,6 +76,7 @@ mod parts;
 mod progress;
 mod proportion;
 mod quantile_sketch;
+mod rank_correlation;
 mod redraw;
 mod replicate_mean;
 mod run;
@@ -105,6 +107,7 @@ pub use parts::{part_of, tiled};
 pub use progress::Progress;
 pub use proportion::{Proportion, Trial, trials_for_half_width, wilson};
 pub use quantile_sketch::QuantileSketch;
+pub use rank_correlation::rank_correlation;
 pub use redraw::redraw_until_at_least;
 pub use replicate_mean::ReplicateMean;
 pub use run::{run, run_with};

@@ -60,6 +60,7 @@ fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half
         half_width: None,
         until_half_width,
         keep_samples,
+        cycles: None,
         shard: None,
         from: 0,
         machine: MachineArgs { threads, ..MachineArgs::default() },

@@ -3,7 +3,7 @@
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 
-use crate::{DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scene, SlidingContacts};
+use crate::{DrawnContacts, DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scene, SlidingContacts};
 
 /// A brake with all its uncertain numbers.
 ///
@@ -74,6 +74,11 @@ pub trait UncertainBrake: Sync {
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None
     }
+
+    /// Contacts of samples beyond their tangents: for the motions of draws.
+    fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<Self::Sample>> {
+        None
+    }
 }
 
 /// Implements [`UncertainBrake`] for pointers to a brake, `dyn UncertainBrake` among them.
@@ -124,6 +129,10 @@ macro_rules! forwarded {
 
             fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
                 (**self).sliding_contacts()
+            }
+
+            fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<B::Sample>> {
+                (**self).drawn_contacts()
             }
         }
     )* };

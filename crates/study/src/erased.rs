@@ -2,12 +2,13 @@
 
 use std::any::Any;
 
+use cycle::ContactSystem;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 
 use crate::{
-    DrawnInputs, Error, Input, ModeSource, Modifiable, Parametrised, Plan, Scene, SingleParameter, SlidingContacts,
-    UncertainBrake,
+    DrawnContacts, DrawnInputs, Error, Input, ModeSource, Modifiable, Parametrised, Plan, Scene, SingleParameter,
+    SlidingContacts, UncertainBrake,
 };
 
 /// A sample of a brake of any type.
@@ -76,6 +77,20 @@ impl<B: UncertainBrake<Sample: 'static>> UncertainBrake for Erased<B> {
 
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         self.0.sliding_contacts()
+    }
+
+    fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<AnySample>> {
+        self.0.drawn_contacts().map(|_| self as _)
+    }
+}
+
+/// Contacts of the inner brake. [`UncertainBrake::drawn_contacts`] hands this out only where the inner brake has some.
+impl<B: UncertainBrake<Sample: 'static>> DrawnContacts<AnySample> for Erased<B> {
+    fn contact_system_of(&self, scene: &Scene, sample: &AnySample, stick: f64) -> Result<ContactSystem, Error> {
+        match (self.0.drawn_contacts(), self.own(sample)) {
+            (Some(contacts), Some(sample)) => contacts.contact_system_of(scene, sample, stick),
+            _ => Err(Error::OtherSample),
+        }
     }
 }
 

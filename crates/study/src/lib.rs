@@ -81,7 +81,7 @@ pub use scratch::{Scratch, Spent, timed};
 pub use sector_modes::check_range;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub use set_links::{SetLinks, origin_of_set, set_links};
-pub use sliding_contacts::SlidingContacts;
+pub use sliding_contacts::{DrawnContacts, SlidingContacts};
 pub use strength::Strength;
 pub use tally::{StudyTally, TwiceNamedTally};
 pub use third_octave::{InThirdOctave, ThirdOctave};

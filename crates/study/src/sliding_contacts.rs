@@ -1,4 +1,5 @@
-//! The capability of a brake whose contacts are known beyond their tangents: for the motion after the onset.
+//! The capabilities of a brake whose contacts are known beyond their tangents, at values of its parameters and of its samples: for the motion
+//! after the onset.
 
 use cycle::ContactSystem;
 
@@ -13,4 +14,14 @@ pub trait SlidingContacts: Sync {
     /// # Errors
     /// A contact whose load, speed, spring or law is not known; as [`UncertainBrake::operating_point`](crate::UncertainBrake::operating_point).
     fn contact_system(&self, scene: &Scene, values: &[(usize, f64)], stick: f64) -> Result<ContactSystem, Error>;
+}
+
+/// Contacts that may open, slide and stick, of samples.
+pub trait DrawnContacts<S>: Sync {
+    /// The equations of motion of a sample in a scene; `stick` is that of [`SlidingContacts::contact_system`], which at the medians are the
+    /// same equations.
+    ///
+    /// # Errors
+    /// As [`SlidingContacts::contact_system`].
+    fn contact_system_of(&self, scene: &Scene, sample: &S, stick: f64) -> Result<ContactSystem, Error>;
 }

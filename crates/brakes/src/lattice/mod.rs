@@ -1,11 +1,13 @@
 //! The lattice of a case with its friction laws and distributions.
 
+mod contacts;
 mod draw;
 mod drawn_inputs;
 mod modifiable;
 mod parameters;
 mod sobol;
 
+use contacts::contact_system;
 pub use draw::{FrictionDraw, LatticeSample};
 pub(crate) use sobol::{DrawnFriction, OF_CONTACT};
 
@@ -19,8 +21,8 @@ use osc_model::{
 use output::significant;
 use serde_json::{Map, Value, json};
 use study::{
-    Configuration, Cost, DrawnInputs, Modifiable, Moves, NamedParameter, Origin, Parametrised, Plan, Scene, SceneKey,
-    SceneLabels, SlidingContacts, UncertainBrake,
+    Configuration, Cost, DrawnContacts, DrawnInputs, Modifiable, Moves, NamedParameter, Origin, Parametrised, Plan,
+    Scene, SceneKey, SceneLabels, SlidingContacts, UncertainBrake,
 };
 
 use crate::any::{listed, values_in_words};
@@ -193,6 +195,10 @@ impl UncertainBrake for LatticeBrake {
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         Some(self)
     }
+
+    fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<LatticeSample>> {
+        Some(self)
+    }
 }
 
 impl SlidingContacts for LatticeBrake {
@@ -203,6 +209,20 @@ impl SlidingContacts for LatticeBrake {
         stick: f64,
     ) -> Result<ContactSystem, study::Error> {
         Ok(parameters::contact_system(self, scene, values, stick)?)
+    }
+}
+
+impl DrawnContacts<LatticeSample> for LatticeBrake {
+    fn contact_system_of(
+        &self,
+        scene: &Scene,
+        sample: &LatticeSample,
+        stick: f64,
+    ) -> Result<ContactSystem, study::Error> {
+        // Where no speed matters to a tangent, a motion sticks at its own: in the first of the ranges.
+        let speed = self.case.speeds[scene.key.speed.unwrap_or(0)].quantile(sample.speed_quantile);
+        let (readings, stiffness) = (&self.case.readings, &self.case.lattice.contact_stiffness);
+        Ok(contact_system(self.lattice(scene), self.law(scene.key), (readings, stiffness), (speed, sample), stick)?)
     }
 }
 

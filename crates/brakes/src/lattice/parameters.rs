@@ -1,6 +1,6 @@
 //! The parameters of a lattice by the names that its case file has for them.
 
-use cycle::{ContactSystem, SlidingContact};
+use cycle::ContactSystem;
 use linsys::SecondOrder;
 use osc_model::{Lateral, LatticeModel, LatticeParameters, Preload, PreparedLattice};
 use study::{NamedParameter, Scene};
@@ -9,7 +9,6 @@ use super::{FrictionDraw, LatticeBrake, LatticeSample, sliding_under};
 use crate::Error;
 use crate::case::{LatticeReadings, Law};
 use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
-use crate::motion::parts;
 
 /// Values that the parameters of a scene can change.
 #[derive(Debug, Clone)]
@@ -248,7 +247,7 @@ pub(super) fn system(brake: &LatticeBrake, scene: &Scene, values: &[(usize, f64)
     Ok(lattice.brake().system.assemble(&lattice.operating_point(&state)?)?)
 }
 
-/// The equations of motion of a lattice whose contacts open, slide along x and stick.
+/// The equations of motion of a lattice, with values of some parameters.
 pub(super) fn contact_system(
     brake: &LatticeBrake,
     scene: &Scene,
@@ -256,34 +255,12 @@ pub(super) fn contact_system(
     stick: f64,
 ) -> Result<ContactSystem, Error> {
     let (mut at, changed) = with_values(brake, scene, values)?;
-    if at.readings.lateral != Lateral::None {
-        return Err(Error::Motion { what: "friction across the sliding", allowed: "readings.lateral = \"none\"" });
-    }
     let lattice = changed.as_ref().unwrap_or_else(|| brake.lattice(scene));
-    let law = brake.law(scene.key);
     if scene.key.speed.is_none() {
         // A tangent that no speed matters to; a motion sticks at its own.
         at.speed = brake.case.speeds[0].quantile(0.5);
     }
     let sample = LatticeSample::shared(at.draw, 0.5);
-    let state = sliding_under(&at.readings, lattice, law, at.speed, &sample)?;
-    let friction = at.draw.in_motion(law, stick * at.speed, at.readings.bristle_damping).map_err(study::Error::from)?;
-    let system = &lattice.brake().system;
-    let oscillators = lattice.arrangement().in_contact();
-    let contacts =
-        system.channels().iter().zip(oscillators).zip(&state.contacts).map(|((channel, &oscillator), point)| {
-            let stiffness = at.lattice.contact_stiffness[oscillator];
-            SlidingContact {
-                name: channel.name.clone(),
-                family: channel.family.clone(),
-                sliding: channel.force.clone(),
-                // The channel reads k (z_i - z_p), and the normal force is k (z_p - z_i).
-                normal: channel.reading.iter().map(|&(dof, value)| (dof, -value / stiffness)).collect(),
-                stiffness,
-                load: point.normal_load,
-                speed: at.speed,
-                friction: friction.clone(),
-            }
-        });
-    Ok(ContactSystem::new(parts(system, &[1.0]), contacts.collect())?)
+    let (readings, stiffness) = (&at.readings, &at.lattice.contact_stiffness);
+    super::contact_system(lattice, brake.law(scene.key), (readings, stiffness), (at.speed, &sample), stick)
 }

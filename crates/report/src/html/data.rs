@@ -13,7 +13,7 @@ use super::tables::{grouped_on_page, on_page, read, with_rows};
 use crate::Error;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
-const TABLES: [(&str, &str); 12] = [
+const TABLES: [(&str, &str); 14] = [
     (
         "divergence.csv",
         "Draws of the whole brake in which something grows faster than it oscillates: of all, by law and by panel",
@@ -34,6 +34,11 @@ const TABLES: [(&str, &str); 12] = [
     ("family_work.csv", "The same work by family of forces"),
     ("sensitivities.csv", "What changes the growth of unstable modes at median parameters, and how far that holds"),
     ("estimates.csv", "Occurrences to the half width that was asked for, by the cheapest estimator"),
+    (
+        "cycles_by_mode.csv",
+        "The motions that unstable modes of draws grow into: how many are cycles, and how loud they are",
+    ),
+    ("cycles_by_scene.csv", "Whether the mode that grows fastest makes the loudest motion"),
     ("failures.csv", "Draws and evaluations that failed"),
 ];
 

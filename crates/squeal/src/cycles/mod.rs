@@ -4,11 +4,17 @@
 //! equations of motion have the system of the complex eigenvalue analysis as their tangent.
 
 mod branches;
+mod drawn;
+mod of_draws;
+mod of_draws_tables;
 mod starts;
 mod stopped;
 mod tables;
 
 pub use branches::{Branch, BranchCycle, Branches, branches};
+pub use drawn::{DrawnFate, MeasuredMotion};
+pub(crate) use drawn::{Following, loudest};
+pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
 
 use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdicts_beyond};
 use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow_telling, history, measure};

@@ -141,7 +141,7 @@ impl Results {
     }
 
     /// Notes something for the manifest.
-    pub(super) fn note(&self, note: String) {
+    pub(crate) fn note(&self, note: String) {
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
     }
 
