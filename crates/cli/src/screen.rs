@@ -8,12 +8,14 @@ use brakes::{CaseBrake, Purpose};
 use output::printable;
 use report::{screen_figure, write_screen_page};
 use serde_json::json;
+use squeal::cycles::{CycleOptions, check_contacts_of_draws};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::screen::{ChangeKind, Confirmation, Criterion, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::Units;
 use squeal::workers;
 
+use super::cycle::has_motion;
 use super::mesh_shapes::geometry;
 use super::options::{MachineArgs, number, override_run, samples, whole_number};
 use super::scene::chosen;
@@ -46,7 +48,7 @@ pub struct ScreenArgs {
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
     /// Criterion of the ranking: occurrence (unstable modes in one analysis), probability (anything is unstable), growth-quantile (the growth that 95 % of the draws do not
-    /// exceed) [default: occurrence]
+    /// exceed), loudness (of the motion, likewise; docs/cycles.md) [default: occurrence]
     #[arg(long, value_name = "NAME")]
     pub criterion: Option<String>,
     /// Single changes of each kind to confirm; of each larger size one set is [default: 1]
@@ -89,7 +91,9 @@ impl ScreenArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = self.case.read()?;
         override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
-        self.options(&case.constraint_sets(), case.header().units)?;
+        if self.options(&case.constraint_sets(), case.header().units)?.criterion == Criterion::Loudness {
+            has_motion(&case, "--criterion", Criterion::Loudness.name())?;
+        }
         let text = self.screen(&sized::brake(case, Purpose::Screen, self.machine, &self.case.prepared)?)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
@@ -148,8 +152,12 @@ impl ScreenArgs {
             let (value, allowed) = (plan.samples.to_string(), "2 or more, for an interval".into());
             return Err(Error::Option { option: "--samples", value, allowed });
         }
-        let identity =
-            of_study(brake).part("screen", |to| options.written(to)).given("samples", plan.samples).into_line();
+        let mut identity = of_study(brake).part("screen", |to| options.written(to)).given("samples", plan.samples);
+        if options.criterion == Criterion::Loudness {
+            let (_, contacts) = check_contacts_of_draws(brake, CycleOptions::default().stick)?;
+            identity = identity.given("contacts", contacts);
+        }
+        let identity = identity.into_line();
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }

@@ -1,12 +1,13 @@
 //! Screening: what changes do is what closed forms and the lattice itself say.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use std::path::{Path, PathBuf};
 
 use brakes::case::{LatticeCase, MatricesCase};
 use brakes::{LatticeBrake, MatricesBrake, lattice, sliding};
 use squeal::cea::{EigenSolver, QrSolver, Workspace};
+use squeal::cycles::{CycleOptions, cycles};
 use squeal::linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
 use squeal::montecarlo::{Experiment as _, StreamRng, stream};
 use squeal::osc_model::{Brake, ContactArrangement};
@@ -124,11 +125,106 @@ fn the_growth_that_95_percent_of_the_draws_do_not_exceed_is_that_of_the_quantile
     }
 }
 
+/// Of each change the motion of the changed case at the two draws between which 95 % of 80 lie: more friction is louder.
+#[test]
+fn the_loudness_that_95_percent_of_the_draws_do_not_exceed_is_that_of_the_changed_case() {
+    const SAMPLES: u64 = 80;
+    let path = case("hoffmann.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let brake = MatricesBrake::new(MatricesCase::parse(&path, text.clone()).unwrap()).unwrap();
+    let mut options = options(&[ChangeKind::Dashpot, ChangeKind::Spring, ChangeKind::Contact], 1);
+    (options.draws, options.criterion) = (10, Criterion::Loudness);
+    let screen = screened(&brake, &options, SAMPLES);
+    let mut mu: Vec<f64> = (0..SAMPLES).map(|at| brake.draw(&mut stream(brake.plan.seed, at)).unwrap()[0]).collect();
+    mu.sort_by(f64::total_cmp);
+    let loudness = |mu: f64, given: &str, changed: &str| {
+        let frozen = format!("distribution = \"constant\"\nvalue = {mu:?}\n");
+        let text = text.replace("distribution = \"uniform\"\nfrom = 0.5\nto = 1.1\n", &frozen).replace(given, changed);
+        let brake = MatricesBrake::new(MatricesCase::parse(&path, text).unwrap()).unwrap();
+        let found = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+        found.motions[0].measures.as_ref().unwrap().rms_of(&[0, 1])
+    };
+    // Ranks from 0 of which the quantile is a mean.
+    let (position, rank) = (0.95 * (SAMPLES - 1) as f64, 75);
+    let part = position - rank as f64;
+    assert!((0.0..1.0).contains(&part));
+    let mut left_of = Vec::new();
+    for (set, given, changed) in [
+        (&screen.sets[0], "", ""),
+        (found(&screen, ChangeKind::Dashpot, "x"), "[[0.05, 0.0]", "[[1.05, 0.0]"),
+        (found(&screen, ChangeKind::Dashpot, "y"), "[0.0, 0.05]]", "[0.0, 1.05]]"),
+        (found(&screen, ChangeKind::Spring, "x"), "stiffness = [[2.0,", "stiffness = [[2.8,"),
+    ] {
+        assert!(given.is_empty() || text.contains(given), "{given}");
+        let expected =
+            (1.0 - part) * loudness(mu[rank], given, changed) + part * loudness(mu[rank + 1], given, changed);
+        let confirmed = set.confirmed.as_ref().unwrap();
+        let left = confirmed.loudness_quantile.unwrap();
+        assert!((left.value - expected).abs() < 1e-3 * expected, "{}: {left:?} {expected}", set.places);
+        assert!(left.lower <= expected && expected <= left.upper && left.upper.is_finite(), "{left:?}");
+        assert_eq!(confirmed.not_followed, Some(0));
+        left_of.push(expected);
+    }
+    let drop = found(&screen, ChangeKind::Spring, "x").confirmed.as_ref().unwrap().loudness_quantile_drop.unwrap();
+    assert!((drop.value - (left_of[0] - left_of[3])).abs() < 1e-3 * left_of[0], "{drop:?} {left_of:?}");
+    // Without its contact the oscillator is silent.
+    let contact = found(&screen, ChangeKind::Contact, "belt");
+    assert_eq!(contact.confirmed.as_ref().unwrap().loudness_quantile.unwrap().value, 0.0);
+    assert_eq!(contact.prediction.unwrap().loudness_quantile, Some(0.0));
+    // The same dashpot damps in one direction and destabilises in the other; the first is ranked before.
+    let rank_of =
+        |places: &str| screen.sets.iter().position(|set| set.kind == Some(ChangeKind::Dashpot) && set.places == places);
+    assert!(rank_of("x") < rank_of("y") && left_of[1] < left_of[0] && left_of[0] < left_of[2], "{left_of:?}");
+    // Nothing is followed that is not asked for.
+    options.criterion = Criterion::GrowthQuantile;
+    let other = screened(&brake, &options, 10);
+    assert!(other.sets.iter().filter_map(|set| set.confirmed.as_ref()).all(|of| of.loudness_quantile.is_none()));
+}
+
+#[test]
+fn a_brake_that_gives_no_contacts_is_not_ranked_by_loudness() {
+    let own = Row::new();
+    let mut options = options(&[ChangeKind::Contact], 1);
+    options.criterion = Criterion::Loudness;
+    let Err(error) = rank(&own, &options, &()) else { panic!("not refused") };
+    assert_eq!(
+        error.to_string(),
+        "the motion after the onset needs drawn_contacts of the brake, which its type does not give"
+    );
+}
+
+#[test]
+fn changes_of_a_lattice_have_the_motion_whose_tangent_is_their_analysis() {
+    let brake = two_by_two();
+    let of_place = |change| ChangeSet { name: format!("{change:?}"), of: 0, changes: vec![change] };
+    let sets: Vec<ChangeSet> = [
+        Change::Hold { dof: 3 },
+        Change::TakeOut { contact: 1 },
+        Change::Attach { what: Attached::Mass, size: 0.3, along: vec![vec![(0, 1.0)]] },
+        Change::Attach { what: Attached::Dashpot, size: 30.0, along: vec![vec![(2, 1.0), (5, -1.0)]] },
+    ]
+    .into_iter()
+    .map(of_place)
+    .collect();
+    let modified = Modified::new(&brake, &sets).unwrap();
+    let contacts = modified.drawn_contacts().unwrap();
+    for scene in &modified.plan().scenes {
+        for at in 0..3 {
+            let sample = modified.draw(&mut stream(1, at)).unwrap();
+            let system = contacts.contact_system_of(scene, &sample, 0.01).unwrap();
+            let of_cea = modified.system(scene, &sample).unwrap();
+            let deviation = system.check_tangent(&of_cea, 1e4).unwrap();
+            assert!(deviation < 1e-13, "{}: {deviation}", modified.plan().describe(scene));
+        }
+    }
+}
+
 #[test]
 fn singles_are_ranked_by_the_criterion() {
     let brake = two_by_two();
     let mut orders = Vec::new();
-    for criterion in Criterion::ALL {
+    // Loudness, which takes long on a lattice, is asked of a smaller brake.
+    for criterion in [Criterion::Occurrence, Criterion::Probability, Criterion::GrowthQuantile] {
         let mut options = options(&ChangeKind::ALL, 1);
         (options.draws, options.criterion) = (8, criterion);
         let ranking = rank(&brake, &options, &()).unwrap();

@@ -57,4 +57,15 @@ fn what_has_no_motion_is_refused_in_a_line() {
     refusal(&asked("cycle", &disc, &[]), &["no contact that could open, slide or stick"]);
     let pad = hoffmann().with_file_name("disc-pad").join("disc-pad.toml");
     refusal(&asked("cycle", &pad, &[]), &["disc-pad.toml", "allowed: a case of a lattice or of matrices"]);
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    for (command, options) in [("run", ["--cycles", "3"]), ("screen", ["--criterion", "loudness"])] {
+        let options = [&options[..], &["--out", out.to_str().unwrap()]].concat();
+        let expected = format!("{} = {}", options[0], options[1]);
+        refusal(&asked(command, &pad, &options), &[&expected, "allowed: a case of a lattice or of matrices"]);
+        assert!(!out.exists());
+    }
+    let out = out.to_str().unwrap();
+    refusal(&asked("run", &hoffmann(), &["--cycles", "0", "--out", out]), &["--cycles", "allowed: 1 to"]);
+    refusal(&asked("run", &hoffmann(), &["--cycles", "3", "--shard", "1/2", "--out", out]), &["--cycles", "--shard"]);
 }

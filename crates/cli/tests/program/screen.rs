@@ -57,7 +57,7 @@ fn each_criterion_has_its_files_and_says_of_what_its_drop_is_with_few_draws_too(
         ("probability", "drop: percentage points fewer analyses with anything unstable"),
         (
             "growth-quantile",
-            "limits of growth are not known from fewer than 72 draws, or where some failed: inf\ndrop: 1/s less growth",
+            "limits of a quantile are not known from fewer than 72 draws, or where some failed: inf\ndrop: 1/s less growth",
         ),
     ] {
         let dir = folder.path().join(criterion);

@@ -554,7 +554,8 @@ def screen(
     """Screen a brake for what helps: "constraint", "mass", "spring", "dashpot", "contact" at every place, singly and in sets `up_to`.
 
     All are ranked by a few analyses on `draws` draws, by `criterion`: "occurrence" (unstable modes in one analysis), "probability" (anything is
-    unstable) or "growth-quantile" (the growth that 95 % of the draws do not exceed), and the best of each kind, `confirm` single ones and one of each larger size, are
+    unstable), "growth-quantile" (the growth that 95 % of the draws do not exceed) or "loudness" (that of the motion, likewise; lattices and
+    matrices), and the best of each kind, `confirm` single ones and one of each larger size, are
     confirmed on `samples` other draws. `mass`, kg, `spring`, N/m, and `dashpot`, Ns/m, are what is attached; parts of the place's own
     unless given.
     """

@@ -13,9 +13,13 @@ pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure,
     let Form { times, fewer, .. } = screen.criterion.form();
     let bar = |set: &ScreenedSet| {
         let drop = screen.criterion.drop(set.confirmed.as_ref()?);
+        // A drop is not known where no motion could be followed.
+        if !drop.value.is_finite() {
+            return None;
+        }
         let limits = Some([drop.lower, drop.upper].map(|limit| times * limit));
         let limits = limits.filter(|limits| limits.iter().all(|limit| limit.is_finite()));
-        let predicted = set.predicted_drop(&screen.unchanged, screen.criterion);
+        let predicted = set.predicted_drop(&screen.unchanged, screen.criterion).filter(|drop| drop.is_finite());
         Some(DropBar {
             name: set.name(),
             value: times * drop.value,
@@ -33,7 +37,7 @@ pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure,
         title: title.into(),
         x_label: fewer.into(),
         groups: groups.filter(|group| !group.bars.is_empty()).collect(),
-        most: screen.as_it_is().map(|now| times * screen.criterion.left(now).value),
+        most: screen.as_it_is().map(|now| times * screen.criterion.left(now).value).filter(|most| most.is_finite()),
         note: note.into(),
     })?)
 }

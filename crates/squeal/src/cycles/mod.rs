@@ -13,7 +13,8 @@ mod tables;
 
 pub use branches::{Branch, BranchCycle, Branches, branches};
 pub use drawn::{DrawnFate, MeasuredMotion};
-pub(crate) use drawn::{Following, loudest};
+pub(crate) use drawn::{Following, loudest, motions};
+pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
 
 use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdicts_beyond};

@@ -1,5 +1,6 @@
 //! Changes of a brake, and the brake with them.
 
+use cycle::{ContactSystem, Part, SlidingContact};
 use linsys::{AffineSystem, DofMap, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;
 use osc_model::{Body, Brake, Sectors};
@@ -74,6 +75,8 @@ pub(super) struct ChangedBrake {
     pub brake: Brake,
     /// Indices of its channels among those of the brake without changes.
     channels: Vec<usize>,
+    /// Degrees of freedom that stay free, among those of the brake without changes.
+    kept: DofMap,
     has_term: bool,
 }
 
@@ -121,7 +124,7 @@ impl ChangedBrake {
         let stays = |dof: usize| brake.dofs.position(dof).is_some_and(|at| kept.position(at).is_some());
         let dofs = DofMap::new(total, &(0..total).filter(|&dof| !stays(dof)).collect::<Vec<_>>())?;
         let sectors = sectors(brake, &kept, &channels, &added);
-        Ok(Self { brake: Brake { system, dofs, bodies, sectors }, channels, has_term })
+        Ok(Self { brake: Brake { system, dofs, bodies, sectors }, channels, kept, has_term })
     }
 
     /// The operating point of the brake with changes from that of the one without.
@@ -131,6 +134,21 @@ impl ChangedBrake {
         }
         at.channels = self.channels.iter().filter_map(|&channel| at.channels.get(channel).copied()).collect();
         at
+    }
+
+    /// The equations of motion of the brake with changes at an operating point of its own, from those of the one without: a contact keeps its load,
+    /// speed, spring and law. One that is taken out opens no more, and its spring stays where nothing says which is its own.
+    ///
+    /// # Errors
+    /// A brake whose contacts are all taken out.
+    pub fn motion(&self, unchanged: &ContactSystem, at: &OperatingPoint) -> Result<ContactSystem, cycle::Error> {
+        let free = |vector: &[(usize, f64)]| -> Vec<(usize, f64)> {
+            vector.iter().filter_map(|&(dof, value)| Some((self.kept.position(dof)?, value))).collect()
+        };
+        let contacts = self.channels.iter().filter_map(|&channel| unchanged.contacts().get(channel));
+        let contacts =
+            contacts.map(|of| SlidingContact { sliding: free(&of.sliding), normal: free(&of.normal), ..of.clone() });
+        ContactSystem::new(Part::of_terms(&self.brake.system, &at.coefficients), contacts.collect())
     }
 }
 

@@ -6,13 +6,13 @@ use montecarlo::{
     BoundedMean, Bounds, Confidence, CountDifference, CountedSide, Failures, Merge, QuantileSketch, Runs, Tally, wilson,
 };
 use serde::{Deserialize, Serialize};
-use study::{Plan, Scene, Study, UncertainBrake};
+use study::{Plan, Scene, UncertainBrake};
 
-use super::modified::Modified;
+use super::sounded::Sounded;
 use crate::results::Estimate;
 
-/// Part of the draws of which the growth is not exceeded, of [`Confirmed::growth_quantile`].
-pub(super) const GROWTH_QUANTILE: f64 = 0.95;
+/// Part of the draws of which the growth, or the loudness, is not exceeded, of [`Confirmed::growth_quantile`] and [`Confirmed::loudness_quantile`].
+pub(super) const QUANTILE: f64 = 0.95;
 
 /// Sums over all scenes of each set of changes, sample by sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,6 +27,9 @@ pub(super) struct ScreenTally {
     squeal_drops: Vec<Vec<BoundedMean>>,
     /// Largest growth rates in all analyses of a sample, 1/s, by set.
     growth: Vec<QuantileSketch>,
+    /// Loudness of the loudest motion in all analyses of a sample, m/s, by set; infinite where a motion cannot be followed. Nothing where it is not asked
+    /// for.
+    loudness: Vec<QuantileSketch>,
     /// Number of verdicts that the error bound leaves open, by set.
     pub undecided: Vec<u64>,
     /// Number of real eigenvalues beyond the threshold, by set.
@@ -58,6 +61,7 @@ impl ScreenTally {
             drops: vec![means.clone(); sets],
             squeal_drops: vec![means; sets],
             growth: vec![QuantileSketch::default(); sets],
+            loudness: vec![QuantileSketch::default(); sets],
             undecided: counts.clone(),
             divergent: counts,
             layout: Layout { scenes },
@@ -78,22 +82,25 @@ impl Merge for ScreenTally {
         self.drops.iter_mut().zip(later.drops).for_each(|(mine, later)| add(mine, later));
         self.squeal_drops.iter_mut().zip(later.squeal_drops).for_each(|(mine, later)| add(mine, later));
         self.growth.iter_mut().zip(later.growth).for_each(|(mine, later)| mine.merge(later));
+        self.loudness.iter_mut().zip(later.loudness).for_each(|(mine, later)| mine.merge(later));
         count(&mut self.undecided, later.undecided);
         count(&mut self.divergent, later.divergent);
     }
 }
 
-impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
-    fn record(&mut self, runs: &Runs<'_, Study<'_, Modified<'_, B>>>) {
+impl<B: UncertainBrake> Tally<Sounded<'_, '_, B>> for ScreenTally {
+    fn record(&mut self, runs: &Runs<'_, Sounded<'_, '_, B>>) {
         // Of a set in which a scene failed nothing is known of this sample.
         let mut sums: Vec<Option<[i32; 2]>> = vec![Some([0; 2]); self.unstable.len()];
         let mut growth = vec![0.0_f64; sums.len()];
+        let mut loudness: Vec<Option<f64>> = vec![None; sums.len()];
         for (&(set, weight), result) in self.layout.scenes.iter().zip(runs.results) {
             match (result, &mut sums[set]) {
-                (Ok(outcome), Some([unstable, squealing])) => {
+                (Ok((outcome, of_scene)), Some([unstable, squealing])) => {
                     *unstable += weight * outcome.instabilities() as i32;
                     *squealing += weight * i32::from(outcome.is_unstable());
                     growth[set] = growth[set].max(outcome.growth);
+                    loudness[set] = of_scene.map(|of_scene| loudness[set].unwrap_or(0.0).max(of_scene));
                     self.undecided[set] += weight as u64 * u64::from(outcome.undecided);
                     self.divergent[set] += weight as u64 * u64::from(outcome.divergent);
                 }
@@ -106,6 +113,9 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
             self.unstable[set].record(unstable);
             self.squealing[set].record(squealing);
             self.growth[set].record(growth[set]);
+            if let Some(loudness) = loudness[set] {
+                self.loudness[set].record(loudness);
+            }
             for (other, less) in sums.iter().enumerate() {
                 if let Some([less, less_squealing]) = *less {
                     self.drops[set][other].record(unstable - less);
@@ -137,6 +147,13 @@ pub struct Confirmed {
     pub growth_quantile: Estimate,
     /// Drop of this quantile against the brake without changes, between the limits of the two with 97.5 % each.
     pub growth_quantile_drop: Estimate,
+    /// Quantile at 95 %, over the samples whose motions could be followed, of the loudness of the loudest motion in all analyses of a sample, m/s, as
+    /// `growth_quantile`; infinite where none could. `None` where it is not asked for.
+    pub loudness_quantile: Option<Estimate>,
+    /// Drop of this quantile against the brake without changes.
+    pub loudness_quantile_drop: Option<Estimate>,
+    /// Number of samples with a motion that could not be followed, among them those that diverge; `None` where none was to be.
+    pub not_followed: Option<u64>,
     /// Number of verdicts that the error bound leaves open; they count as stable.
     pub undecided: u64,
     /// Number of real eigenvalues beyond the threshold.
@@ -160,6 +177,11 @@ impl ScreenTally {
             }
             false => estimate(squealing, by, 1.0, failed)?,
         };
+        let is_heard = self.loudness[set].count() + self.loudness[set].not_finite() > 0;
+        let loudness = quantile(&self.loudness[set], Confidence::P95, samples);
+        let loudness_drop = quantile_drop(&self.loudness, set, samples);
+        let nothing = Estimate { value: f64::INFINITY, lower: 0.0, upper: f64::INFINITY };
+        let unknown = Estimate { value: f64::NAN, lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         Some(Confirmed {
             unstable: estimate(&self.unstable[set], by, most, failed)?,
             drop: self.difference(plan, 0, set, samples)?,
@@ -170,40 +192,14 @@ impl ScreenTally {
                 by,
                 samples,
             )?,
-            growth_quantile: self.growth_quantile(set, Confidence::P95, samples)?,
-            growth_quantile_drop: self.growth_quantile_drop(set, samples)?,
+            growth_quantile: quantile(&self.growth[set], Confidence::P95, samples)?,
+            growth_quantile_drop: quantile_drop(&self.growth, set, samples)?,
+            loudness_quantile: is_heard.then(|| loudness.unwrap_or(nothing)),
+            loudness_quantile_drop: is_heard.then(|| loudness_drop.unwrap_or(unknown)),
+            not_followed: is_heard.then(|| self.loudness[set].not_finite()),
             undecided: self.undecided[set],
             divergent: self.divergent[set],
             samples: self.unstable[set].count(),
-        })
-    }
-
-    /// Quantile of the growth of a set.
-    fn growth_quantile(&self, set: usize, confidence: Confidence, samples: u64) -> Option<Estimate> {
-        let growth = &self.growth[set];
-        let value = growth.quantile(GROWTH_QUANTILE).ok()?;
-        let limits = growth.quantile_interval(GROWTH_QUANTILE, confidence).ok()?;
-        let (lower, upper) = match limits.filter(|_| growth.count() == samples) {
-            Some(limits) => (limits.lower.min(value), limits.upper.max(value)),
-            None => (0.0, f64::INFINITY),
-        };
-        Some(Estimate { value, lower, upper })
-    }
-
-    /// Drop of the quantile of the growth of a set.
-    fn growth_quantile_drop(&self, set: usize, samples: u64) -> Option<Estimate> {
-        // Two intervals that hold together with 95 %, whatever they have to do with each other.
-        let confidence = Confidence::P95.halved();
-        let (more, less) =
-            (self.growth_quantile(0, confidence, samples)?, self.growth_quantile(set, confidence, samples)?);
-        Some(match set {
-            // Nothing is drawn that could differ.
-            0 => Estimate { value: 0.0, lower: 0.0, upper: 0.0 },
-            _ => Estimate {
-                value: more.value - less.value,
-                lower: more.lower - less.upper,
-                upper: more.upper - less.lower,
-            },
         })
     }
 
@@ -216,6 +212,31 @@ impl ScreenTally {
         let ((by, most), (_, of_less)) = (size(plan, set), size(plan, less));
         difference(&self.drops[set][less], [(&self.unstable[set], most), (&self.unstable[less], of_less)], by, samples)
     }
+}
+
+/// Quantile of the largest growth or loudness of each sample; without limits where one of them is not known.
+fn quantile(of: &QuantileSketch, confidence: Confidence, samples: u64) -> Option<Estimate> {
+    let value = of.quantile(QUANTILE).ok()?;
+    let limits = of.quantile_interval(QUANTILE, confidence).ok()?;
+    let (lower, upper) = match limits.filter(|_| of.count() == samples) {
+        Some(limits) => (limits.lower.min(value), limits.upper.max(value)),
+        None => (0.0, f64::INFINITY),
+    };
+    Some(Estimate { value, lower, upper })
+}
+
+/// Drop of the quantile of a set.
+fn quantile_drop(of_sets: &[QuantileSketch], set: usize, samples: u64) -> Option<Estimate> {
+    // Two intervals that hold together with 95 %, whatever they have to do with each other.
+    let confidence = Confidence::P95.halved();
+    let (more, less) = (quantile(&of_sets[0], confidence, samples)?, quantile(&of_sets[set], confidence, samples)?);
+    Some(match set {
+        // Nothing is drawn that could differ.
+        0 => Estimate { value: 0.0, lower: 0.0, upper: 0.0 },
+        _ => {
+            Estimate { value: more.value - less.value, lower: more.lower - less.upper, upper: more.upper - less.lower }
+        }
+    })
 }
 
 /// Number of analyses that a sample of a set stands for, and number of modes that one of them has at most.

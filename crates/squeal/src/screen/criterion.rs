@@ -17,7 +17,13 @@ pub enum Criterion {
     Probability,
     /// Quantile at 95 %, over the draws, of the largest growth rate that a draw has in any arrangement, law and speed range, 1/s.
     GrowthQuantile,
+    /// Quantile at 95 %, over the draws, of the loudness of the loudest motion that a draw has in any arrangement, law and speed range: root mean square of
+    /// the velocities of all displacements together, m/s; 0 where nothing is unstable.
+    Loudness,
 }
+
+/// What is known of a quantity that was not asked for.
+const UNKNOWN: Estimate = Estimate { value: f64::NAN, lower: f64::NEG_INFINITY, upper: f64::INFINITY };
 
 /// Form of a criterion's numbers for people.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +42,7 @@ pub struct Form {
 
 impl Criterion {
     /// All criteria.
-    pub const ALL: [Self; 3] = [Self::Occurrence, Self::Probability, Self::GrowthQuantile];
+    pub const ALL: [Self; 4] = [Self::Occurrence, Self::Probability, Self::GrowthQuantile, Self::Loudness];
 
     /// Name in options and JSON.
     #[must_use]
@@ -45,6 +51,7 @@ impl Criterion {
             Self::Occurrence => "occurrence",
             Self::Probability => "probability",
             Self::GrowthQuantile => "growth-quantile",
+            Self::Loudness => "loudness",
         }
     }
 
@@ -55,6 +62,7 @@ impl Criterion {
             Self::Occurrence => prediction.unstable,
             Self::Probability => prediction.squealing,
             Self::GrowthQuantile => prediction.growth_quantile,
+            Self::Loudness => prediction.loudness_quantile.unwrap_or(f64::NAN),
         }
     }
 
@@ -70,6 +78,7 @@ impl Criterion {
             Self::Occurrence => confirmed.unstable,
             Self::Probability => confirmed.squealing,
             Self::GrowthQuantile => confirmed.growth_quantile,
+            Self::Loudness => confirmed.loudness_quantile.unwrap_or(UNKNOWN),
         }
     }
 
@@ -80,6 +89,7 @@ impl Criterion {
             Self::Occurrence => confirmed.drop,
             Self::Probability => confirmed.squealing_drop,
             Self::GrowthQuantile => confirmed.growth_quantile_drop,
+            Self::Loudness => confirmed.loudness_quantile_drop.unwrap_or(UNKNOWN),
         }
     }
 
@@ -107,6 +117,13 @@ impl Criterion {
                 unit: " 1/s",
                 fewer: "1/s less growth that 95 % of the draws do not exceed",
                 over: "of each draw the fastest mode in any arrangement, law and speed range",
+            },
+            Self::Loudness => Form {
+                times: 1.0,
+                decimals: 3,
+                unit: " m/s",
+                fewer: "m/s less loudness that 95 % of the draws do not exceed",
+                over: "rms velocity of all displacements together, of each draw its loudest motion in any arrangement, law and speed range",
             },
         }
     }

@@ -19,6 +19,7 @@ mod screened;
 mod screened_tables;
 mod screened_text;
 mod search;
+mod sounded;
 
 pub use candidates::{Candidates, ChangeKind, SingleChange, Sizes};
 pub use change::{Attached, Change};

@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use cycle::ContactSystem;
 use linsys::OperatingPoint;
 use montecarlo::StreamRng;
 use study::identity::{Identity, Written};
 use study::{
-    Configuration, DrawnInputs, ModeIdentity, ModeNaming, ModeSource, Modifiable, ModifiablePlan, Origin, Parametrised,
-    Plan, Scene, SceneKey, SceneLabels, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
+    Configuration, DrawnContacts, DrawnInputs, ModeIdentity, ModeNaming, ModeSource, Modifiable, ModifiablePlan,
+    Origin, Parametrised, Plan, Scene, SceneKey, SceneLabels, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
 };
 
 use super::change::{Attached, Change, ChangedBrake};
@@ -178,6 +179,15 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
     }
 }
 
+impl<B: UncertainBrake> Modified<'_, B> {
+    /// The scene of the inner brake that a scene is changed from, with its law and speed.
+    fn inner_scene(&self, scene: &Scene) -> Scene {
+        let mut inner = self.from[scene.configuration].scene.clone();
+        inner.key = SceneKey { constraints: inner.key.constraints, ..scene.key };
+        inner
+    }
+}
+
 /// Images of some changes under the symmetries of a brake.
 struct Images {
     /// Images that differ.
@@ -237,10 +247,8 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
     }
 
     fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, study::Error> {
-        let FromInner { scene: inner, changed } = &self.from[scene.configuration];
-        let mut inner = inner.clone();
-        inner.key = SceneKey { constraints: inner.key.constraints, ..scene.key };
-        Ok(changed.point(self.inner.operating_point(&inner, sample)?))
+        let changed = &self.from[scene.configuration].changed;
+        Ok(changed.point(self.inner.operating_point(&self.inner_scene(scene), sample)?))
     }
 
     /// `None`: scenes here are not those of the inner brake, to which its inputs belong.
@@ -266,5 +274,20 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
     /// `None`: the motion of the inner brake is that without the changes.
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None
+    }
+
+    fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<B::Sample>> {
+        self.inner.drawn_contacts().map(|_| self as _)
+    }
+}
+
+/// Contacts of the inner brake with the changes. [`UncertainBrake::drawn_contacts`] hands this out only where the inner brake has some.
+impl<B: UncertainBrake> DrawnContacts<B::Sample> for Modified<'_, B> {
+    fn contact_system_of(&self, scene: &Scene, sample: &B::Sample, stick: f64) -> Result<ContactSystem, study::Error> {
+        let contacts = self.inner.drawn_contacts().ok_or(study::Error::OtherSample)?;
+        let unchanged = contacts.contact_system_of(&self.inner_scene(scene), sample, stick)?;
+        let changed = &self.from[scene.configuration].changed;
+        let at = self.operating_point(scene, sample)?;
+        changed.motion(&unchanged, &at).map_err(|error| study::Error::Brake(Box::new(error)))
     }
 }

@@ -1,6 +1,7 @@
 //! Prediction of the effect of changes, by a few draws in a few scenes: changes are ranked by it.
 
 use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, real_count, verdicts_beyond};
+use cycle::ContactSystem;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, quantile, stream};
 use num_complex::Complex;
@@ -9,9 +10,10 @@ use serde::Serialize;
 use study::{Configuration, ModifiablePlan, Plan, Scene, SceneKey, Symmetry, UncertainBrake, WholeContact};
 
 use super::change::{Change, ChangedBrake};
-use super::confirm::GROWTH_QUANTILE;
+use super::confirm::QUANTILE;
 use super::modified::{inverse, modifiable_of};
 use crate::Error;
+use crate::cycles::{Following, drawn_contacts_of, loudest, motions};
 
 /// Number of arrangements of a panel that are analysed; chosen: the prediction only ranks.
 const ARRANGEMENTS_PER_PANEL: usize = 2;
@@ -27,14 +29,18 @@ pub struct Prediction {
     pub squealing: f64,
     /// Quantile at 95 %, over the draws, of the largest growth rate in any analysis of a draw, 1/s; 0 where nothing grows.
     pub growth_quantile: f64,
+    /// Quantile at 95 %, over the draws, of the loudness of the loudest motion in any analysis of a draw, m/s, infinite where a motion cannot be
+    /// followed; `None` where it is not asked for.
+    pub loudness_quantile: Option<f64>,
 }
 
-/// What a probe says of a brake with some changes: means over the draws, and the largest growth rate of each, 1/s.
+/// What a probe says of a brake with some changes: means over the draws, and the largest growth rate and loudness of each, 1/s and m/s.
 struct Answer {
     unstable: f64,
     growth: f64,
     squealing: f64,
     fastest: Vec<f64>,
+    loudest: Vec<f64>,
 }
 
 /// Analyses of a brake, a few, on which sets of changes are compared.
@@ -43,6 +49,8 @@ pub(super) struct Probes<'a> {
     probes: Vec<Probe<'a>>,
     /// Number of draws of each probe.
     pub draws: u64,
+    /// How motions are followed, where loudness is asked for.
+    following: Option<Following>,
 }
 
 /// Probe: one arrangement of a scene, with the operating points of all draws.
@@ -52,6 +60,8 @@ struct Probe<'a> {
     /// Symmetry that maps changes of the arrangement to those of the configuration that is computed.
     symmetry: Option<Symmetry>,
     points: Vec<OperatingPoint>,
+    /// Equations of motion of all draws, without changes, where loudness is asked for.
+    motions: Vec<ContactSystem>,
     /// Fraction of all analyses of the plan that the probe stands for.
     weight: f64,
 }
@@ -60,8 +70,13 @@ impl<'a> Probes<'a> {
     /// Probes: two arrangements of each panel of a set of constraints, with the same draws, which are not those of the study.
     ///
     /// # Errors
-    /// A draw without an operating point.
-    pub fn new<B: UncertainBrake>(brake: &'a B, constraints: usize, draws: u64) -> Result<Self, Error> {
+    /// A draw without an operating point; where motions are to be followed, a brake that does not give its contacts.
+    pub fn new<B: UncertainBrake>(
+        brake: &'a B,
+        constraints: usize,
+        draws: u64,
+        following: Option<Following>,
+    ) -> Result<Self, Error> {
         let plan = brake.plan();
         // Streams from the other end than those of the samples of a study.
         let samples = (0..draws).map(|draw| brake.draw(&mut stream(plan.seed, u64::MAX - draw)));
@@ -83,19 +98,28 @@ impl<'a> Probes<'a> {
             let taken = members.len().min(ARRANGEMENTS_PER_PANEL);
             for nth in 0..taken {
                 let (scene, at) = members[nth * members.len() / taken];
+                let motions = match &following {
+                    Some(Following { stick, .. }) => {
+                        let contacts = drawn_contacts_of(brake)?;
+                        let motion = |sample| contacts.contact_system_of(scene, sample, *stick);
+                        samples.iter().map(motion).collect::<Result<_, study::Error>>()?
+                    }
+                    None => Vec::new(),
+                };
                 let points = samples.iter().map(|sample| brake.operating_point(scene, sample));
                 probes.push(Probe {
                     configuration: plan.configuration(scene),
                     contacts: modifiable.contacts(scene),
                     symmetry: symmetries.get(modifiable.symmetry_of_member(scene, at)).map(inverse),
                     points: points.collect::<Result<_, study::Error>>()?,
+                    motions,
                     weight: (plan.speeds_of(*key) * members.len()) as f64 / taken as f64,
                 });
             }
         }
         let all: f64 = probes.iter().map(|probe| probe.weight).sum();
         probes.iter_mut().for_each(|probe| probe.weight /= all);
-        Ok(Self { plan, probes, draws })
+        Ok(Self { plan, probes, draws, following })
     }
 
     /// Number of analyses that one set of changes takes.
@@ -118,20 +142,29 @@ impl<'a> Probes<'a> {
     pub fn prediction(&self, changes: &[Change]) -> Result<Prediction, Error> {
         let (mut sum, mut work) = (Prediction::default(), Workspace::default());
         let mut fastest = vec![0.0; self.draws as usize];
+        let mut loudest = fastest.clone();
         for probe in &self.probes {
-            let found = probe.answer(changes, self.plan, &mut work)?;
+            let found = probe.answer(changes, (self.plan, self.following.as_ref()), &mut work)?;
             sum.unstable += probe.weight * found.unstable;
             sum.growth += probe.weight * found.growth;
             sum.squealing += probe.weight * found.squealing;
             fastest.iter_mut().zip(&found.fastest).for_each(|(all, of_probe)| *all = of_probe.max(*all));
+            loudest.iter_mut().zip(&found.loudest).for_each(|(all, of_probe)| *all = of_probe.max(*all));
         }
         fastest.sort_by(f64::total_cmp);
-        Ok(Prediction { growth_quantile: quantile(&fastest, GROWTH_QUANTILE)?, ..sum })
+        loudest.sort_by(f64::total_cmp);
+        let loudness_quantile = self.following.as_ref().map(|_| quantile(&loudest, QUANTILE)).transpose()?;
+        Ok(Prediction { growth_quantile: quantile(&fastest, QUANTILE)?, loudness_quantile, ..sum })
     }
 }
 
 impl Probe<'_> {
-    fn answer(&self, changes: &[Change], plan: &Plan, work: &mut Workspace) -> Result<Answer, Error> {
+    fn answer(
+        &self,
+        changes: &[Change],
+        (plan, following): (&Plan, Option<&Following>),
+        work: &mut Workspace,
+    ) -> Result<Answer, Error> {
         let changes: Vec<Change> = match &self.symmetry {
             Some(symmetry) => changes.iter().map(|change| change.image(symmetry)).collect(),
             None => changes.to_vec(),
@@ -145,10 +178,12 @@ impl Probe<'_> {
             brake.sectors.assemble_into(&brake.system, &changed.point(point.clone()), &mut whole, out)?;
         }
         let (mut unstable, mut growth, mut fastest) = (0, 0.0, vec![0.0; self.points.len()]);
+        let mut growing_of_draws: Vec<Vec<Complex<f64>>> = vec![Vec::new(); self.points.len()];
         for of_sector in &systems {
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
-            for ((system, spectrum), fastest) in of_sector.iter().zip(spectra).zip(&mut fastest) {
+            let of_draws = fastest.iter_mut().zip(&mut growing_of_draws);
+            for ((system, spectrum), (fastest, of_draw)) in of_sector.iter().zip(spectra).zip(of_draws) {
                 let spectrum = spectrum?;
                 // A sign alone says nothing near the axis.
                 let may_count = |lambda: &Complex<f64>| {
@@ -161,11 +196,37 @@ impl Probe<'_> {
                     unstable += count;
                     growth += count as f64 * lambda.re;
                     *fastest = lambda.re.max(*fastest);
+                    of_draw.push(*lambda);
                 }
             }
         }
         let (draws, squealing) = (self.points.len() as f64, fastest.iter().filter(|&&growth| growth > 0.0).count());
         let [unstable, squealing] = [unstable, squealing].map(|count| count as f64 / draws);
-        Ok(Answer { unstable, growth: growth / draws, squealing, fastest })
+        let loudest = match following {
+            Some(following) => self.loudest(&changed, &growing_of_draws, plan, following)?,
+            None => vec![0.0; self.points.len()],
+        };
+        Ok(Answer { unstable, growth: growth / draws, squealing, fastest, loudest })
+    }
+
+    /// Loudness of the loudest motion of each draw, from its growing eigenvalues, m/s.
+    fn loudest(
+        &self,
+        changed: &ChangedBrake,
+        growing_of_draws: &[Vec<Complex<f64>>],
+        plan: &Plan,
+        following: &Following,
+    ) -> Result<Vec<f64>, Error> {
+        let of_draw = |(at, growing): (usize, &Vec<Complex<f64>>)| -> Result<f64, Error> {
+            // What diverges has no mode to be followed from.
+            if growing.iter().any(|lambda| lambda.im == 0.0) {
+                return Ok(f64::INFINITY);
+            }
+            let point = changed.point(self.points[at].clone());
+            let system = changed.motion(&self.motions[at], &point).map_err(Error::from);
+            let of_cea = changed.brake.system.assemble(&point)?;
+            Ok(loudest(&motions(system, &of_cea, growing, (plan, &changed.brake), following)?))
+        };
+        growing_of_draws.par_iter().enumerate().map(of_draw).collect()
     }
 }

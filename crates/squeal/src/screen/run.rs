@@ -16,10 +16,12 @@ use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::screened::{Screen, ScreenedSet};
 use super::search::{KindRanking, Ranked, combinations, search};
+use super::sounded::Sounded;
 use crate::Error;
+use crate::cycles::{CycleOptions, Following};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 4;
+const TALLY_VERSION: u32 = 5;
 /// Time between two checkpoints; chosen, as that of a run.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
@@ -61,6 +63,11 @@ impl Default for ScreenOptions {
 }
 
 impl ScreenOptions {
+    /// How motions are followed, where the criterion asks for them.
+    fn following(&self) -> Option<Following> {
+        (self.criterion == Criterion::Loudness).then(|| Following::of_screen(CycleOptions::default().stick))
+    }
+
     /// Writes out the options that tell a screening from others of the same brake.
     pub fn written(&self, to: &mut Written) {
         let Self { constraints, kinds, sizes: Sizes { mass, spring, dashpot }, up_to, draws, confirmed, criterion } =
@@ -93,7 +100,7 @@ pub struct Ranking {
 /// A draw without an operating point; a brake that cannot be analysed without changes.
 pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dyn Progress) -> Result<Ranking, Error> {
     let ScreenOptions { constraints, kinds, sizes, up_to, draws, criterion, .. } = options;
-    let probes = Probes::new(brake, *constraints, *draws)?;
+    let probes = Probes::new(brake, *constraints, *draws, options.following())?;
     let candidates = Candidates::all(brake, *constraints, kinds, sizes)?;
     progress.begin(candidates.iter().map(|of_kind| combinations(of_kind, *up_to)).sum(), 0);
     let unchanged = probes.prediction(&[])?;
@@ -187,7 +194,8 @@ pub fn confirm<B: UncertainBrake>(
         }
         other => other.into(),
     };
-    let summary = run_with(&study, &sampling, empty, checkpoint.as_ref(), how.evaluation).map_err(other)?;
+    let sounded = Sounded { study: &study, following: options.following() };
+    let summary = run_with(&sounded, &sampling, empty, checkpoint.as_ref(), how.evaluation).map_err(other)?;
     for (confirmation, &at) in to_confirm.iter().enumerate() {
         sets[at].confirmed = summary.tally.confirmed(plan, confirmation, how.samples);
     }

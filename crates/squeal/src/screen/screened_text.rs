@@ -47,13 +47,19 @@ impl Screen {
         text + &self.remarks()
     }
 
-    /// The growth of the brake as it is, where the ranking is by it.
+    /// The growth, or loudness, of the brake as it is, where the ranking is by it.
     fn growth_in_words(&self, now: &Confirmed) -> String {
         match self.criterion {
             Criterion::GrowthQuantile => {
                 format!(
                     "\ngrowth of the fastest mode of a draw at most {} 1/s in 95 % of the draws",
                     within(&now.growth_quantile, 1, 1.0)
+                )
+            }
+            Criterion::Loudness => {
+                format!(
+                    "\nloudness of the loudest motion of a draw, rms velocity of all displacements together, at most {} m/s in 95 % of the draws",
+                    within(&self.criterion.left(now), 3, 1.0)
                 )
             }
             Criterion::Occurrence | Criterion::Probability => String::new(),
@@ -74,6 +80,14 @@ impl Screen {
         let (undecided, divergent) = (sum(|set| set.undecided), sum(|set| set.divergent));
         if undecided > 0 {
             text += &format!("{undecided} verdicts are UNDECIDED and count as stable\n");
+        }
+        let followed = self.sets.iter().filter_map(|set| Some((set, set.confirmed.as_ref()?.not_followed?)));
+        for (set, not_followed) in followed.filter(|(_, count)| *count > 0) {
+            text += &format!(
+                "{}: motions of {not_followed} of {} draws could NOT BE FOLLOWED; they are not in its loudness, which has no limits\n",
+                set.name(),
+                self.samples
+            );
         }
         if divergent > 0 {
             let of_unchanged = self.as_it_is().map_or(0, |now| now.divergent);
@@ -115,7 +129,7 @@ impl Screen {
             set.confirmed.as_ref().is_some_and(|found| self.criterion.left(found).upper.is_infinite())
         };
         if self.sets.iter().any(has_no_limits) {
-            text += "limits of growth are not known from fewer than 72 draws, or where some failed: inf\n";
+            text += "limits of a quantile are not known from fewer than 72 draws, or where some failed: inf\n";
         }
         if self.sets.iter().any(ScreenedSet::lacks_unit) {
             text += "sizes without a unit are in those of the case's matrices: it does not say which degrees of freedom turn\n";
