@@ -149,6 +149,15 @@ pub(crate) fn parameter(
     Ok(Parameter { name, unit, distribution })
 }
 
+/// A matrix of a term.
+fn part(term: &Term, kind: Kind) -> &DMatrix<f64> {
+    match kind {
+        Kind::Mass => &term.matrices().m,
+        Kind::Damping => &term.matrices().c,
+        Kind::Stiffness => &term.matrices().k,
+    }
+}
+
 /// Refuses rows that are held by huge entries, unless every set of constraints fixes them: no digits are left of the others.
 fn refuse_held(
     check: &Check<'_>,
@@ -156,19 +165,14 @@ fn refuse_held(
     terms: &[Term],
     constraints: &[FixedDofs],
 ) -> Result<(), CaseError> {
-    let parts: [(Kind, fn(&Term) -> &DMatrix<f64>); 3] = [
-        (Kind::Mass, |term| &term.matrices().m),
-        (Kind::Damping, |term| &term.matrices().c),
-        (Kind::Stiffness, |term| &term.matrices().k),
-    ];
     let mut held = HeldRows::new(dofs.order());
-    for (kind, part) in parts {
+    for kind in [Kind::Mass, Kind::Damping, Kind::Stiffness] {
         let entry = |(at, &value): (usize, &f64)| Entry {
             row: (at % dofs.order()) as u32,
             column: (at / dofs.order()) as u32,
             value,
         };
-        let entries = terms.iter().flat_map(|term| part(term).iter().enumerate().map(entry));
+        let entries = terms.iter().flat_map(|term| part(term, kind).iter().enumerate().map(entry));
         held.add(kind, entries).map_err(|tied| {
             let found = format!("matrices in which {:?} has a huge entry", dofs.name(tied.row - 1));
             check.value("terms", found, &tied.to_string())
