@@ -135,12 +135,16 @@ fn equilibrium_is_found_anew_where_friction_or_pressure_differ() {
         }
         let load = on("EDGE", -2500.0 * p) + on("INNER", 3000.0);
         let gaps: Vec<_> = all.iter().map(|channel| dense(&channel.reading) / spring(channel)).collect();
-        let slips: Vec<_> = all.iter().map(|channel| dense(&channel.force)).collect();
         let mut closed = vec![true; all.len()];
         let found = loop {
             let mut k = structure.clone();
-            for at in (0..all.len()).filter(|&at| closed[at]) {
-                k += (&gaps[at] + &slips[at] * mu) * gaps[at].transpose() * (spring(&all[at]) * stiffness);
+            for channel in all.iter().zip(&closed).filter(|(_, is_closed)| **is_closed).map(|(channel, _)| channel) {
+                // (g + mu s) k g^T, entry by entry: few are not zero.
+                for &(column, reading) in &channel.reading {
+                    let across = stiffness * reading;
+                    channel.reading.iter().for_each(|&(row, g)| k[(row, column)] += g / spring(channel) * across);
+                    channel.force.iter().for_each(|&(row, s)| k[(row, column)] += mu * s * across);
+                }
             }
             let u = k.lu().solve(&load).unwrap();
             let presses: Vec<f64> =
