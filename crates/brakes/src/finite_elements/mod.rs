@@ -10,6 +10,7 @@ mod parameters;
 mod places;
 mod points;
 mod reduce;
+mod reduced_set;
 mod rungs;
 mod samples;
 mod set_basis;
@@ -22,7 +23,8 @@ mod whole;
 mod whole_modes;
 
 pub use points::{at_medians, frictionless, loads_at_medians};
-pub use reduce::{Bases, Part, ReducedSet};
+pub use reduce::Bases;
+pub use reduced_set::{Part, ReducedSet};
 pub use rungs::Rung;
 pub use whole_modes::BESIDE;
 

@@ -1,18 +1,17 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
-use std::sync::{Mutex, OnceLock};
+use std::sync::Mutex;
 
-use linsys::{AffineSystem, DofMap, OperatingPoint};
+use linsys::OperatingPoint;
 use montecarlo::Progress;
-use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{CoarseBasis, Combinations, Compared, Reduced, RouteCounts, Within, compared, within};
+use reduction::{CoarseBasis, Within, compared, within};
 use sparse::SparseAffineSystem;
 
-use super::divergence::Responses;
 use super::points::{all_patches, naming_point, of_brake};
-use super::set_basis::{self, HeldOut, SetBasis};
+use super::reduced_set::{Part, ReducedSet};
+use super::set_basis;
 use super::training::{Closed, arrangements, rectangle, training};
 use super::whole_modes::{held_out, modes_at_medians};
 use crate::Error;
@@ -25,51 +24,6 @@ use crate::prepared::Pieces;
 const WITHIN: f64 = 3e-7;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
-/// The brake with one set of constraints.
-#[derive(Debug)]
-pub struct ReducedSet {
-    /// Map of the free rows of the matrices.
-    pub dofs: DofMap,
-    /// The system over the free rows.
-    pub system: SparseAffineSystem,
-    /// Basis V, n x k: it holds the brake in all arrangements.
-    pub basis: DMatrix<f64>,
-    /// Number of its first columns that have all modes of any draw, roughly.
-    leading: usize,
-    /// For residuals on smaller bases within it.
-    combinations: Combinations,
-    /// The brake on it.
-    pub reduced: AffineSystem,
-    /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
-    pub modes: Vec<Complex<f64>>,
-    /// Comparison of these modes with those of the reduced brake.
-    pub compared: Compared,
-    /// Draws of which the basis was not made.
-    drawn: Vec<HeldOut>,
-    /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
-    /// of them does not have the same modes, and 0 without any.
-    pub held_out: f64,
-    /// What grows far beyond the band, made when it is first asked for; `None` without contacts.
-    responses: OnceLock<Option<Responses>>,
-    /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
-    pub held_out_residual: f64,
-}
-
-/// The brake with one set of constraints in some arrangements, on a basis of its own.
-#[derive(Debug)]
-pub struct Part {
-    /// The set of constraints.
-    pub set: usize,
-    /// Basis within that of the set, what it took, and whether it was reached.
-    pub within: Within,
-    /// Its modes in the rectangle at the medians, rad/s.
-    pub first: Vec<Complex<f64>>,
-    /// The brake, with residuals in the whole one.
-    pub reduced: Reduced,
-    /// Number of samples that each route found.
-    pub routes: Mutex<RouteCounts>,
-}
-
 /// Choice of the arrangements that have a basis of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bases {
@@ -167,7 +121,7 @@ pub(super) fn all_bases(
             };
             pieces.item("set", |to| to.extend(inputs(at)), make)
         };
-        sets.push(reduced_set(case, &set.fixed, basis)?);
+        sets.push(ReducedSet::new(case, &set.fixed, basis)?);
         if is_kept {
             progress.advance(set_basis::SOLUTIONS as u64);
         }
@@ -215,34 +169,6 @@ pub(super) fn all_bases(
     Ok(AllBases { sets, parts, of_origins, of_configurations })
 }
 
-/// The brake over the rows that are left free, on a basis for all arrangements.
-fn reduced_set(
-    case: &FiniteElementCase,
-    fixed: &[usize],
-    basis: impl FnOnce(&SparseAffineSystem) -> Result<SetBasis, Error>,
-) -> Result<ReducedSet, Error> {
-    let dofs = DofMap::new(case.dofs.len(), fixed)?;
-    let system = case.system.on(&dofs)?;
-    let SetBasis { basis, leading, held_out: drawn } = basis(&system)?;
-    let reduced = system.project(&basis)?;
-    let combinations = Combinations::new(&system, &basis);
-    let compared = compared(&[], Vec::new());
-    Ok(ReducedSet {
-        dofs,
-        system,
-        basis,
-        leading,
-        combinations,
-        reduced,
-        modes: Vec::new(),
-        compared,
-        drawn,
-        held_out: 0.0,
-        held_out_residual: 0.0,
-        responses: OnceLock::new(),
-    })
-}
-
 /// A part, from what is kept of it.
 fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, piece: PartPiece) -> Result<Part, Error> {
     let PartPiece { within, coarse, first } = piece;
@@ -271,21 +197,4 @@ fn part_piece(
     let reduced = set.reduced_within(&within.basis, case)?.with_coarse(&known)?;
     let (first, coarse) = (reduced.modes(&at_median)?.lambdas, reduced.coarse_basis().cloned());
     Ok(PartPiece { within, coarse, first })
-}
-
-impl ReducedSet {
-    /// Responses of the contacts far beyond the band.
-    pub(super) fn responses(&self, case: &FiniteElementCase) -> Result<Option<&Responses>, Error> {
-        if self.responses.get().is_none() {
-            let made = Responses::new(case, &self.system)?;
-            return Ok(self.responses.get_or_init(|| made).as_ref());
-        }
-        Ok(self.responses.get().and_then(Option::as_ref))
-    }
-
-    /// The brake on a smaller basis W within that of the set.
-    pub(super) fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
-        let of_set = (&self.basis, &self.reduced, &self.combinations);
-        Ok(Reduced::within(of_set, columns, rectangle(case), case.reduction.residual)?)
-    }
 }

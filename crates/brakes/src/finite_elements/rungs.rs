@@ -5,7 +5,7 @@ use num_complex::Complex;
 use reduction::{ReducedModes, largest_residual};
 
 use super::points::{all_patches, naming_point, of_brake};
-use super::reduce::{Part, ReducedSet};
+use super::reduced_set::{Part, ReducedSet};
 use super::training::training;
 use crate::Error;
 use crate::case::FiniteElementCase;

@@ -5,7 +5,7 @@ use reduction::{compared, grows_too_fast, largest_residual};
 use sparse::{Rectangle, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{naming_point, of_brake};
-use super::reduce::{Part, ReducedSet};
+use super::reduced_set::{Part, ReducedSet};
 use super::set_basis::HeldOut;
 use super::training::{AT_BORDER, Closed, rectangle};
 use crate::Error;

@@ -1,0 +1,105 @@
+//! A finite element brake on its bases: with each set of constraints, and in the arrangements that are studied together.
+
+use std::sync::{Mutex, OnceLock};
+
+use linsys::{AffineSystem, DofMap};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+use reduction::{Combinations, Compared, Reduced, RouteCounts, Within, compared};
+use sparse::SparseAffineSystem;
+
+use super::divergence::Responses;
+use super::set_basis::{HeldOut, SetBasis};
+use super::training::rectangle;
+use crate::Error;
+use crate::case::FiniteElementCase;
+
+/// The brake with one set of constraints.
+#[derive(Debug)]
+pub struct ReducedSet {
+    /// Map of the free rows of the matrices.
+    pub dofs: DofMap,
+    /// The system over the free rows.
+    pub system: SparseAffineSystem,
+    /// Basis V, n x k: it holds the brake in all arrangements.
+    pub basis: DMatrix<f64>,
+    /// Number of its first columns that have all modes of any draw, roughly.
+    pub(super) leading: usize,
+    /// For residuals on smaller bases within it.
+    combinations: Combinations,
+    /// The brake on it.
+    pub reduced: AffineSystem,
+    /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
+    pub modes: Vec<Complex<f64>>,
+    /// Comparison of these modes with those of the reduced brake.
+    pub compared: Compared,
+    /// Draws of which the basis was not made.
+    pub(super) drawn: Vec<HeldOut>,
+    /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
+    /// of them does not have the same modes, and 0 without any.
+    pub held_out: f64,
+    /// What grows far beyond the band, made when it is first asked for; `None` without contacts.
+    responses: OnceLock<Option<Responses>>,
+    /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
+    pub held_out_residual: f64,
+}
+
+/// The brake with one set of constraints in some arrangements, on a basis of its own.
+#[derive(Debug)]
+pub struct Part {
+    /// The set of constraints.
+    pub set: usize,
+    /// Basis within that of the set, what it took, and whether it was reached.
+    pub within: Within,
+    /// Its modes in the rectangle at the medians, rad/s.
+    pub first: Vec<Complex<f64>>,
+    /// The brake, with residuals in the whole one.
+    pub reduced: Reduced,
+    /// Number of samples that each route found.
+    pub routes: Mutex<RouteCounts>,
+}
+
+impl ReducedSet {
+    /// The brake over the rows that are left free, on a basis for all arrangements, of which nothing is compared yet.
+    pub(super) fn new(
+        case: &FiniteElementCase,
+        fixed: &[usize],
+        basis: impl FnOnce(&SparseAffineSystem) -> Result<SetBasis, Error>,
+    ) -> Result<Self, Error> {
+        let dofs = DofMap::new(case.dofs.len(), fixed)?;
+        let system = case.system.on(&dofs)?;
+        let SetBasis { basis, leading, held_out: drawn } = basis(&system)?;
+        let reduced = system.project(&basis)?;
+        let combinations = Combinations::new(&system, &basis);
+        let compared = compared(&[], Vec::new());
+        Ok(Self {
+            dofs,
+            system,
+            basis,
+            leading,
+            combinations,
+            reduced,
+            modes: Vec::new(),
+            compared,
+            drawn,
+            held_out: 0.0,
+            held_out_residual: 0.0,
+            responses: OnceLock::new(),
+        })
+    }
+
+    /// Responses of the contacts far beyond the band.
+    pub(super) fn responses(&self, case: &FiniteElementCase) -> Result<Option<&Responses>, Error> {
+        if self.responses.get().is_none() {
+            let made = Responses::new(case, &self.system)?;
+            return Ok(self.responses.get_or_init(|| made).as_ref());
+        }
+        Ok(self.responses.get().and_then(Option::as_ref))
+    }
+
+    /// The brake on a smaller basis W within that of the set.
+    pub(super) fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
+        let of_set = (&self.basis, &self.reduced, &self.combinations);
+        Ok(Reduced::within(of_set, columns, rectangle(case), case.reduction.residual)?)
+    }
+}
