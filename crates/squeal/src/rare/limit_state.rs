@@ -42,7 +42,10 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
             asked.borrow_mut().insert(coordinate);
             0.5
         });
-        let coordinates = asked.into_inner().into_iter().collect();
+        // Of what is asked, what is drawn: constants and what does not matter in the scene are no dimension.
+        let inputs = drawn.inputs(scene);
+        let is_drawn = |coordinate: &u32| inputs.iter().any(|input| input.coordinate == *coordinate);
+        let coordinates = asked.into_inner().into_iter().filter(is_drawn).collect();
         Self { study, scene, drawn, coordinates, solver, progress, proven: Vec::new() }
     }
 
