@@ -86,7 +86,10 @@ fn answer(screen: &Screen) -> String {
     let mut best: Vec<&ScreenedSet> = Vec::new();
     for set in screen.sets.iter().skip(1).filter(|set| set.confirmed.is_some()) {
         let drop = |set: &ScreenedSet| match &set.confirmed {
-            Some(found) => screen.criterion.drop(found).value,
+            // A drop that is not known is none.
+            Some(found) => {
+                Some(screen.criterion.drop(found).value).filter(|drop| !drop.is_nan()).unwrap_or(f64::NEG_INFINITY)
+            }
             None => f64::NEG_INFINITY,
         };
         match best.iter_mut().find(|other| other.kind == set.kind) {

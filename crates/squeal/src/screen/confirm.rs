@@ -216,7 +216,17 @@ impl ScreenTally {
 
 /// Quantile of the largest growth or loudness of each sample; without limits where one of them is not known.
 fn quantile(of: &QuantileSketch, confidence: Confidence, samples: u64) -> Option<Estimate> {
-    let value = of.quantile(QUANTILE).ok()?;
+    // Draws without a number are motions that grow without bound or could not be followed: louder than any.
+    let all = of.count() + of.not_finite();
+    if of.not_finite() > 0 && QUANTILE * all.saturating_sub(1) as f64 > of.count().saturating_sub(1) as f64 {
+        return Some(Estimate { value: f64::INFINITY, lower: 0.0, upper: f64::INFINITY });
+    }
+    let part = if of.not_finite() > 0 {
+        QUANTILE * (all - 1) as f64 / of.count().saturating_sub(1).max(1) as f64
+    } else {
+        QUANTILE
+    };
+    let value = of.quantile(part.min(1.0)).ok()?;
     let limits = of.quantile_interval(QUANTILE, confidence).ok()?;
     let (lower, upper) = match limits.filter(|_| of.count() == samples) {
         Some(limits) => (limits.lower.min(value), limits.upper.max(value)),

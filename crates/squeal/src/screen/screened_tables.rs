@@ -9,11 +9,23 @@ use super::criterion::Criterion;
 use super::screened::{Screen, ScreenedSet};
 use crate::results::Estimate;
 
+/// Columns of a screen by loudness.
+const LOUDNESS_COLUMNS: [&str; 8] = [
+    "predicted_loudness_quantile",
+    "loudness_quantile",
+    "loudness_quantile_lower",
+    "loudness_quantile_upper",
+    "loudness_quantile_drop",
+    "loudness_quantile_drop_lower",
+    "loudness_quantile_drop_upper",
+    "not_followed",
+];
+
 impl Screen {
     /// Tables of a screening: `screen`, all sets of changes, and `screen_differences`, by how much each confirmed one differs from
     /// each other.
     pub fn tables(&self) -> Vec<Table> {
-        let header = [
+        let mut header = vec![
             "kind",
             "places",
             "count",
@@ -46,15 +58,10 @@ impl Screen {
             "growth_quantile_drop",
             "growth_quantile_drop_lower",
             "growth_quantile_drop_upper",
-            "predicted_loudness_quantile",
-            "loudness_quantile",
-            "loudness_quantile_lower",
-            "loudness_quantile_upper",
-            "loudness_quantile_drop",
-            "loudness_quantile_drop_lower",
-            "loudness_quantile_drop_upper",
-            "not_followed",
         ];
+        if self.criterion == Criterion::Loudness {
+            header.extend(LOUDNESS_COLUMNS);
+        }
         let screen = Table::new("screen", header, self.sets.iter().map(|set| self.row(set)));
         let confirmed: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.confirmation.is_some()).collect();
         let mut rows = Vec::new();
@@ -103,12 +110,15 @@ impl Screen {
         row.push(text(set.prediction.map(|prediction| prediction.growth_quantile)));
         row.extend(estimate(|c| c.growth_quantile));
         row.extend(estimate(|c| c.growth_quantile_drop));
-        row.push(text(set.prediction.and_then(|prediction| prediction.loudness_quantile)));
-        for estimate in [confirmed.and_then(|c| c.loudness_quantile), confirmed.and_then(|c| c.loudness_quantile_drop)]
-        {
-            row.extend([estimate.map(|e| e.value), estimate.map(|e| e.lower), estimate.map(|e| e.upper)].map(text));
+        if self.criterion == Criterion::Loudness {
+            row.push(text(set.prediction.and_then(|prediction| prediction.loudness_quantile)));
+            for estimate in
+                [confirmed.and_then(|c| c.loudness_quantile), confirmed.and_then(|c| c.loudness_quantile_drop)]
+            {
+                row.extend([estimate.map(|e| e.value), estimate.map(|e| e.lower), estimate.map(|e| e.upper)].map(text));
+            }
+            row.push(confirmed.and_then(|c| c.not_followed).map_or_else(String::new, |count| count.to_string()));
         }
-        row.push(confirmed.and_then(|c| c.not_followed).map_or_else(String::new, |count| count.to_string()));
         row
     }
 
