@@ -16,9 +16,12 @@ const NEAR_AXIS: f64 = 1e-6;
 /// Distance from the axis, as a part of [`Spectrum::scale`], up to which an eigenvalue is on it: above what a projection and a
 /// solver leave of an undamped mode, and below any growth that a measurement could show; chosen.
 const ON_AXIS: f64 = 1e-12;
-/// Roundings that matrices are taken to have been assembled with, in units of what one does to an eigenvalue ([`Eigentriple::rounding`]);
+/// Roundings that matrices are taken to have been assembled with, in units of what one does to an eigenvalue ([`Eigentriple::rounding_of_entries`]);
 /// chosen: they make of the double zero of a body that is free to move a pair of either kind.
 pub const ROUNDED_DATA: f64 = 32.0;
+/// Tolerance, as a part of |lambda|, from which on a vibration on the axis to within it is undecided; chosen: a growth of 1e-5 of the frequency is none that
+/// a measurement could show.
+const BLUNT: f64 = 1e-5;
 /// Largest multiplicity m of an eigenvalue with one vector that is guarded against. Five take m - 1 = 4 parameters that are hit at once
 /// (docs/error-bounds.md, section 8).
 const MOST_COALESCING: usize = 4;
@@ -40,7 +43,7 @@ pub fn verdict(
 /// [`stability_census`](crate::stability_census). The verdict of a [`certified`] eigenvalue is what its bound says by itself.
 ///
 /// *On the axis*, [`Verdict::Marginal`], is what is no farther from it than 1e-12 of [`Spectrum::scale`](crate::Spectrum::scale), or than
-/// 32 times [`Eigentriple::rounding`]: undamped modes, conservative gyroscopic ones and rigid motions, though a solver gives their
+/// 32 times [`Eigentriple::rounding_of_entries`]: undamped modes, conservative gyroscopic ones and rigid motions, though a solver gives their
 /// real parts some sign.
 ///
 /// Else the sign of Re lambda decides where it is beyond what the solver's errors may do to it. The rule: |Re lambda| is more than 1e-6
@@ -111,6 +114,10 @@ impl<'a> Judge<'a> {
         if self.is_near(lambda, threshold) {
             let tolerance = self.tolerance(lambda, work);
             match threshold.margin(lambda).abs() <= tolerance {
+                // Of what surely oscillates, so large a tolerance says nothing: it may grow by as much.
+                true if lambda.im.abs() > tolerance && tolerance > BLUNT * lambda.norm() => {
+                    return Ok(Verdict::Undecided { bound: tolerance });
+                }
                 true if threshold.is_axis() => return Ok(Verdict::Marginal { tolerance }),
                 true => return Ok(Verdict::Undecided { bound: tolerance }),
                 false => {}
