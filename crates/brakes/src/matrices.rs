@@ -179,7 +179,8 @@ impl CaseBrake for MatricesBrake {
         }
         let relaxing = case.branches.iter().map(|branch| {
             let Branch { term, directions, .. } = branch;
-            format!("{} in {directions} directions", case.system.terms()[*term].name)
+            let s = if *directions == 1 { "" } else { "s" };
+            format!("{} in {directions} direction{s}", case.system.terms()[*term].name)
         });
         if !case.branches.is_empty() {
             lines.push(("viscoelastic", listed(relaxing.collect())));

@@ -13,6 +13,8 @@ use formats::{Entry, Kind};
 const GAP: f64 = 1e8;
 /// Entry from which on a row is held whatever its mass; chosen: no part is so stiff in any unit, programs write 1e36.
 const MARK: f64 = 1e30;
+/// Negative damping, as a part of `sqrt(m k)`, up to which a row is held; chosen: its own vibration, far beyond any that is looked for, would grow by less per cycle.
+const UNDAMPED: f64 = 1e-8;
 /// Ratio to the heaviest row that is not huge up to which a stiff one is held; chosen: rows of masses and of moments of inertia differ by less, and a row that is
 /// scaled as a whole has a mass as huge as its stiffness.
 const HEAVY: f64 = 1e4;
@@ -87,7 +89,8 @@ impl HeldRows {
         let is_held = |row: usize| {
             let is_marked = self.huge.iter().zip(&self.diagonals).any(|(huge, of)| huge[row] && of[row] >= MARK);
             let is_stiff = self.huge[2][row] && mass[row] <= HEAVY * heaviest;
-            let is_passive = mass[row] >= 0.0 && damping[row] >= 0.0 && stiffness[row] >= 0.0;
+            let is_damped = damping[row] >= -UNDAMPED * (mass[row] * stiffness[row]).max(0.0).sqrt();
+            let is_passive = mass[row] >= 0.0 && is_damped && stiffness[row] >= 0.0;
             is_passive && (is_marked || is_stiff)
         };
         (0..order).filter(|&row| is_held(row)).collect()

@@ -11,7 +11,7 @@ use study::identity::{channel, naming};
 
 use super::choices::Law;
 use super::finite_elements::{OwnSpeed, Patch, PatchContact, ReductionGoal, Spread, SpreadParameters};
-use super::matrices::{BodyDofs, GainExpressions, LagExpressions};
+use super::matrices::{BodyDofs, Branch, GainExpressions, LagExpressions};
 use super::types::{ConstraintSet, LatticeReadings};
 use super::{
     Correlation, Draws, Expression, FiniteElementCase, FixedDofs, FrictionDistributions, LatticeCase, MatricesCase,
@@ -45,7 +45,19 @@ impl MatricesCase {
     /// Identifies the case: its name, and a digest of each part that results depend on, matrices in other files among them. Seed, number
     /// of samples and threshold are those of a study.
     pub fn identity(&self) -> String {
-        let Self { header, parameters, correlation, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
+        let Self {
+            header,
+            parameters,
+            correlation,
+            dofs,
+            system,
+            coefficients,
+            gains,
+            branches,
+            bodies,
+            constraints,
+            ..
+        } = self;
         Identity::named(&header.name)
             .part("parameters", |to| to.list(parameters, parameter))
             .part("dofs", |to| to.list(dofs, |to, dof| to.text(dof)))
@@ -60,6 +72,12 @@ impl MatricesCase {
                     }
                 });
                 to.list(coefficients, expression);
+                // Only where there are any, so that other studies stay as they were.
+                for Branch { term, ratio, rate, .. } in branches {
+                    to.count(*term);
+                    expression(to, ratio);
+                    expression(to, rate);
+                }
             })
             .part("contacts", |to| {
                 to.list(system.channels(), channel);

@@ -242,3 +242,22 @@ fn draws_without_equilibrium_are_counted_and_end_no_study() {
     assert_eq!(results.summary.failures.by_scene(), [pulls as u64]);
     assert!(pulls > 0 && results.summary.failures.listed()[0].message.contains("there is no equilibrium"));
 }
+
+/// Pistons with the wrong sign, which lift pads off that springs hold: what was found quiet has no contact, and says so before all else.
+#[test]
+fn a_brake_in_which_nothing_rubs_says_it_first() {
+    let folder = Folder::new();
+    let held = ["OUTER", "INNER"].map(|set| {
+        format!("[[springs]]\nname = \"{set} z\"\nnodes = \"{set}\"\ndirection = [0.0, 0.0, 1.0]\nstiffness = 6e4\n")
+    });
+    let text = in_equilibrium()
+        .replace("[all_contacts]", &format!("{}[all_contacts]", held.concat()))
+        .replace("frequencies = [1000.0, 8000.0]", "frequencies = [1000.0, 2000.0]\ntraining = 2\nfull_checks = 0");
+    let doubts = |text: &str| {
+        let brake = brakes::FiniteElementBrake::new(folder.parse(text.into()).unwrap(), &()).unwrap();
+        brake.plan().doubts.clone()
+    };
+    assert!(doubts(&text).is_empty());
+    let lifted = doubts(&text.replace("pressure = ", "pressure = -"));
+    assert!(lifted.len() == 1 && lifted[0].contains("NOTHING RUBS at the medians in 1 of 1"), "{lifted:?}");
+}

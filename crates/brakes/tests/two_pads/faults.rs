@@ -47,6 +47,13 @@ fn faults_are_one_line_with_file_field_and_what_is_allowed() {
     let folder = Folder::new();
     let many = CASE.to_owned();
     let balanced = in_equilibrium();
+    let sideways = ["OUTER", "INNER"].iter().zip([1.5, 1.2]).fold(balanced.clone(), |text, (set, pressure)| {
+        let along = format!("nodes = \"{set}\"\nforce = [500.0, 0.0, 0.0]");
+        let held = format!(
+            "[[springs]]\nname = \"{set} z\"\nnodes = \"{set}\"\ndirection = [0.0, 0.0, 1.0]\nstiffness = 6e4\n[all_contacts]"
+        );
+        text.replace(&format!("faces = \"{set}\"\npressure = {pressure}"), &along).replace("[all_contacts]", &held)
+    });
     let in_mm = CASE.replace("[brake]", "[units]\nsystem = \"mm-t-s\"\n[brake]");
     folder.parse(in_mm.clone()).unwrap();
     let faults = [
@@ -169,6 +176,20 @@ fn faults_are_one_line_with_file_field_and_what_is_allowed() {
             "symmetry = \"whole\"\nloss_factor = -0.1",
             "terms \"structure\".loss_factor = -0.1; allowed: a finite number >= 0",
         ),
+        (
+            &many,
+            "slave = \"IN\"\nmaster = \"DISC\"",
+            "slave = \"LINING\"\nmaster = \"TOP\"",
+            "contact \"inner\".slave = a face of the contact \"outer\" too, S1 of element",
+        ),
+        (
+            &many,
+            "direction = [1.0, 0.0, 0.0]",
+            "to = \"HUB\"\ndirection = [1.0, 0.0, 0.0]",
+            "springs \"hub x\".to = the same nodes; allowed: other nodes",
+        ),
+        // Pads that nothing presses and nothing lifts.
+        (&sideways, "[all_contacts]", "[all_contacts]", "108 points are closed is not determined: under loads of"),
         (&balanced, "nodes = \"OUTER\"", "nodes = \"INNER\"", "nothing holds the bodies"),
         (&balanced, "pressure = 1.5", "pressure = -1.5", "there is no equilibrium"),
         (&balanced, "faces = \"OUTER\"", "nodes = \"OUTER\"", "forces \"OUTER\" = other fields; allowed"),

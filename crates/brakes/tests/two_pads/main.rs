@@ -271,6 +271,10 @@ fn pressures_of_a_file_and_springs_between_sets() {
     let total: f64 = patch.shares.iter().map(|share| share * patch.load).sum();
     let area = 2.2674787254376315e+03 + 2.8016067404148216e+03;
     assert!(total / area > 106.0 && total / area < 147.0, "{}", total / area);
+    // Two steps of a report, one after the other.
+    std::fs::write(folder.folder.path().join("p.csv"), format!("{lines}{lines}")).unwrap();
+    let error = folder.parse(with_file.clone()).unwrap_err();
+    assert!(error.contains("has a pressure twice: a file may hold several steps"), "{error}");
     std::fs::write(folder.folder.path().join("p.csv"), "3, 1.0\n").unwrap();
     let error = folder.parse(with_file).unwrap_err();
     assert!(error.contains("there is a pressure of node 3, which the slave lacks"), "{error}");

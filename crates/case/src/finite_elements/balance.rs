@@ -62,6 +62,9 @@ pub struct ContactState {
     pub forces: Vec<f64>,
     /// Stiffness of each point over that which its channel reads.
     pub stiffness: Vec<f64>,
+    /// Number of points that neither press nor are open by more than rounding: which of them are closed, and what they add to the brake, rounding says. Where a
+    /// parameter moves a point over its opening there is one; at the medians of a case there should be none.
+    pub undetermined: usize,
     /// Uniqueness of the state, and how it is known.
     pub uniqueness: Uniqueness,
 }
@@ -145,32 +148,20 @@ impl ContactBalance {
                 }
                 _ => condensed.equilibrium(&balance)?,
             };
-            self.check_determined(&kept, &springs, &found, acting.loads)?;
+            let undetermined = self.undetermined(&kept, &springs, &found, acting.loads);
             let mut forces = vec![0.0; self.points()];
             kept.iter().zip(found.forces).for_each(|(&at, force)| forces[at] = force);
             let stiffness = (0..self.points()).map(|at| self.stiffness(at, forces[at], acting.stiffness[at])).collect();
-            Ok(ContactState { forces, stiffness, uniqueness: found.uniqueness })
+            Ok(ContactState { forces, stiffness, undetermined, uniqueness: found.uniqueness })
         })
     }
 
-    /// An error where points neither press nor are open by more than rounding: which of them are closed, and what they add to the brake, rounding would say.
-    fn check_determined(
-        &self,
-        kept: &[usize],
-        springs: &[f64],
-        found: &Equilibrium,
-        factors: &[f64],
-    ) -> Result<(), ContactError> {
+    /// Number of points that neither press nor are open by more than rounding of the loads; 0 without loads.
+    fn undetermined(&self, kept: &[usize], springs: &[f64], found: &Equilibrium, factors: &[f64]) -> usize {
         let acting = &self.loads * DVector::from_column_slice(factors);
-        let loads: f64 = acting.iter().map(|force| force.abs()).sum();
-        let is_open = |(at, gap): (&usize, &f64)| springs[*at] * gap > ROUNDING * loads;
-        let presses = found.forces.iter().map(|force| *force > ROUNDING * loads);
-        let points =
-            kept.iter().zip(&found.gaps).map(is_open).zip(presses).filter(|&(open, presses)| !open && !presses);
-        match (loads > 0.0, points.count()) {
-            (false, _) | (_, 0) => Ok(()),
-            (_, points) => Err(ContactError::Undetermined { points, of: self.points(), loads }),
-        }
+        let least = ROUNDING * acting.iter().map(|force| force.abs()).sum::<f64>();
+        let points = kept.iter().zip(&found.gaps).zip(&found.forces);
+        points.filter(|((at, gap), force)| springs[**at] * **gap < least && **force < least).count()
     }
 
     /// Tangent stiffness of a point under a force over that which its channel reads.

@@ -126,6 +126,10 @@ pub(super) fn balanced(
         stiffness: &vec![pressing.stiffness; points],
     };
     let found = balance.state(&at_medians, &|| k.clone()).map_err(&of_contact)?;
+    if found.undetermined > 0 {
+        let loads = load.iter().map(|force| force.abs()).sum();
+        return Err(of_contact(ContactError::Undetermined { points: found.undetermined, of: points, loads }));
+    }
     balance.at_medians = found.stiffness.iter().map(|stiffness| stiffness / pressing.stiffness).collect();
     let closed = found.forces.iter().filter(|force| **force > 0.0).count();
     let mut rest = found.forces.as_slice();

@@ -9,9 +9,11 @@ use crate::check::{Check, field};
 use crate::expression::formulas::Formulas;
 use crate::{CaseError, Expression};
 
-/// Part of the diagonal of a matrix below which what is left of it is rounding; chosen: larger ones take soft springs beside stiff ones for nothing, smaller
-/// ones make directions of the rounding of some hundred springs.
-const ROUNDING: f64 = 1e-10;
+/// Roundings of the diagonal of a matrix, for each of its rows, below which what is left of it is rounding; chosen: larger ones take soft springs beside stiff ones
+/// for nothing, smaller ones make directions of rounding, which are as soft.
+const ROUNDINGS: f64 = 4.0;
+/// Part of the diagonal up to which a matrix may be indefinite; chosen: files print ten digits at least.
+const INDEFINITE: f64 = 1e-10;
 
 /// A branch of a viscoelastic term: `ratio K lambda / (lambda + rate)` beside the term's `K`, a spring in series with a dashpot at each of its springs.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +33,7 @@ pub struct Branch {
 /// The branches of terms, and a channel for each direction of each of them.
 ///
 /// # Errors
-/// A viscoelastic term whose stiffness is not symmetric positive semi-definite, or that has a loss factor too; an expression that is none.
+/// A viscoelastic term whose stiffness is not symmetric positive semi-definite, loss factors in the same case; an expression that is none.
 pub(super) fn branches(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
@@ -39,14 +41,16 @@ pub(super) fn branches(
     losses: &[Option<f64>],
     given: Vec<Vec<BranchTable>>,
 ) -> Result<(Vec<Branch>, Vec<Channel>), CaseError> {
+    if losses.iter().any(Option::is_some) && given.iter().any(|tables| !tables.is_empty()) {
+        // The dashpots of a loss factor are those of modes of the relaxed stiffness.
+        let allowed = "loss_factor or viscoelastic in a case, not both";
+        return Err(check.value("terms", "loss_factor beside viscoelastic", allowed));
+    }
     let (mut branches, mut channels) = (Vec::new(), Vec::new());
-    for (at, ((term, loss), tables)) in terms.iter().zip(losses).zip(given).enumerate() {
+    for (at, (term, tables)) in terms.iter().zip(given).enumerate() {
         let key = field("terms", &term.name, "viscoelastic");
         if tables.is_empty() {
             continue;
-        }
-        if loss.is_some() {
-            return Err(check.value(&key, "given beside loss_factor", "one of the two in a term"));
         }
         let Some(directions) = directions(&term.matrices().k) else {
             let allowed = "a symmetric positive semi-definite stiffness, which springs have, and not all 0";
@@ -102,25 +106,27 @@ impl MatricesCase {
 fn directions(stiffness: &DMatrix<f64>) -> Option<Vec<Vec<(usize, f64)>>> {
     let n = stiffness.nrows();
     let scale: Vec<f64> = stiffness.diagonal().iter().map(|k| k.max(0.0).sqrt()).collect();
-    let is_rounding = |left: &DMatrix<f64>, i: usize, j: usize| left[(i, j)].abs() <= ROUNDING * scale[i] * scale[j];
+    let is_below =
+        |left: &DMatrix<f64>, i: usize, j: usize, part: f64| left[(i, j)].abs() <= part * scale[i] * scale[j];
+    let rounding = ROUNDINGS * n as f64 * f64::EPSILON;
     let skew = stiffness - stiffness.transpose();
     let entries = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
-    if entries().any(|(i, j)| !is_rounding(&skew, i, j)) {
+    if entries().any(|(i, j)| !is_below(&skew, i, j, INDEFINITE)) {
         return None;
     }
     let mut left = stiffness.clone();
     let mut found = Vec::new();
     while let Some(pivot) = (0..n)
-        .filter(|&i| left[(i, i)] > 0.0 && !is_rounding(&left, i, i))
+        .filter(|&i| left[(i, i)] > 0.0 && !is_below(&left, i, i, rounding))
         .max_by(|&i, &j| (left[(i, i)] / stiffness[(i, i)]).total_cmp(&(left[(j, j)] / stiffness[(j, j)])))
     {
         let root = left[(pivot, pivot)].sqrt();
-        let entry = |i| Some(left[(i, pivot)] / root).filter(|value: &f64| value.abs() > ROUNDING * scale[i]);
+        let entry = |i| Some(left[(i, pivot)] / root).filter(|value: &f64| value.abs() > rounding * scale[i]);
         let b = DVector::from_fn(n, |i, _| entry(i).unwrap_or(0.0));
         left.ger(-1.0, &b, &b, 1.0);
         found.push(b.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect());
     }
-    (!found.is_empty() && entries().all(|(i, j)| is_rounding(&left, i, j))).then_some(found)
+    (!found.is_empty() && entries().all(|(i, j)| is_below(&left, i, j, INDEFINITE))).then_some(found)
 }
 
 #[cfg(test)]
@@ -235,7 +241,7 @@ mod tests {
             ),
             (
                 "stiffness = [[2.0, 1.0], [1.0, 2.0]]\nloss_factor = 0.1\nviscoelastic = [{ ratio = 0.1, rate = 2.0 }]",
-                "terms \"shim\".viscoelastic = given beside loss_factor; allowed: one of the two in a term",
+                "terms = loss_factor beside viscoelastic; allowed: loss_factor or viscoelastic in a case, not both",
             ),
             (
                 "stiffness = [[2.0, 1.0], [1.0, 2.0]]\nviscoelastic = [{ ratio = \"g\", rate = 2.0 }]",
@@ -249,11 +255,16 @@ mod tests {
 
     #[test]
     fn directions_are_springs_where_there_are_springs() {
-        // Two springs between neighbours of three masses, one a trillion times softer than the other.
-        let (soft, stiff) = (1e-3, 1e9);
-        let k = DMatrix::from_row_slice(3, 3, &[soft, -soft, 0.0, -soft, soft + stiff, -stiff, 0.0, -stiff, stiff]);
-        let found = directions(&k).unwrap();
-        assert_eq!(found.len(), 2);
+        // Springs between neighbours of three masses and to ground, one far softer than the others: its direction stays, up to where doubles hold it.
+        for soft in [1e-3, 1.0, 1e6] {
+            for stiff in [1e-3, 1.0, 1e6].map(|of| of * soft * 1e4) {
+                let row = [soft + stiff, -stiff, 0.0, -stiff, 2.0 * stiff, -stiff, 0.0, -stiff, stiff];
+                let found = directions(&DMatrix::from_row_slice(3, 3, &row)).unwrap();
+                assert_eq!(found.len(), 3, "{soft:e} {stiff:e}");
+            }
+        }
+        let link = |k: f64| DMatrix::from_row_slice(2, 2, &[k, -k, -k, k]);
+        assert!([1e-3, 1.0, 0.1 + 0.2, 1e9 / 3.0].iter().all(|k| directions(&link(*k)).unwrap().len() == 1));
         assert!(directions(&DMatrix::zeros(2, 2)).is_none());
     }
 }

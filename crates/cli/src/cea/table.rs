@@ -116,7 +116,9 @@ pub(super) fn table(rows: &[Row], real: &[RealRow], modes: &Modes, brake: &Brake
         }
     }
     if !modes.internal.is_empty() {
-        text += &format!("\n{} bristle eigenvalues, which are no modes\n", modes.internal.len());
+        let number = modes.internal.len();
+        let eigenvalues = if number == 1 { "eigenvalue" } else { "eigenvalues" };
+        text += &format!("\n{number} {eigenvalues} of internal states (bristles, what relaxes), no modes\n");
     }
     text += "\ndamping ratio: -Re / |lambda|, negative where a mode grows; rank counts overdamped modes first, of equal frequencies the damped one\n";
     if rows.iter().any(|row| row.shape.is_some()) {

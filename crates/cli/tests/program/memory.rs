@@ -37,12 +37,12 @@ fn peak(samples: u64) -> u64 {
     peak
 }
 
-/// A draw has at least 112 bytes and an outcome 100 more: 24,000 of them, kept, would be 5,000 kB. With 60 samples fewer modes are
-/// ever unstable, and the figures smaller, than with 600.
+/// A draw has at least 112 bytes and an outcome 100 more: 120,000 of them, kept, would be 25,000 kB. By some thousand two runs of the same study differ, with the pages of the
+/// program that the machine has at hand. With 60 samples fewer modes are ever unstable, and the figures smaller, than with 600.
 #[cfg(target_os = "linux")]
 #[test]
 fn peak_memory_is_that_of_few_samples() {
-    let [few, many] = [600, 24_000].map(peak);
-    println!("{few} kB for 600 samples, {many} kB for 24,000");
-    assert!(few > 1_000 && many < few + 3_000, "{few} kB for 600 samples, {many} kB for 24,000");
+    let [few, many] = [600, 120_000].map(peak);
+    println!("{few} kB for 600 samples, {many} kB for 120,000");
+    assert!(few > 1_000 && many < few + 12_000, "{few} kB for 600 samples, {many} kB for 120,000");
 }

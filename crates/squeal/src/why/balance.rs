@@ -115,11 +115,17 @@ impl Balance {
             if term.is_elastic() {
                 part.k.fill(0.0);
             }
+            let mut work = alone(&term.name, part)?;
+            let relaxing = system.channels().iter().enumerate();
+            for (place, channel) in relaxing.filter(|(_, channel)| !channel.is_contact && channel.name == term.name) {
+                system.channel_into(place, at, &mut buffer)?;
+                work += alone(&channel.name, &buffer)?;
+            }
             terms.push(TermShare {
                 name: term.name.clone(),
                 kinetic: share(of_term.kinetic, energy.total.kinetic),
                 strain: share(of_term.strain, energy.total.strain),
-                growth: alone(&term.name, part)? / cycle,
+                growth: work / cycle,
             });
         }
         let body = |(place, body): (usize, &osc_model::Body)| BodyShare {
