@@ -2,7 +2,7 @@
 
 use std::slice::from_ref;
 
-use linsys::SecondOrder;
+use linsys::{SecondOrder, form_of_sizes};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -214,13 +214,7 @@ impl Measure {
     fn data_shift(&self, sigma: Complex<f64>, x: &Vector, y: &Vector) -> f64 {
         let (s, size) = (&self.scaled, sigma.norm());
         let slope = y.dotc(&s.derivative_times(sigma, x)).norm();
-        let [x, y] = [x, y].map(|vector| vector.map(|entry| entry.norm()));
-        let of = |matrix: &DMatrix<f64>| {
-            let column = |(j, weight): (usize, &f64)| {
-                *weight * matrix.column(j).iter().zip(&y).map(|(entry, y)| entry.abs() * y).sum::<f64>()
-            };
-            x.iter().enumerate().map(column).sum::<f64>()
-        };
+        let of = |matrix| form_of_sizes(matrix, y, x);
         UNIT_ROUNDOFF * ((of(&s.m) * size + of(&s.c)) * size + of(&s.k)) / slope
     }
 

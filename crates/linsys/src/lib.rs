@@ -43,7 +43,7 @@ pub use num_complex;
 pub use affine::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 pub use dof::DofMap;
 pub use error::{LinsysError, Matrix};
-pub use product::real_times_complex;
+pub use product::{form_of_sizes, real_times_complex};
 pub use second_order::{Internal, SecondOrder};
 
 /// The README's example, compiled and run as a doctest.

@@ -1,4 +1,4 @@
-//! A real matrix times a complex vector; nalgebra needs a complex copy of the matrix.
+//! Products of a real matrix with complex vectors, and with the sizes of their entries; nalgebra needs a complex copy of the matrix.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -14,6 +14,17 @@ pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVecto
         return DVector::zeros(a.nrows());
     }
     Arch::new().dispatch(Product { a, x })
+}
+
+/// Form `|y|^T |A| |x|` of the sizes of all entries of a real n x m matrix and of complex vectors, y of length n and x of length m: what roundings of the entries of A
+/// change `y^H A x` by is at most a rounding of it, and no scaling of rows and columns, of which x and y are those of the scaled problem, changes it.
+#[must_use]
+pub fn form_of_sizes(a: &DMatrix<f64>, y: &DVector<Complex<f64>>, x: &DVector<Complex<f64>>) -> f64 {
+    let y = y.map(|entry| entry.norm());
+    let column = |(j, x): (usize, &Complex<f64>)| {
+        x.norm() * a.column(j).iter().zip(&y).map(|(entry, y)| entry.abs() * y).sum::<f64>()
+    };
+    x.iter().enumerate().map(column).sum()
 }
 
 /// The product on the widest registers that there are: its sums are the same bits on all.
@@ -101,6 +112,20 @@ mod tests {
             assert_eq!(real_times_complex(&a, &x), a.map(Complex::from) * &x);
             assert_eq!(real_times_complex(&a, &real), a.map(Complex::from) * &real);
         }
+    }
+
+    #[test]
+    fn a_form_of_sizes_is_that_of_the_entries_and_no_scaling_changes_it() {
+        let a = DMatrix::from_fn(3, 2, |i, j| (i as f64 - 1.0) * 2.0 + j as f64 - 0.5);
+        let y = DVector::from_fn(3, |i, _| Complex::new(i as f64 - 0.5, 1.0));
+        let x = DVector::from_fn(2, |i, _| Complex::new(0.3, i as f64 - 2.0));
+        let sizes = |v: &DVector<Complex<f64>>| v.map(|entry| entry.norm());
+        let expected = (sizes(&y).transpose() * a.abs() * sizes(&x))[0];
+        assert!((form_of_sizes(&a, &y, &x) - expected).abs() < 1e-14 * expected);
+        let rows = DVector::from_vec(vec![1e9, 1.0, 1e-7]);
+        let scaled = DMatrix::from_diagonal(&rows) * &a;
+        let y = y.component_div(&rows.map(Complex::from));
+        assert!((form_of_sizes(&scaled, &y, &x) - expected).abs() < 1e-14 * expected);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! An eigenvalue with both of its vectors.
 
-use linsys::SecondOrder;
+use linsys::{SecondOrder, form_of_sizes};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -127,21 +127,16 @@ impl Eigentriple {
     /// `|y|^T (|lambda|^2 |M| + |lambda| |C| + |K|) |x|` in place of the norms, which no scaling of rows and columns changes.
     #[must_use]
     pub fn rounding_of_entries(&self, system: &SecondOrder) -> f64 {
-        let [x, y] = [&self.right, &self.left].map(|vector| vector.map(|entry| entry.norm()));
-        let of = |matrix: &DMatrix<f64>| {
-            let column = |(j, weight): (usize, &f64)| {
-                *weight * matrix.column(j).iter().zip(&y).map(|(entry, y)| entry.abs() * y).sum::<f64>()
-            };
-            x.iter().enumerate().map(column).sum::<f64>()
-        };
+        let of = |matrix| form_of_sizes(matrix, &self.left, &self.right);
         let (abs, internal) = (self.lambda.norm(), &system.internal);
-        let of_states: f64 = (0..system.states())
-            .map(|state| {
-                let driven: f64 = internal.drive.row(state).iter().zip(&x).map(|(entry, x)| entry.abs() * x).sum();
-                let forced: f64 = internal.force.column(state).iter().zip(&y).map(|(entry, y)| entry.abs() * y).sum();
-                driven * forced * abs / (self.lambda + internal.decay[state]).norm()
-            })
-            .sum();
+        let of_state = |state: usize| {
+            let driven: f64 =
+                internal.drive.row(state).iter().zip(&self.right).map(|(entry, x)| entry.abs() * x.norm()).sum();
+            let forced: f64 =
+                internal.force.column(state).iter().zip(&self.left).map(|(entry, y)| entry.abs() * y.norm()).sum();
+            driven * forced * abs / (self.lambda + internal.decay[state]).norm()
+        };
+        let of_states: f64 = (0..system.states()).map(of_state).sum();
         let size = (of(&system.m) * abs + of(&system.c)) * abs + of(&system.k) + of_states;
         ROUNDINGS * f64::EPSILON * size / self.slope.norm()
     }
