@@ -1,17 +1,17 @@
 //! Estimate of a rare probability by lines from all design points, held against points elsewhere.
 
-use montecarlo::Confidence;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::answer::{Estimate, Probability};
 use crate::elsewhere::{Elsewhere, elsewhere};
 use crate::limit_state::{Counted, LimitState};
 use crate::line::PRECISION;
 use crate::normal::{tail, tail_point};
 use crate::one_input;
 use crate::options::Options;
-use crate::sampled::{Sampled, Witness};
+use crate::sampled::Sampled;
 use crate::search::{DesignPoint, design_points};
 use crate::vector::{norm, unit};
 
@@ -27,44 +27,6 @@ const PLAIN: usize = 1_000;
 const FEWEST_HITS: usize = 30;
 /// Standard errors that two estimates may be apart; chosen: by chance they are farther apart in some 3 of 1,000 runs.
 const APART: f64 = 3.0;
-
-/// A probability with its interval.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Probability {
-    /// Best estimate.
-    pub value: f64,
-    /// Standard error of it.
-    pub standard_error: f64,
-    /// Lower end of the 95 % interval, without what is not proven.
-    pub lower: f64,
-    /// Upper end, with what is not proven added to it.
-    pub upper: f64,
-}
-
-/// An estimate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// Probability of failure.
-    pub probability: Probability,
-    /// Part of the upper end that no sample says: ends of lines, and regions elsewhere of too small a probability to be a contradiction.
-    pub unproven: f64,
-    /// Design points, the nearest first.
-    pub design_points: Vec<DesignPoint>,
-    /// Failing points, one of each line that fails anywhere.
-    pub witnesses: Vec<Witness>,
-    /// Number of lines.
-    pub lines: usize,
-    /// Number of points elsewhere, and how many of them fail.
-    pub elsewhere: [usize; 2],
-    /// Number of plain samples, none of which failed; 0 where failure was found.
-    pub plain: usize,
-    /// Widest step of the scan of the only input, in standard deviations, so that narrower failure may be missed; `None` of several inputs.
-    pub scanned: Option<f64>,
-    /// Number of evaluations in all.
-    pub evaluations: u64,
-    /// The standard error that was asked for is reached.
-    pub is_reached: bool,
-}
 
 /// Estimates the probability of failure.
 ///
@@ -116,21 +78,6 @@ pub fn estimate<L: LimitState>(of: &L, options: &Options) -> Result<Estimate, L:
         is_reached: error <= options.relative * value,
         design_points: points,
     })
-}
-
-impl Probability {
-    /// A mean of so many lines with its standard error. The interval is that of the logarithm, as lines have long tails upwards.
-    #[must_use]
-    pub fn new(value: f64, standard_error: f64, lines: usize, unproven: f64) -> Self {
-        let deviate = Confidence::P95.t(lines.saturating_sub(1).max(1) as u64);
-        let factor = if value > 0.0 { (deviate * standard_error / value).exp() } else { 1.0 };
-        Self {
-            value,
-            standard_error,
-            lower: (value / factor - unproven).max(0.0),
-            upper: (value * factor + unproven).min(1.0),
-        }
-    }
 }
 
 /// Directions from which design points are looked for: both of every input, and random ones.

@@ -6,10 +6,11 @@
 //! 2. points elsewhere, a fixed part of the budget, whose failures must lead to a design point that is known;
 //! 3. lines in the direction of each design point, with every interval of failure on them, until their mean has the error that is asked for.
 //!
-//! Of a system of one input all failure lies on one line, which is scanned instead.
+//! A system of one input has all its failure on one line, which is scanned instead.
 //!
 //! What contradicts is an [`Error`] and no number; what is not proven widens the interval upwards.
 
+mod answer;
 mod elsewhere;
 mod error;
 mod estimate;
@@ -23,8 +24,9 @@ mod search;
 mod spread;
 mod vector;
 
+pub use answer::{Estimate, Probability};
 pub use error::Error;
-pub use estimate::{Estimate, Probability, estimate};
+pub use estimate::estimate;
 pub use limit_state::{LimitState, Mode};
 pub use normal::{tail, tail_point};
 pub use options::Options;

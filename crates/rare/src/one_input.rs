@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::estimate::{Estimate, Probability};
+use crate::answer::{Estimate, Probability};
 use crate::limit_state::{Counted, LimitState};
 use crate::normal::{Interval, tail};
 use crate::options::Options;
@@ -220,7 +220,7 @@ mod tests {
         assert!(number > 150, "{number}");
     }
 
-    /// What is proven is not looked at, so that the rest is looked at more closely.
+    /// Proven ranges are not looked at, so that the rest is looked at more closely.
     #[test]
     fn a_hole_in_what_is_proven_is_looked_at_closely() {
         let system =
