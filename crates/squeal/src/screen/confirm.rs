@@ -147,8 +147,8 @@ pub struct Confirmed {
     pub growth_quantile: Estimate,
     /// Drop of this quantile against the brake without changes, between the limits of the two with 97.5 % each.
     pub growth_quantile_drop: Estimate,
-    /// Quantile at 95 %, over the samples whose motions could be followed, of the loudness of the loudest motion in all analyses of a sample, m/s, as
-    /// `growth_quantile`; infinite where none could. `None` where it is not asked for.
+    /// Quantile at 95 %, over the samples, of the loudness of the loudest motion in all analyses of a sample, m/s, as `growth_quantile`; one that could not be
+    /// followed is louder than any, so that it may be infinite. `None` where it is not asked for.
     pub loudness_quantile: Option<Estimate>,
     /// Drop of this quantile against the brake without changes.
     pub loudness_quantile_drop: Option<Estimate>,
@@ -216,17 +216,14 @@ impl ScreenTally {
 
 /// Quantile of the largest growth or loudness of each sample; without limits where one of them is not known.
 fn quantile(of: &QuantileSketch, confidence: Confidence, samples: u64) -> Option<Estimate> {
-    // Draws without a number are motions that grow without bound or could not be followed: louder than any.
-    let all = of.count() + of.not_finite();
-    if of.not_finite() > 0 && QUANTILE * all.saturating_sub(1) as f64 > of.count().saturating_sub(1) as f64 {
+    // Samples without a number, whose motions grow without bound or could not be followed, are louder than any: the quantile of all is a larger one of the others,
+    // or none of theirs.
+    let [numbers, all] = [of.count(), of.count() + of.not_finite()].map(|count| count.saturating_sub(1) as f64);
+    let part = if of.not_finite() == 0 { QUANTILE } else { QUANTILE * all / numbers };
+    if part > 1.0 {
         return Some(Estimate { value: f64::INFINITY, lower: 0.0, upper: f64::INFINITY });
     }
-    let part = if of.not_finite() > 0 {
-        QUANTILE * (all - 1) as f64 / of.count().saturating_sub(1).max(1) as f64
-    } else {
-        QUANTILE
-    };
-    let value = of.quantile(part.min(1.0)).ok()?;
+    let value = of.quantile(part).ok()?;
     let limits = of.quantile_interval(QUANTILE, confidence).ok()?;
     let (lower, upper) = match limits.filter(|_| of.count() == samples) {
         Some(limits) => (limits.lower.min(value), limits.upper.max(value)),

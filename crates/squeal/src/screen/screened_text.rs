@@ -84,7 +84,7 @@ impl Screen {
         let followed = self.sets.iter().filter_map(|set| Some((set, set.confirmed.as_ref()?.not_followed?)));
         for (set, not_followed) in followed.filter(|(_, count)| *count > 0) {
             text += &format!(
-                "{}: motions of {not_followed} of {} draws could NOT BE FOLLOWED; they are not in its loudness, which has no limits\n",
+                "{}: motions of {not_followed} of {} draws could NOT BE FOLLOWED; they count as louder than any, and its loudness has no limits\n",
                 set.name(),
                 self.samples
             );
