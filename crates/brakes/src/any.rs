@@ -30,8 +30,7 @@ pub trait CaseBrake: UncertainBrake {
         let Some(scene) = plan.scenes.first() else { return Vec::new() };
         let brake = plan.brake(scene);
         let terms = brake.system.terms().iter().map(|term| with_family(&term.name, &term.family)).collect();
-        let contacts =
-            brake.system.channels().iter().map(|channel| with_family(&channel.name, &channel.family)).collect();
+        let contacts = brake.system.contacts().map(|channel| with_family(&channel.name, &channel.family)).collect();
         let given = self.parametrised().map_or_else(Vec::new, |of| of.parameters(scene));
         vec![
             ("dofs", brake.dofs.total().to_string()),

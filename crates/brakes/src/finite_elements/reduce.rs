@@ -24,6 +24,7 @@ use crate::prepared::Pieces;
 const WITHIN: f64 = 3e-7;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
+
 /// Choice of the arrangements that have a basis of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bases {

@@ -25,7 +25,7 @@ pub struct ReducedSet {
     pub basis: DMatrix<f64>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub(super) leading: usize,
-    /// For residuals on smaller bases within it.
+    /// Combinations of residuals on smaller bases within it.
     combinations: Combinations,
     /// The brake on it.
     pub reduced: AffineSystem,
@@ -38,7 +38,7 @@ pub struct ReducedSet {
     /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
     /// of them does not have the same modes, and 0 without any.
     pub held_out: f64,
-    /// What grows far beyond the band, made when it is first asked for; `None` without contacts.
+    /// Responses of the contacts far beyond the band, made when they are first asked for; `None` without contacts.
     responses: OnceLock<Option<Responses>>,
     /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
     pub held_out_residual: f64,
@@ -51,7 +51,7 @@ pub struct Part {
     pub set: usize,
     /// Basis within that of the set, what it took, and whether it was reached.
     pub within: Within,
-    /// Its modes in the rectangle at the medians, rad/s.
+    /// Modes in the rectangle at the medians, rad/s.
     pub first: Vec<Complex<f64>>,
     /// The brake, with residuals in the whole one.
     pub reduced: Reduced,

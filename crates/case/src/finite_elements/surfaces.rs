@@ -1,5 +1,7 @@
 //! The contacts between faces of a case: patches of their points, with springs and friction.
 
+use std::collections::BTreeSet;
+
 use contact::{ContactError, Row};
 use linsys::Channel;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
@@ -112,9 +114,8 @@ fn refuse_again(
     contact: &SurfaceContact<'_>,
     others: &[SurfaceContact<'_>],
 ) -> Result<(), CaseError> {
-    let faces = |of: &SurfaceContact<'_>| {
-        of.interface.points().iter().map(|point| point.slave_face).collect::<std::collections::BTreeSet<_>>()
-    };
+    let faces =
+        |of: &SurfaceContact<'_>| of.interface.points().iter().map(|point| point.slave_face).collect::<BTreeSet<_>>();
     let own = faces(contact);
     for other in others {
         let Some(id) = faces(other).intersection(&own).next().copied() else { continue };

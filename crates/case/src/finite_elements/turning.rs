@@ -1,6 +1,6 @@
 //! Bodies that turn, and springs in any direction: terms of a case that are made here and not read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use elements::{Axis, Body, ElementsError, Material};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -118,8 +118,7 @@ pub(super) fn spring_term(
     };
     let from = weighed("nodes", &table.nodes)?;
     let to = table.to.as_ref().map(|nodes| weighed("to", nodes)).transpose()?;
-    let nodes_of =
-        |nodes: &[(i64, f64)]| nodes.iter().map(|(node, _)| *node).collect::<std::collections::BTreeSet<_>>();
+    let nodes_of = |nodes: &[(i64, f64)]| nodes.iter().map(|(node, _)| *node).collect::<BTreeSet<_>>();
     if to.as_ref().is_some_and(|to| nodes_of(to) == nodes_of(&from)) {
         let allowed = "other nodes than those of nodes, whose mean motion against themselves is 0";
         return Err(check.value(&key("to"), "the same nodes", allowed));

@@ -14,7 +14,7 @@ use crate::Error;
 /// Stretches in which a motion that is not periodic is measured; chosen, so that they can be compared with each other.
 const STRETCHES: usize = 4;
 
-/// How motions of draws are followed.
+/// Settings by which motions of draws are followed.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Following {
     /// Settings of the integration.
@@ -26,12 +26,12 @@ pub(crate) struct Following {
 }
 
 impl Following {
-    /// As at medians; chosen: stretches of 50 periods.
+    /// Settings as at medians; chosen: stretches of 50 periods.
     pub fn of_study(stick: f64) -> Self {
         Self { settings: Settings { tolerance: TOLERANCE, ..Settings::default() }, stretch: 50, stick }
     }
 
-    /// Shorter and with a larger error, as a screening follows many; chosen: 200 periods, stretches of 25, 1e-8.
+    /// Settings for a screening, shorter and with a larger error, as a screening follows many; chosen: 200 periods, stretches of 25, 1e-8.
     pub fn of_screen(stick: f64) -> Self {
         Self { settings: Settings { tolerance: 1e-8, most_periods: 200, ..Settings::default() }, stretch: 25, stick }
     }

@@ -54,7 +54,7 @@ pub struct SceneDraws {
 pub struct DrawOfScene {
     /// Index of the sample.
     pub sample: u64,
-    /// Its unstable modes, ascending in frequency.
+    /// Unstable modes with their motions, ascending in frequency.
     pub motions: Vec<DrawnMotion>,
 }
 

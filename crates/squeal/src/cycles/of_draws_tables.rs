@@ -144,14 +144,14 @@ fn names(motion: &DrawnMotion) -> String {
     if names.is_empty() { "?".into() } else { names.join("|") }
 }
 
-/// Whether the order of modes by growth is that of their motions by loudness, draw by draw.
+/// Agreement of the order of modes by growth with that of their motions by loudness, draw by draw.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Order {
-    /// Draws with several unstable modes whose motions all have a loudness.
+    /// Number of draws with several unstable modes whose motions all have a loudness.
     several: u64,
-    /// Of these: those in which all are equally loud.
+    /// Number of these in which all are equally loud.
     equally_loud: u64,
-    /// Of the others: those in which the motion from the mode that grows fastest is the loudest.
+    /// Number of the others in which the motion from the mode that grows fastest is the loudest.
     fastest_is_loudest: u64,
 }
 

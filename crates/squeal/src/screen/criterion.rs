@@ -22,7 +22,7 @@ pub enum Criterion {
     Loudness,
 }
 
-/// What is known of a quantity that was not asked for.
+/// Estimate of a quantity that was not asked for.
 const UNKNOWN: Estimate = Estimate { value: f64::NAN, lower: f64::NEG_INFINITY, upper: f64::INFINITY };
 
 /// Form of a criterion's numbers for people.

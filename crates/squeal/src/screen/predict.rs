@@ -49,7 +49,7 @@ pub(super) struct Probes<'a> {
     probes: Vec<Probe<'a>>,
     /// Number of draws of each probe.
     pub draws: u64,
-    /// How motions are followed, where loudness is asked for.
+    /// Settings by which motions are followed, where loudness is asked for.
     following: Option<Following>,
 }
 

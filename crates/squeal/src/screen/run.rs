@@ -63,7 +63,7 @@ impl Default for ScreenOptions {
 }
 
 impl ScreenOptions {
-    /// How motions are followed, where the criterion asks for them.
+    /// Settings by which motions are followed, where the criterion asks for them.
     fn following(&self) -> Option<Following> {
         (self.criterion == Criterion::Loudness).then(|| Following::of_screen(CycleOptions::default().stick))
     }

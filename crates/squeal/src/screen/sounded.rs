@@ -13,7 +13,7 @@ use crate::cycles::{Following, drawn_contacts_of, loudest, motions};
 pub(super) struct Sounded<'s, 'a, B: UncertainBrake> {
     /// The study.
     pub study: &'s Study<'s, Modified<'a, B>>,
-    /// How motions are followed, where loudness is asked for.
+    /// Settings by which motions are followed, where loudness is asked for.
     pub following: Option<Following>,
 }
 
