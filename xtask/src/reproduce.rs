@@ -67,7 +67,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), TaskError> {
         let own = claims(results, &brake)?;
         write_claims(&own, dir)?;
         let grid = brake.case.lattice.grid;
-        write_page(results, &Geometry::lattice(grid.rows(), grid.columns()), dir)?;
+        write_page(results, None, &Geometry::lattice(grid.rows(), grid.columns()), dir)?;
         cards.push(Scorecard { reading: "default".into(), choice: "the case's own".into(), claims: own });
         // An alternative that only renames modes needs no further run.
         for alternative in &case.alternatives {

@@ -189,15 +189,17 @@ impl RunArgs {
                     Estimates::run(study, results, half_width, &self.out, dir, &*told.stage("scenes estimated"))?
                         .text();
             }
+            let mut motions = None;
             if let Some(draws) = self.cycles {
                 let asked = (draws, stick);
                 let progress = &*told.stage("draws whose motion is followed");
                 let found = CyclesOfDraws::run(study, results, asked, &self.out, dir, progress)?;
                 found.add_to_summary(study.plan(), dir)?;
                 estimates += &found.text(study.plan());
+                motions = Some(found);
             }
             // Last: it shows the tables.
-            write_page(results, &geometry(brake), dir)?;
+            write_page(results, motions.as_ref(), &geometry(brake), dir)?;
             most_failed = self.most_failed(results);
             doubts = results.doubts().iter().map(|doubt| format!("WARNING: {doubt}\n")).collect();
             summary = match results.panels().len() {

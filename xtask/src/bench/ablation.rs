@@ -110,7 +110,7 @@ impl Command {
         let options = RunOptions::default().with_study(study);
         let manifest = run_study_with::<_, TaskError>(brake, &self.folder, options, &mut |_, results, dir| {
             draw_occurrence(results, dir)?;
-            Ok(write_page(results, &Geometry::bodies(brake.plan()), dir)?)
+            Ok(write_page(results, None, &Geometry::bodies(brake.plan()), dir)?)
         })?;
         let seconds = self.brake_seconds + start.elapsed().as_secs_f64();
         let counts = std::fs::read_to_string(self.folder.join(COUNTS)).map_err(TaskError::Start)?;

@@ -1,17 +1,23 @@
 //! The answer of a study as HTML.
 
 use output::{Block, Cell, Cells};
+use squeal::cycles::CyclesOfDraws;
 use squeal::results::{LIGHT, Results};
 
 use super::text::escaped;
 use crate::Error;
 
-/// The answer of a study.
-pub(super) fn answer(results: &Results) -> Result<String, Error> {
+/// The answer of a study, and the motions of its draws in words.
+pub(super) fn answer(results: &Results, motions: Option<&CyclesOfDraws>) -> Result<String, Error> {
     let blocks = results.answer()?;
     // The first list is what a reader came for.
     let lead = blocks.iter().position(|block| matches!(block, Block::List(_)));
-    Ok(blocks.iter().enumerate().map(|(at, block)| html(block, Some(at) == lead)).collect())
+    let said: String = blocks.iter().enumerate().map(|(at, block)| html(block, Some(at) == lead)).collect();
+    let motions = motions.map_or_else(String::new, |motions| {
+        let (heading, text) = (CyclesOfDraws::HEADING, escaped(&motions.text(results.plan())));
+        format!("<h3>{heading}</h3>\n<pre tabindex=\"0\" aria-label=\"{heading}\">{text}</pre>\n")
+    });
+    Ok(said + &motions)
 }
 
 /// A block of a document.
@@ -47,7 +53,13 @@ fn strong(text: &str) -> String {
 
 fn table(Cells { caption, columns, rows }: &Cells) -> String {
     let caption = escaped(caption);
-    let heads: String = columns.iter().map(|column| format!("<th scope=\"col\">{}</th>", escaped(column))).collect();
+    // Of numbers the head stands to the right, as they do.
+    let is_of_numbers = |at: usize| rows.iter().any(|row| row.get(at).is_some_and(|cell| cell.value.is_some()));
+    let head = |(at, column): (usize, &String)| match at > 0 && is_of_numbers(at) {
+        true => format!("<th scope=\"col\" class=\"number\">{}</th>", escaped(column)),
+        false => format!("<th scope=\"col\">{}</th>", escaped(column)),
+    };
+    let heads: String = columns.iter().enumerate().map(head).collect();
     let light = columns.iter().position(|column| column == LIGHT);
     let cell = |(at, cell): (usize, &Cell)| match cell.value {
         None if Some(at) == light => format!("<td class=\"light {0}\">{0}</td>", escaped(&cell.text)),

@@ -28,6 +28,8 @@ pub fn write_compare_page(found: &ComparedStudies, figure: Option<&Figure>, dir:
     let section = |figure: &Figure| filled(include_str!("compare.html"), &[("figure", &figure.svg())]);
     let mut answer = html(&Block::Paragraph(ComparedStudies::ABOUT.into()), false);
     for (at, (heading, lines)) in found.said().into_iter().enumerate() {
+        // One letter, so that no line breaks within the arrow.
+        let lines = lines.iter().map(|line| line.replace("->", "\u{2192}")).collect();
         answer += &format!("{}{}", html(&Block::Heading(heading), false), html(&Block::List(lines), at == 0));
     }
     let facts: Vec<(&str, String)> = [("First study", found.first.display().to_string())]

@@ -31,6 +31,7 @@ pub use sweep::write_sweep_page;
 use std::path::Path;
 
 use figures::Figure;
+use squeal::cycles::CyclesOfDraws;
 use squeal::results::Results;
 
 use self::page::Page;
@@ -55,14 +56,20 @@ fn damping_section(results: &Results) -> Result<String, Error> {
     Ok(if all.is_empty() { all } else { format!("{}{all}</section>\n", include_str!("damping.html")) })
 }
 
-/// Writes `report.html` into `dir`, in which the tables of the same results stand already.
+/// Writes `report.html` into `dir`, in which the tables of the same results stand already; `motions` are those of its draws, where they were
+/// followed.
 ///
 /// # Errors
 /// A table that cannot be read, a file that cannot be written.
-pub fn write_page(results: &Results, geometry: &Geometry<'_>, dir: &Path) -> Result<(), Error> {
+pub fn write_page(
+    results: &Results,
+    motions: Option<&CyclesOfDraws>,
+    geometry: &Geometry<'_>,
+    dir: &Path,
+) -> Result<(), Error> {
     let page = Page {
         title: results.plan().name.clone(),
-        answer: answer::answer(results)?,
+        answer: answer::answer(results, motions)?,
         figures: [include_str!("study.html"), &damping_section(results)?, shapes::SECTION].concat(),
         facts: facts::of_study(results),
         data: data::of_study(results, geometry, dir)?,

@@ -16,6 +16,30 @@ const rowsOf = table => {
   return table.rows;
 };
 
+// Columns in pieces that are not wider than paper, each with the words that a row begins with. A name may break at its underscores, words anywhere.
+const CHARACTERS_PRINTED = 105;
+const WORD_PRINTED = 14;
+const KEYS_PRINTED = 4;
+const inPieces = (header, rows) => {
+  const width = (text, column) => rows.reduce((most, row) => Math.max(most, isNumber(row[column]) ? row[column].length : Math.min(row[column].length, WORD_PRINTED)),
+    Math.max(...text.split(/(?<=_)/).map(part => part.length)));
+  const widths = header.map((text, column) => 1 + width(text, column));
+  let keys = 0;
+  while (keys < KEYS_PRINTED && rows.length > 0 && !isNumber(rows[0][keys])) keys += 1;
+  const first = [...header.keys()].slice(0, keys);
+  const own = first.reduce((sum, column) => sum + widths[column], 0);
+  let [pieces, used] = [[[...first]], own];
+  for (let column = keys; column < header.length; column += 1) {
+    if (used + widths[column] > CHARACTERS_PRINTED && pieces.at(-1).length > keys) {
+      pieces = [...pieces, [...first]];
+      used = own;
+    }
+    pieces.at(-1).push(column);
+    used += widths[column];
+  }
+  return pieces;
+};
+
 const quoted = cell => (/[",\n\r]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 const csvOf = table => [table.header, ...rowsOf(table)].map(row => `${row.map(quoted).join(',')}\n`).join('');
 
@@ -67,13 +91,25 @@ const startTables = () => {
 
   const show = () => {
     const page = rows.slice(first, first + most);
-    const digits = most === ROWS_PRINTED ? DIGITS_PRINTED : DIGITS_SHOWN;
-    const number = (text, short) => make('td', short === text ? { class: 'number' } : { class: 'number', title: text }, short);
-    const cell = text => (isNumber(text) ? number(text, shortened(text, digits)) : make('td', {}, text));
-    shown.tBodies[0].replaceChildren(...page.map(row => make('tr', {}, ...row.map(cell))));
+    const isPaper = most === ROWS_PRINTED;
+    const short = text => (isNumber(text) ? shortened(text, isPaper ? DIGITS_PRINTED : DIGITS_SHOWN) : text);
+    const number = text => make('td', short(text) === text ? { class: 'number' } : { class: 'number', title: text }, short(text));
+    const cell = text => (isNumber(text) ? number(text) : make('td', {}, text));
+    const bodyOf = columns => page.map(row => make('tr', {}, ...columns.map(column => cell(row[column]))));
+    const [columns, ...others] = isPaper ? inPieces(table.header, page.map(row => row.map(short))) : [[...table.header.keys()]];
+    shown.tBodies[0].replaceChildren(...bodyOf(columns));
+    const heads = [...shown.tHead.rows[0].cells];
+    heads.forEach((head, column) => { head.hidden = !columns.includes(column); });
+    const headOf = of => of.map(column => {
+      const head = heads[column].cloneNode(true);
+      head.hidden = false;
+      return head;
+    });
+    byId('table-more').replaceChildren(...others.map(of =>
+      make('table', {}, make('thead', {}, make('tr', {}, ...headOf(of))), make('tbody', {}, ...bodyOf(of)))));
     const last = first + page.length;
     const where = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : 'No row';
-    byId('table-rows').textContent = most === ROWS_PRINTED ? `${where}; ${table.name} has all digits` : where;
+    byId('table-rows').textContent = isPaper ? `${where}; ${table.name} has all digits` : where;
     byId('table-back').disabled = first === 0;
     byId('table-on').disabled = last >= rows.length;
   };
@@ -88,7 +124,8 @@ const startTables = () => {
     select();
     const heads = table.header.map((text, column) => {
       const head = make('th', { scope: 'col' });
-      if (rows.length && isNumber(rows[0][column])) head.className = 'number';
+      // By the first cell that is filled.
+      if (isNumber(rows.find(row => row[column] !== '')?.[column] ?? '')) head.className = 'number';
       sortButton(head, text, sign => {
         rows = [...rows].sort((a, b) => sign * order(a[column], b[column]));
         first = 0;

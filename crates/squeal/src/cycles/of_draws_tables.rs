@@ -316,6 +316,9 @@ impl CyclesOfDraws {
         Table::new("cycles_by_scene", header, rows.collect::<Vec<_>>())
     }
 
+    /// What stands above the motions in words.
+    pub const HEADING: &str = "The motions that unstable modes grow into";
+
     /// Adds the motions in words to `summary.md` in a folder.
     ///
     /// # Errors
@@ -323,8 +326,7 @@ impl CyclesOfDraws {
     pub fn add_to_summary(&self, plan: &Plan, dir: &Path) -> Result<(), Error> {
         let path = dir.join("summary.md");
         let summary = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
-        let motions =
-            format!("{summary}\n## The motions that unstable modes grow into\n\n```text\n{}```\n", self.text(plan));
+        let motions = format!("{summary}\n## {}\n\n```text\n{}```\n", Self::HEADING, self.text(plan));
         Ok(output::write(&path, motions.as_bytes())?)
     }
 

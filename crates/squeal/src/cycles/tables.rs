@@ -107,7 +107,7 @@ impl Cycles {
                 bodies.max_by(|a, b| a.1.total_cmp(&b.1))
             });
             text += &format!(
-                "{:>6}  {:>12}  {:>11.4}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  {}{}\n",
+                "{:>7}  {:>12}  {:>11.4}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  {}{}\n",
                 of.start,
                 output::hertz(hz(of.lambda.im)),
                 of.lambda.re,

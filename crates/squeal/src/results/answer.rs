@@ -5,7 +5,7 @@ use montecarlo::{Interval, QuantileSketch};
 use output::{Block, Cell, Cells, hertz, printable, significant};
 use study::{ModeLabel, SetLinks};
 
-use super::bands::{LIGHTS, by_third_octaves};
+use super::bands::{by_third_octaves, lights};
 use super::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::measured::{RULE, in_cells};
 use super::study_results::Estimate;
@@ -36,7 +36,7 @@ impl Results {
             .collect();
         if !bands.is_empty() {
             answer.push(Block::Heading("In which bands".into()));
-            answer.push(Block::Paragraph(LIGHTS.into()));
+            answer.push(Block::Paragraph(lights(has_one_arrangement(self))));
             answer.extend(bands);
         }
         let beside = self.beside_measured(&findings);
@@ -182,10 +182,14 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
         OpenCounts::new(results);
     let quiet: usize = findings.iter().map(|found| found.stable.len()).sum();
     let upper = findings.iter().map(|found| found.stable_upper).fold(0.0, f64::max);
+    let [each, of] = match has_one_arrangement(results) {
+        true => ["", ""],
+        false => [" for each arrangement of contacts, friction law and speed range", " of an arrangement"],
+    };
     let meaning = format!(
-        "Nobody knows friction exactly, so the analysis was repeated with {} random draws of it for each arrangement of contacts, friction \
-         law and speed range. The share of the draws in which a mode is unstable is its **occurrence**. Each occurrence has limits in \
-         parentheses: if the whole study were repeated with other draws, about 95 of 100 such limits would enclose the true share.",
+        "Nobody knows friction exactly, so the analysis was repeated with {} random draws of it{each}. The share of the draws in which a mode \
+         is unstable is its **occurrence**. Each occurrence has limits in parentheses: if the whole study were repeated with other draws, \
+         about 95 of 100 such limits would enclose the true share.",
         results.summary.samples
     );
     let panels = " A **panel** is one friction law with one number of contacts and one speed range; its occurrence is the median over its \
@@ -194,8 +198,7 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
     let mut items = Vec::new();
     if quiet > 0 {
         items.push(format!(
-            "Modes that were unstable in no draw: {quiet}. Each of them is unstable in at most {:.2}\u{a0}% of the draws of an arrangement \
-             (95\u{a0}%).",
+            "Modes that were unstable in no draw: {quiet}. Each of them is unstable in at most {:.2}\u{a0}% of the draws{of} (95\u{a0}%).",
             100.0 * upper
         ));
     }
@@ -212,7 +215,8 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
         "{undecided} verdicts are undecided and count as stable. {marginal} eigenvalues lie on the imaginary axis and neither grow nor \
          decay. {failures} draws or evaluations failed; they may be unstable, and widen the limits upwards."
     ));
-    items.push("Unstable means that a small vibration grows. How loud it gets is not computed.".into());
+    items
+        .push("Unstable means that a small vibration grows. No occurrence and no growth says how loud it gets.".into());
     vec![Block::Paragraph(meaning), Block::List(items)]
 }
 
@@ -290,6 +294,12 @@ fn grows(results: &Results, set: usize, name: ModeLabel) -> String {
 /// True if a set of constraints has one panel, so that nothing need be said of panels.
 fn has_one_panel(results: &Results, set: usize) -> bool {
     results.panels().iter().filter(|panel| panel.key.constraints == set).count() == 1
+}
+
+/// True if each set of constraints has one panel with one arrangement, so that nothing need be said of arrangements.
+fn has_one_arrangement(results: &Results) -> bool {
+    let mut sets = 0..results.plan().labels.constraints.len();
+    results.panels().iter().all(|panel| panel.arrangements == 1) && sets.all(|set| has_one_panel(results, set))
 }
 
 fn followed(results: &Results, link: &SetLinks, sets: &[SetFindings<'_>]) -> Block {

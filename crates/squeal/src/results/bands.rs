@@ -16,11 +16,19 @@ const MOST_BANDS: u16 = 40;
 /// Heading of the column with `red`, `amber` and `green`.
 pub const LIGHT: &str = "Light";
 
-/// What a reader of the lights has to know.
-pub(super) const LIGHTS: &str = "Red: in most of the draws of an arrangement, and surely so, some mode of this third octave is unstable, whichever name it has. \
-     Amber: in some of the draws, or it may be. Green: in none, and nothing there is open. The occurrence is the largest of an arrangement, of all modes \
-     of the third octave together, each draw once. A mode is listed where the median of its frequency lies, over the draws in which it is unstable; in \
-     parentheses where only some of these draws reach the band. A light with * is of a band that was studied in part.";
+/// Text for a reader of the lights, of a study of one arrangement or of several.
+pub(super) fn lights(has_one_arrangement: bool) -> String {
+    let [of, largest] = match has_one_arrangement {
+        true => ["", ""],
+        false => [" of an arrangement", "the largest of an arrangement, "],
+    };
+    format!(
+        "Red: in most of the draws{of}, and surely so, some mode of this third octave is unstable, whichever name it has. Amber: in some of the \
+         draws, or it may be. Green: in none, and nothing there is open. The occurrence is {largest}of all modes of the third octave together, \
+         each draw once. A mode is listed where the median of its frequency lies, over the draws in which it is unstable; in parentheses where \
+         only some of these draws reach the band. A light with * is of a band that was studied in part."
+    )
+}
 
 /// An unstable mode in a band.
 struct InBand {
