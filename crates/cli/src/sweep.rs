@@ -42,6 +42,9 @@ pub struct SweepArgs {
     /// Folder for tables and figures: new, empty, or that of the same sweep
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Growth that the root locus shows, 1/s, as -200:500 [default: what is about zero]
+    #[arg(long, value_name = "FROM:TO", value_parser = growth, allow_hyphen_values = true, requires = "out")]
+    pub growth: Option<[f64; 2]>,
     /// JSON for machines: what is found, frequencies in rad/s
     #[arg(long)]
     pub json: bool,
@@ -64,6 +67,16 @@ pub(super) fn over(text: &str) -> Result<Over, String> {
     parts().ok_or_else(|| "allowed: NAME=FROM:TO, as mu=0:1".to_owned())
 }
 
+/// `FROM:TO`, ascending.
+fn growth(text: &str) -> Result<[f64; 2], String> {
+    let ends = || {
+        let (from, to) = text.split_once(':')?;
+        let [from, to] = [from, to].map(|end| end.trim().parse::<f64>().ok().filter(|end| end.is_finite()));
+        Some([from?, to?]).filter(|[from, to]| from < to)
+    };
+    ends().ok_or_else(|| "allowed: FROM:TO, two finite numbers, the lower one first, as -200:500".to_owned())
+}
+
 impl SweepArgs {
     /// Runs the command.
     ///
@@ -83,6 +96,14 @@ impl SweepArgs {
     /// As [`SweepArgs::run`].
     pub fn sweep<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
+        if let (Some([from, to]), [_, _, ..]) = (self.growth, &self.over[..]) {
+            let value = format!("{from}:{to}");
+            return Err(Error::Option {
+                option: "--growth",
+                value,
+                allowed: "with one --over, which makes a root locus".into(),
+            });
+        }
         let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
         let identity = of_study(brake).given("sweep", named.join(",")).into_line();
         if let Some(dir) = &self.out {
@@ -118,7 +139,7 @@ impl SweepArgs {
                     table.write(stage)?;
                 }
                 let title = format!("Sweep over {}", named.join(" and "));
-                let figure = sweep_figure(&found, &title, &scene)?;
+                let figure = sweep_figure(&found, self.growth, &title, &scene)?;
                 figure.save_pictures(stage, "sweep")?;
                 Ok(write_sweep_page(plan, &found, &modes, &geometry(brake), &figure, &scene, stage)?)
             })?;

@@ -169,7 +169,8 @@ fn a_brake_of_ones_own_goes_through_every_command() {
 
         let over = vec![Over { name: "mu".into(), from: 0.05, to: 1.2 }];
         let out = folder(&format!("sweep-{name}"));
-        let sweep = SweepArgs { case: case.clone(), over, scene: scene.clone(), out, json: true, machine };
+        let sweep =
+            SweepArgs { case: case.clone(), over, scene: scene.clone(), out, growth: None, json: true, machine };
         let found: Value = serde_json::from_str(&sweep.sweep(&brake).unwrap()).unwrap();
         let at = found["onsets"][0]["at"].as_f64().unwrap();
         assert!((at - onset).abs() < 1e-9, "{at} {onset}");

@@ -14,6 +14,8 @@ use super::style::{BLUE, SKY};
 pub struct IndexFigure {
     /// Title above everything; may be empty.
     pub title: String,
+    /// Words for the first bar of each input; `None` for that of a first-order index.
+    pub first_bar: Option<String>,
     /// Panels, one for each output.
     pub panels: Vec<IndexPanel>,
     /// Note below everything; may be empty.
@@ -54,8 +56,7 @@ pub fn index_bars(data: &IndexFigure) -> Result<Figure, FigureError> {
     let table = check(data)?;
     let mut canvas = Canvas::new()?;
     let mut y = title(&mut canvas, &data.title);
-    let has_total = data.panels.iter().flat_map(|panel| &panel.bars).any(|bar| bar.total.is_some());
-    y = legend(&mut canvas, y + 4.0, &key(has_total)) + 4.0;
+    y = legend(&mut canvas, y + 4.0, &key(data)) + 4.0;
     let names = data.panels.iter().flat_map(|panel| &panel.bars);
     let left = names.map(|bar| canvas.fonts.width(&bar.input, SMALL_TEXT, false)).fold(0.0, f64::max) + 8.0;
     let columns = data.panels.len().min(2) as f64;
@@ -94,7 +95,11 @@ fn draw(canvas: &mut Canvas, area: Area, panel: &IndexPanel) {
         let middle = area.y + ROW * (row as f64 + 0.5);
         canvas.text(Label::new(area.x - 4.0, middle + 2.9, bar.input.clone()).anchor(TextAnchor::End));
         let words = |kind: &str, [value, lower, upper]: [f64; 3]| {
-            format!("{}, {kind}: {:.1} % ({:.1} to {:.1} %)", bar.input, 100.0 * value, 100.0 * lower, 100.0 * upper)
+            let limits = match lower < upper {
+                true => format!(" ({:.1} to {:.1} %)", 100.0 * lower, 100.0 * upper),
+                false => String::new(),
+            };
+            format!("{}, {kind}: {:.1} %{limits}", bar.input, 100.0 * value)
         };
         let (above, below) = match bar.total {
             None => (middle - BAR / 2.0, None),
@@ -112,10 +117,13 @@ fn draw(canvas: &mut Canvas, area: Area, panel: &IndexPanel) {
     frame(canvas, area);
 }
 
-/// A bar from 0 to the value, and a whisker from limit to limit.
+/// A bar from 0 to the value, and a whisker from limit to limit where there is a way between.
 fn one_bar(canvas: &mut Canvas, area: Area, y: f64, [value, lower, upper]: [f64; 3], paint: Paint) {
     let x = |part: f64| area.x + part * area.width;
     canvas.rect(Area { x: area.x, y, width: value * area.width, height: BAR }, paint);
+    if lower >= upper {
+        return;
+    }
     let line = Paint::stroke(Color::BLACK, 0.8);
     let middle = y + BAR / 2.0;
     canvas.line((x(lower), middle), (x(upper), middle), line);
@@ -124,7 +132,7 @@ fn one_bar(canvas: &mut Canvas, area: Area, y: f64, [value, lower, upper]: [f64;
     }
 }
 
-fn key(has_total: bool) -> Vec<Entry> {
+fn key(data: &IndexFigure) -> Vec<Entry> {
     let bar = |paint: Paint| {
         move |canvas: &mut Canvas, (x, y): (f64, f64)| {
             canvas.rect(Area { x: x - 6.0, y: y - BAR / 2.0, width: 12.0, height: BAR }, paint);
@@ -133,11 +141,15 @@ fn key(has_total: bool) -> Vec<Entry> {
     let whisker = |canvas: &mut Canvas, (x, y): (f64, f64)| {
         canvas.line((x - 6.0, y), (x + 6.0, y), Paint::stroke(Color::BLACK, 0.8));
     };
-    let mut entries = vec![Entry::new("alone (first order)", 12.0, bar(Paint::fill(BLUE)))];
-    if has_total {
+    let bars = || data.panels.iter().flat_map(|panel| &panel.bars);
+    let first = data.first_bar.as_deref().unwrap_or("alone (first order)");
+    let mut entries = vec![Entry::new(first, 12.0, bar(Paint::fill(BLUE)))];
+    if bars().any(|bar| bar.total.is_some()) {
         entries.push(Entry::new("with others (total)", 12.0, bar(Paint::fill(SKY).outlined(BLUE, 0.5))));
     }
-    entries.push(Entry::new("95 % interval", 12.0, whisker));
+    if bars().flat_map(|bar| bar.total.into_iter().chain([bar.first_order])).any(|[_, lower, upper]| lower < upper) {
+        entries.push(Entry::new("95 % interval", 12.0, whisker));
+    }
     entries
 }
 

@@ -22,6 +22,8 @@ pub struct RootLocusFigure {
     pub range: [f64; 2],
     /// The axis of the parameter is logarithmic; the range must then be positive.
     pub is_logarithmic: bool,
+    /// Growth that is shown, 1/s, ascending; `None` for what is about zero.
+    pub growth: Option<[f64; 2]>,
     /// The branches.
     pub branches: Vec<LocusBranch>,
     /// Onsets and coalescences.
@@ -74,6 +76,8 @@ pub struct LocusMark {
 /// Heights of the panels, pt; chosen.
 const LOCUS_HEIGHT: f64 = 210.0;
 const LOWER_HEIGHT: f64 = 170.0;
+/// Part of the height beyond an end that is not seen; chosen: less than a line is thick.
+const SEEN: f64 = 1e-3;
 /// Distance between the panels below, pt; chosen: some two heights of small text.
 const GAP: f64 = 18.0;
 
@@ -85,8 +89,8 @@ struct Panel {
     labels: [String; 2],
 }
 
-/// Draws the root locus above frequency and growth against the parameter. Onsets are labelled by their modes. The table has one row
-/// per branch and point, then the marks.
+/// Draws the root locus above frequency and growth against the parameter. Onsets are labelled by their modes. The axis of growth shows what
+/// happens about zero, and how many branches go on below is said. The table has one row per branch and point, then the marks.
 ///
 /// # Errors
 /// [`FigureError::Empty`] without branches and marks, [`FigureError::NotFinite`] or [`FigureError::OutOfRange`] for a value that the axes cannot
@@ -102,12 +106,17 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
     };
     // A divergence is at rest, on no branch: the axes reach it, with room for its name.
     let at_rest = data.marks.iter().filter(|mark| mark.at[1] == 0.0).map(|mark| mark.at);
-    let least_growth = points().map(|point| point[2]).fold(0.0, f64::min);
-    let room = at_rest.clone().map(|_| -0.1 * least_growth);
+    let room = at_rest.clone().map(|_| -0.1 * data.least_shown());
     let hertz = points().copied().chain(at_rest).map(|point| point[1]);
     let ends = hertz.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), f| (f.min(least), f.max(most)));
     let frequency = AxisScale::between(ends, 6.0);
-    let growth = AxisScale::linear(points().map(|point| point[2]).chain(room), 6.0);
+    let growth = match data.growth {
+        Some([least, most]) => AxisScale::between((least, most), 6.0),
+        None => AxisScale::linear(
+            [data.least_shown()].into_iter().chain(points().map(|point| point[2]).filter(|at| *at > 0.0)).chain(room),
+            6.0,
+        ),
+    };
     let (hertz, per_second) = ("frequency (Hz)".to_owned(), "growth Re \u{3bb} (1/s)".to_owned());
     let panel = |x, y, scales, labels| Panel { x, y, scales, labels };
     let locus = panel(1, 2, [frequency, growth], [hertz.clone(), per_second.clone()]);
@@ -117,7 +126,14 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
     ];
     let mut y = title(&mut canvas, &data.title);
     y = bar(&mut canvas, y + 4.0, parameter, data.range, &data.parameter);
-    y = legend(&mut canvas, y, &key(data));
+    let below_the_picture = |branch: &&LocusBranch| branch.points.iter().any(|point| growth.at(point[2]) < -SEEN);
+    let mut entries = key(data);
+    match data.branches.iter().filter(below_the_picture).count() {
+        0 => {}
+        1 => entries.push(Entry { symbol: None, text: "1 branch goes on below the picture".into() }),
+        more => entries.push(Entry { symbol: None, text: format!("{more} branches go on below the picture") }),
+    }
+    y = legend(&mut canvas, y, &entries);
     let left = PAGE_MARGIN + locus.left(&canvas, LOCUS_HEIGHT);
     let right = canvas.width - PAGE_MARGIN - 10.0;
     let area = Area { x: left, y: y + 4.0, width: right - left, height: LOCUS_HEIGHT };
@@ -157,6 +173,7 @@ impl Panel {
         let place = |point: &[f64; 3]| {
             (area.x + x.at(point[self.x]) * area.width, area.bottom() - y.at(point[self.y]) * area.height)
         };
+        let is_inside = |mark: &&LocusMark| (-SEEN..=1.0 + SEEN).contains(&y.at(mark.at[self.y]));
         if self.y == 2 {
             let zero = area.bottom() - y.at(0.0) * area.height;
             canvas.line((area.x, zero), (area.right(), zero), Paint::stroke(Color::BLACK, 0.8));
@@ -165,25 +182,52 @@ impl Panel {
             canvas.group("branch", format!("mode {}", branch.mode), |canvas| {
                 for step in branch.points.windows(2) {
                     let paint = Paint::stroke(color(data.part(0.5 * (step[0][0] + step[1][0]))), 1.3);
-                    canvas.line(place(&step[0]), place(&step[1]), paint);
+                    if let Some((from, to)) = inside(place(&step[0]), place(&step[1]), area) {
+                        canvas.line(from, to, paint);
+                    }
                 }
             });
         }
         frame(canvas, area);
-        for mark in &data.marks {
+        for mark in data.marks.iter().filter(is_inside) {
             canvas.group("mark", mark.title(&data.parameter, data.onsets), |canvas| {
                 symbol(canvas, place(&mark.at), mark.event)
             });
         }
         // Onsets at the axis of growth are beside each other: their names stand on several levels.
         if self.y == 2 {
-            let onsets = data.marks.iter().filter(|mark| mark.event != LocusEvent::Coalescence);
+            let onsets = data.marks.iter().filter(is_inside).filter(|mark| mark.event != LocusEvent::Coalescence);
             write_names(canvas, area, onsets.map(|mark| (mark.mode.as_str(), place(&mark.at))).collect());
         }
     }
 }
 
+/// The part of a line between the upper and the lower edge of an area.
+fn inside(from: (f64, f64), to: (f64, f64), area: Area) -> Option<((f64, f64), (f64, f64))> {
+    let (top, bottom) = (area.y, area.bottom());
+    if from.1.max(to.1) < top || from.1.min(to.1) > bottom {
+        return None;
+    }
+    let moved = |end: (f64, f64), other: (f64, f64)| {
+        let y = end.1.clamp(top, bottom);
+        let part = if y == end.1 { 0.0 } else { (y - end.1) / (other.1 - end.1) };
+        (end.0 + part * (other.0 - end.0), y)
+    };
+    Some((moved(from, to), moved(to, from)))
+}
+
 impl RootLocusFigure {
+    /// Least growth that is shown, 1/s: as far below zero as a third of the branches go, or twice as far as the highest grows, but no farther than any.
+    fn least_shown(&self) -> f64 {
+        let growth = |branch: &LocusBranch| branch.points.iter().map(|point| point[2]).collect::<Vec<_>>();
+        let mut ends: Vec<f64> =
+            self.branches.iter().map(|branch| growth(branch).into_iter().fold(0.0, f64::min)).collect();
+        ends.sort_by(|a, b| b.total_cmp(a));
+        let highest = self.branches.iter().flat_map(growth).fold(0.0, f64::max);
+        let (third, lowest) = (ends.get(ends.len() / 3).copied().unwrap_or(0.0), ends.last().copied().unwrap_or(0.0));
+        third.min(-2.0 * highest).max(lowest)
+    }
+
     /// The part of the range at which the parameter has a value.
     fn part(&self, value: f64) -> f64 {
         let [from, to] = self.range;

@@ -101,6 +101,13 @@ fn sweeps_that_are_refused() {
         (lattice, &["--law", "lugre", "--over", "v=0:1"], &["v = 0", "allowed: finite and > 0"]),
         (matrices, &["--law", "lugre", "--over", "mu=0:1"], &["--law", "cases with a lattice"]),
         (lattice, &["--over", "mu=0:1", "--threads", "0"], &["--threads = 0", "1 to 1024"]),
+        (lattice, &["--over", "mu=0:1", "--out", "no", "--growth", "5:-1"], &["--growth", "5:-1", "allowed: FROM:TO"]),
+        (lattice, &["--over", "mu=0:1", "--growth", "-1:5"], &["--out"]),
+        (
+            lattice,
+            &["--over", "mu=0:1", "--over", "theta=1:2", "--out", "no", "--growth", "-1:5"],
+            &["--growth = -1:5", "allowed: with one --over"],
+        ),
         (lattice, &[], &["--over", "required"]),
     ] {
         let line = refusal(&asked("sweep", case, options), expected);

@@ -304,6 +304,38 @@ fn names_of_crowded_onsets_do_not_cover_each_other() {
     assert!(not_named > 0);
 }
 
+/// A branch far below zero does not squeeze what happens about zero, and is said to go on; a range that is given is shown.
+#[test]
+fn a_root_locus_shows_what_is_about_zero() {
+    let branch = |(at, [from, to]): (usize, [f64; 2])| LocusBranch {
+        mode: at.to_string(),
+        points: (0..=20)
+            .map(|i| f64::from(i) / 20.0)
+            .map(|part| [part, 1000.0 + 50.0 * at as f64, from + part * (to - from)])
+            .collect(),
+    };
+    let all = [[-50.0, 120.0], [-60.0, -80.0], [-40.0, -30_000.0], [-25_000.0, -30_000.0]];
+    let mut data = RootLocusFigure {
+        parameter: "mu".into(),
+        range: [0.0, 1.0],
+        branches: all.into_iter().enumerate().map(branch).collect(),
+        marks: vec![LocusMark { event: LocusEvent::Coalescence, mode: "2 and 3".into(), at: [0.9, 1120.0, -26_000.0] }],
+        onsets: ["starts to grow", "stops growing"],
+        ..RootLocusFigure::default()
+    };
+    let says = |picture: &Picture, text: &str| picture.texts.iter().any(|other| other == text);
+    for (growth, below, low, high) in [
+        (None, "2 branches go on below the picture", "\u{2212}300", "200"),
+        (Some([-100.0, 200.0]), "2 branches go on below the picture", "\u{2212}100", "200"),
+        (Some([-30_000.0, 200.0]), "", "\u{2212}30000", "10000"),
+    ] {
+        data.growth = growth;
+        let picture = check(&root_locus_figure(&data).unwrap(), "about-zero");
+        assert_eq!(says(&picture, below), !below.is_empty(), "{growth:?}: {:?}", picture.texts);
+        assert!(says(&picture, low) && says(&picture, high), "{growth:?}: {:?}", picture.texts);
+    }
+}
+
 /// Letters that the font lacks are boxes in the picture, not nothing.
 #[test]
 fn letters_beyond_the_font_are_seen() {

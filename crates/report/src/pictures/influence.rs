@@ -24,7 +24,7 @@ pub fn influence_figure(influence: &Influence, title: &str, note: &str) -> Resul
     if panels.is_empty() {
         return Ok(None);
     }
-    Ok(Some(index_bars(&IndexFigure { title: title.into(), panels, note: note.into() })?))
+    Ok(Some(index_bars(&IndexFigure { title: title.into(), panels, note: note.into(), ..IndexFigure::default() })?))
 }
 
 fn panel(influence: &Influence, output: &OutputInfluence) -> IndexPanel {

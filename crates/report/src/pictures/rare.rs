@@ -20,7 +20,12 @@ pub fn rare_figure(rare: &Rare, title: &str, note: &str) -> Result<Option<Figure
     if panels.is_empty() {
         return Ok(None);
     }
-    Ok(Some(index_bars(&IndexFigure { title: title.into(), panels, note: note.into() })?))
+    Ok(Some(index_bars(&IndexFigure {
+        title: title.into(),
+        first_bar: Some("part of an input in the variance of the growth rate there".into()),
+        panels,
+        note: note.into(),
+    })?))
 }
 
 fn panel(rare: &Rare, point: &LikelySqueal) -> IndexPanel {

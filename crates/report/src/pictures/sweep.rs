@@ -13,13 +13,14 @@ use crate::Error;
 /// Lines with which a branch over the whole range is drawn; chosen.
 const LINES: f64 = 96.0;
 
-/// The root locus or the stability map; `title` and `note` stand above and below.
+/// The root locus or the stability map; `title` and `note` stand above and below, `growth` is what of it the root locus shows, 1/s, ascending, or
+/// what is about zero.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub fn sweep_figure(found: &Found, title: &str, note: &str) -> Result<Figure, Error> {
+pub fn sweep_figure(found: &Found, growth: Option<[f64; 2]>, title: &str, note: &str) -> Result<Figure, Error> {
     Ok(match found {
-        Found::Branches(sweep) => root_locus_figure(&locus(sweep, title, note))?,
+        Found::Branches(sweep) => root_locus_figure(&RootLocusFigure { growth, ..locus(sweep, title, note) })?,
         Found::Map(map) => stability_map_figure(&drawn(map, title, note))?,
     })
 }
@@ -51,6 +52,7 @@ fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
         parameter: parameter.label(),
         range: [parameter.from, parameter.to],
         is_logarithmic: parameter.is_logarithmic,
+        growth: None,
         branches: sweep.branches.iter().map(branch).collect(),
         marks: coalescences.chain(onsets).collect(),
         onsets: [true, false].map(|starts| event(starts, &sweep.threshold)),
