@@ -66,12 +66,17 @@ pub struct CycleArgs {
 /// long.
 ///
 /// # Errors
-/// A case of finite elements.
+/// A case of finite elements; one of matrices without a contact.
 pub(crate) fn has_motion(case: &CaseFile, option: &'static str, value: &str) -> Result<(), Error> {
-    if !matches!(case, CaseFile::FiniteElements(_)) {
-        return Ok(());
-    }
-    let allowed = "a case of a lattice or of matrices: of finite elements the motion after the onset is not computed";
+    let allowed = match case {
+        CaseFile::FiniteElements(_) => {
+            "a case of a lattice or of matrices: of finite elements the motion after the onset is not computed"
+        }
+        CaseFile::Matrices(case) if case.system.channels().is_empty() => {
+            "a case with contacts: in this one is no contact that could open, slide or stick, and so its motion is linear"
+        }
+        _ => return Ok(()),
+    };
     Err(Error::Option { option, value: value.to_owned(), allowed: allowed.into() })
 }
 

@@ -42,6 +42,9 @@ pub struct InfluenceArgs {
     /// Folder for influence.csv, summary.md and a figure: new, empty, or that of the same question
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// JSON for machines: the rows of influence.csv
+    #[arg(long)]
+    pub json: bool,
 }
 
 impl InfluenceArgs {
@@ -88,7 +91,7 @@ impl InfluenceArgs {
         let heading = format!("{}: {}; {draws} draws{asked}, seed {}", plan.name, plan.describe(scene), plan.seed);
         let source = brake.mode_source();
         let doubt = divergence_doubt(plan, source.is_some(), source.and_then(|source| source.full_checks()));
-        let warning = doubt.map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));
+        let warning = doubt.as_ref().map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));
         let answer = format!("{warning}{}", found.text(plan));
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
@@ -109,6 +112,11 @@ impl InfluenceArgs {
                 "evaluations": found.evaluations,
             });
             results_folder::write_manifest(&folder, plan, self.drawn.machine.threads, seconds, own)?;
+        }
+        if self.json {
+            let rows = influence_table(plan, [(scene, &found)]).json();
+            let document = json!({ "scene": plan.describe(scene), "warning": doubt, "samples": draws, "failures": found.failures, "rows": rows });
+            return Ok(format!("{document:#}\n"));
         }
         let place = results_folder::place(self.out.as_deref());
         let evaluations = found.evaluations;

@@ -41,6 +41,9 @@ pub struct MergeArgs {
     /// Let parts of other programs, and of processors that round differently, pass; manifest.json lists what made them
     #[arg(long)]
     pub mixed: bool,
+    /// JSON for machines: how often what is unstable, with limits, and the manifest
+    #[arg(long)]
+    pub json: bool,
     /// Threads and memory
     #[command(flatten)]
     pub machine: MachineArgs,
@@ -88,6 +91,7 @@ impl MergeArgs {
             cycles: self.cycles,
             shard: None,
             from: 0,
+            json: self.json,
             machine: self.machine,
         };
         let brake = sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?;

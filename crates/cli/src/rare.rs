@@ -45,6 +45,9 @@ pub struct RareArgs {
     /// Folder for tables, a figure and the likeliest squealing brake as a case: new, empty, or that of the same question
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// JSON for machines: the rows of rare.csv and design_points.csv
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Most directions; chosen: more are a study of their own.
@@ -125,6 +128,13 @@ impl RareArgs {
                 "spectra": found.spectra,
             });
             results_folder::write_manifest(&folder, plan, self.drawn.machine.threads, seconds, own)?;
+        }
+        if self.json {
+            let (rows, points) =
+                (rare_table(plan, [(scene, &found)]).json(), design_points_table(plan, [(scene, &found)]).json());
+            let document =
+                json!({ "scene": plan.describe(scene), "seed": plan.seed, "rows": rows, "design_points": points });
+            return Ok(format!("{document:#}\n"));
         }
         let place = results_folder::place(self.out.as_deref());
         let spectra = found.spectra;

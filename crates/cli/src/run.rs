@@ -8,6 +8,7 @@ use brakes::case::{HALF_WIDTHS, is_half_width};
 use brakes::{CaseBrake, Purpose};
 use output::printable;
 use report::{draw_damping, draw_occurrence, write_page};
+use serde_json::{Value, json};
 use squeal::cycles::{CycleOptions, CyclesOfDraws, check_contacts_of_draws};
 use squeal::influence::write_kept_samples;
 use squeal::parts::{Shard, merge_parts, run_part};
@@ -58,11 +59,14 @@ pub struct RunArgs {
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = samples)]
     pub cycles: Option<u64>,
     /// Only part I of N of the samples, from 1, into a folder of its own, for `squeal merge`; docs/clusters.md
-    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width", "cycles"])]
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width", "cycles", "json"])]
     pub shard: Option<(u64, u64)>,
     /// With --shard: the first sample of all parts, where those before it are in parts already
     #[arg(long, value_name = "K", default_value_t = 0, requires = "shard", value_parser = whole_number)]
     pub from: u64,
+    /// JSON for machines: how often what is unstable, with limits, and the manifest
+    #[arg(long)]
+    pub json: bool,
     /// Threads and memory
     #[command(flatten)]
     pub machine: MachineArgs,
@@ -97,7 +101,7 @@ impl RunArgs {
         }
         let found =
             self.run_brake(&sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?, half_width, out);
-        if matches!(found, Ok(()) | Err(Error::MostFailed { .. } | Error::NotTheWholeBrake { .. })) {
+        if !self.json && matches!(found, Ok(()) | Err(Error::MostFailed { .. } | Error::NotTheWholeBrake { .. })) {
             let all = begin.elapsed().as_secs_f64();
             writeln!(out, "{all:.2} s in all, with preparation and report").map_err(Error::StandardOutput)?;
         }
@@ -170,6 +174,7 @@ impl RunArgs {
             check_contacts_of_draws(brake, stick)?;
         }
         let (mut summary, mut estimates) = (String::new(), String::new());
+        let mut document = Value::Null;
         let mut doubts = String::new();
         let mut most_failed = None;
         let (preparation, evaluation, reasons) = (told.stage(PREPARED), told.stage(EVALUATED), told.stage(REASONS));
@@ -201,6 +206,9 @@ impl RunArgs {
             // Last: it shows the tables.
             write_page(results, motions.as_ref(), &geometry(brake), dir)?;
             most_failed = self.most_failed(results);
+            if self.json {
+                document = results.json()?;
+            }
             doubts = results.doubts().iter().map(|doubt| format!("WARNING: {doubt}\n")).collect();
             summary = match results.panels().len() {
                 0..=SUMMARISED_PANELS => results.text()?,
@@ -213,6 +221,17 @@ impl RunArgs {
             None => run_study_with(brake, &self.out, options, &mut draw)?,
             Some((parts, mixed)) => merge_parts(brake, parts, mixed, &self.out, options, &mut draw)?,
         };
+        let found = match (most_failed, &manifest.full_checks) {
+            (Some(failed), _) => Err(failed),
+            (None, Some(checks)) if checks.has_other_modes() => Err(Error::NotTheWholeBrake { path: self.out.clone() }),
+            (None, _) => Ok(()),
+        };
+        if self.json {
+            document["folder"] = json!(self.out.display().to_string());
+            document["manifest"] = json!(manifest);
+            writeln!(out, "{document:#}").map_err(Error::StandardOutput)?;
+            return found;
+        }
         write!(out, "{doubts}").map_err(Error::StandardOutput)?;
         let checked = manifest.full_checks.as_ref().map_or_else(String::new, checks_in_words);
         let stopped = manifest.stopped.as_ref().map_or_else(String::new, |stopped| in_words(stopped, manifest.samples));
@@ -227,11 +246,7 @@ impl RunArgs {
             printable(&self.out.display().to_string())
         )
         .map_err(Error::StandardOutput)?;
-        match (most_failed, manifest.full_checks) {
-            (Some(failed), _) => Err(failed),
-            (None, Some(checks)) if checks.has_other_modes() => Err(Error::NotTheWholeBrake { path: self.out.clone() }),
-            (None, _) => Ok(()),
-        }
+        found
     }
 }
 

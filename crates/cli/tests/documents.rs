@@ -102,6 +102,32 @@ fn every_key_of_the_other_commands_is_described() {
 }
 
 #[test]
+fn every_key_of_studies_is_described() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study");
+    let case = |name: &str| root("cases").join(name).to_str().unwrap().to_owned();
+    let (small, disc, paper) = (case("two-by-two.toml"), case("wobbling-disc.toml"), case("paper.toml"));
+    let page = std::fs::read_to_string(root("docs/json.md")).unwrap();
+    let described: BTreeSet<&str> = page.split(['"', ' ', ',']).collect();
+    let run = ["run", &small, "--samples", "8", "--out", out.to_str().unwrap(), "--json"];
+    let mut study: serde_json::Value = serde_json::from_str(&squeal(&run)).unwrap();
+    let manifest = std::fs::read_to_string(out.join("manifest.json")).unwrap();
+    assert_eq!(study["manifest"].take(), serde_json::from_str::<serde_json::Value>(&manifest).unwrap());
+    let mut found = BTreeSet::new();
+    all_keys(&study, &mut found);
+    for arguments in [
+        &["influence", &disc, "--samples", "200", "--json"][..],
+        &["rare", &paper, "--law", "velocity-dependent", "--constraints", "corners-4-6", "--relative", "0.3", "--json"],
+    ] {
+        let document: serde_json::Value = serde_json::from_str(&squeal(arguments)).unwrap();
+        found.extend(keys_of(&document));
+        assert!(document["rows"].as_array().is_some_and(|rows| !rows.is_empty()), "{arguments:?}");
+    }
+    let missing: Vec<_> = found.iter().filter(|key| !described.contains(key.as_str())).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
 fn the_small_case_runs_and_every_column_is_described() {
     let case = root("cases/two-by-two.toml");
     let case = case.to_str().unwrap();

@@ -195,6 +195,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         cycles: None,
         shard: None,
         from: 0,
+        json: false,
         machine,
     };
     let mut said = Vec::new();
@@ -223,10 +224,10 @@ fn a_brake_of_ones_own_goes_through_every_command() {
     };
     assert!(screen.screen(&both).unwrap().contains("pad"));
     let drawn = DrawnSceneArgs { case: case.clone(), ..DrawnSceneArgs::default() };
-    let influence = InfluenceArgs { drawn: drawn.clone(), samples: None, total: Some(100), out: None };
+    let influence = InfluenceArgs { drawn: drawn.clone(), samples: None, total: Some(100), out: None, json: false };
     let said = influence.influence(&both).unwrap();
     assert!(["mu", "kc", "beta"].iter().all(|name| said.contains(name)), "{said}");
-    let rare = RareArgs { drawn, relative: 0.2, budget: 1_000, directions: 8, out: folder("rare") };
+    let rare = RareArgs { drawn, relative: 0.2, budget: 1_000, directions: 8, out: folder("rare"), json: false };
     // More than half of the draws squeal.
     let refused = rare.rare(&both).unwrap_err().to_string();
     assert!(refused.contains("is unstable with all inputs at their medians"), "{refused}");

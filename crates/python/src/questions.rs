@@ -63,6 +63,7 @@ fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half
         cycles: None,
         shard: None,
         from: 0,
+        json: false,
         machine: MachineArgs { threads, ..MachineArgs::default() },
     }
 }
