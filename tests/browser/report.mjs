@@ -234,7 +234,18 @@ const paper = async (page, folder, pictures) => {
   assert.equal(await page.value(visible('nav, input, main button:not(thead button), #theme')), 0, 'controls on paper');
   assert.equal(await page.value(rows), all, 'rows on paper');
   const heads = await page.value("[...document.querySelectorAll('#table thead th')].map(head => head.innerText.trim())");
-  assert.deepEqual(heads, await page.value("JSON.parse(document.getElementById('data').textContent).tables[0].header"), 'headings on paper');
+  const header = await page.value("JSON.parse(document.getElementById('data').textContent).tables[0].header");
+  assert.deepEqual(heads, header, 'headings on paper');
+  // In pieces, if there are more than fit beside each other: each column is in one, and no number is broken.
+  const seen = await page.value(`[...document.querySelectorAll('#table thead th, #table-more thead th')].filter(head => head.checkVisibility())
+    .map(head => head.innerText.trim())`);
+  assert.deepEqual([...new Set(seen)].sort(), [...new Set(header)].sort(), 'columns on paper');
+  const broken = await page.value(`[...document.querySelectorAll('#table td.number, #table-more td.number')].filter(cell => {
+    const range = document.createRange();
+    range.selectNodeContents(cell);
+    return range.getClientRects().length > 1;
+  }).map(cell => cell.textContent)`);
+  assert.deepEqual(broken, [], 'numbers that are broken on paper');
   const wide = await page.value(`[...document.querySelectorAll('main *')].filter(part => part.checkVisibility() && !part.closest('svg'))
     .filter(part => part.getBoundingClientRect().right > 719 || (part.clientHeight && part.scrollHeight > part.clientHeight + 2
       && getComputedStyle(part).overflowY !== 'visible')).map(part => part.outerHTML.slice(0, 80))`);
@@ -259,6 +270,10 @@ const check = async (browser, folder, pictures) => {
   await semantics(page);
   await theme(page);
   await tables(page, folder);
+  if (existsSync(join(folder, 'cycles_by_mode.csv'))) {
+    const headings = await page.value("[...document.querySelectorAll('#answer h3')].map(heading => heading.textContent)");
+    assert.ok(headings.includes('The motions that unstable modes grow into'), `${headings}`);
+  }
   const isStudy = await page.value("document.getElementById('occurrence') !== null");
   if (isStudy) {
     await occurrence(page, folder);

@@ -69,3 +69,16 @@ fn what_has_no_motion_is_refused_in_a_line() {
     refusal(&asked("run", &hoffmann(), &["--cycles", "0", "--out", out]), &["--cycles", "allowed: 1 to"]);
     refusal(&asked("run", &hoffmann(), &["--cycles", "3", "--shard", "1/2", "--out", out]), &["--cycles", "--shard"]);
 }
+
+#[test]
+fn the_page_and_the_summary_have_the_motions_of_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study");
+    let said = answer("run", &hoffmann(), &["--samples", "40", "--cycles", "2", "--out", out.to_str().unwrap()]);
+    let line = said.lines().find(|line| line.contains("a cycle in 2 of 2")).unwrap();
+    for file in ["report.html", "summary.md"] {
+        let text = std::fs::read_to_string(out.join(file)).unwrap();
+        assert!(text.contains("The motions that unstable modes grow into") && text.contains(line), "{file}");
+        assert!(!text.contains("not computed"), "{file}");
+    }
+}
