@@ -20,8 +20,18 @@ fn is_own_repository() -> bool {
     own.is_some() && own == expected && is_known
 }
 
+/// The commit from which `cargo package` made this folder, as it wrote it down; of files that were in no commit there is none.
+fn packaged() -> Option<String> {
+    let said = std::fs::read_to_string(".cargo_vcs_info.json").ok().filter(|said| !said.contains("\"dirty\": true"))?;
+    let (_, rest) = said.split_once("\"sha1\": \"")?;
+    Some(rest.split_once('"')?.0.to_owned())
+}
+
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    if let Some(commit) = packaged() {
+        println!("cargo::rustc-env=SQUEAL_COMMIT={commit}");
+    }
     // Without git, or outside its own checkout, the commit stays unknown.
     if !is_own_repository() {
         return;

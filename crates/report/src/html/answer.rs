@@ -63,7 +63,11 @@ fn table(Cells { caption, columns, rows }: &Cells) -> String {
     let light = columns.iter().position(|column| column == LIGHT);
     let cell = |(at, cell): (usize, &Cell)| match cell.value {
         None if Some(at) == light => format!("<td class=\"light {0}\">{0}</td>", escaped(&cell.text)),
-        Some(value) => format!("<td class=\"number\" data-value=\"{value}\">{}</td>", escaped(&cell.text)),
+        // A number may stand above its limits, and no line ends within either.
+        Some(value) => {
+            let text = escaped(&cell.text).replace(' ', "\u{a0}").replace("\u{a0}(", " (");
+            format!("<td class=\"number\" data-value=\"{value}\">{text}</td>")
+        }
         None => format!("<td>{}</td>", escaped(&cell.text)),
     };
     let row = |cells: &Vec<Cell>| {

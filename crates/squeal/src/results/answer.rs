@@ -244,11 +244,14 @@ fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
         cells.extend(median_and_end(strength.as_ref().map(|strength| &strength.damping_ratio), |range| range.lower));
         cells.push(occurrence(&range.least.0));
         if !is_single {
-            let place = if range.most.0.value > 0.0 { place(results, range.most.1) } else { "-".into() };
-            cells.extend([occurrence(&range.most.0), place.into()]);
+            cells.push(occurrence(&range.most.0));
         }
         if has_arrangements {
             cells.push(occurrence(&range.largest));
+        }
+        if !is_single {
+            let place = if range.most.0.value > 0.0 { place(results, range.most.1) } else { "-".into() };
+            cells.push(place.into());
         }
         cells
     };
@@ -263,10 +266,13 @@ fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
     ];
     columns.push(if is_single { "Occurrence" } else { "Least of a panel" });
     if !is_single {
-        columns.extend(["Largest of a panel", "Where"]);
+        columns.push("Largest of a panel");
     }
     if has_arrangements {
         columns.push("Largest of an arrangement");
+    }
+    if !is_single {
+        columns.push("Panel with most");
     }
     let rows = found.unstable.iter().map(row).collect();
     Block::Table(Cells { caption, columns: columns.into_iter().map(str::to_owned).collect(), rows })
