@@ -1,5 +1,6 @@
 """Brakes of arrays against the same brakes as case files, callables against expressions, samples of one's own, the plain function."""
 
+import itertools
 import pickle
 
 import numpy as np
@@ -184,6 +185,10 @@ def test_every_distribution_is_that_of_the_case_files():
     assert np.corrcoef(samples["t"], np.log(samples["c"]))[0, 1] > 0.8
 
 
+#: Another number each time.
+COUNT = itertools.count(1)
+
+
 def nothing(p):
     return {}
 
@@ -204,6 +209,20 @@ def nothing(p):
         (lambda: hoffmann(coefficients=lambda p: 5), sq.ArgumentError, "a dict of arrays"),
         (lambda: hoffmann(coefficients=lambda p: {"glue": p["mu"]}), sq.ArgumentError, '"springs", "dashpots", "belt.mu"'),
         (lambda: hoffmann(coefficients=lambda p: {"belt.mu": p["mu"]}), sq.ArgumentError, "one of them"),
+        (lambda: hoffmann(coefficients=5), sq.ArgumentError, "coefficients = 5; allowed: a function"),
+        (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": np.ones(len(p["t"]) + 1)}), sq.ArgumentError, "one for each sample"),
+        (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": np.array([])}), sq.ArgumentError, "one for each sample"),
+        (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": np.nan}), sq.ArgumentError, "a finite number"),
+        (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": "a"}), sq.ArgumentError, "real numbers"),
+        (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": next(COUNT)}), sq.ArgumentError, "depends on the parameters alone"),
+        (lambda: hoffmann(dofs=["\udc80", "y"]), sq.ArgumentError, "text that is Unicode"),
+        (lambda: hoffmann(samples=2**64), sq.ArgumentError, "below 2^64"),
+        (lambda: hoffmann(seed="1"), sq.ArgumentError, "seed = '1'"),
+        (lambda: sq.Case(3), sq.ArgumentError, "path = 3; allowed: a path"),
+        (lambda: sq.read_matrices(b"K.mtx"), sq.ArgumentError, "path = b'K.mtx'; allowed: a path"),
+        (lambda: sq.load(None), sq.ArgumentError, "folder = None; allowed: a path"),
+        (lambda: sq.run(hoffmann(), out=4), sq.ArgumentError, "out = 4; allowed: a path"),
+        (lambda: sq.merge(hoffmann(), "parts"), sq.ArgumentError, "parts = 'parts'; allowed: a list of folders"),
         (lambda: damped(**OPEN, coefficients=nothing), sq.ArgumentError, "friction of every contact"),
         (lambda: hoffmann(correlation=(["mu"], [[np.nan]])), sq.ArgumentError, "correlation[0, 0]"),
         (lambda: sq.run(hoffmann(), design={"nu": [1.0]}), sq.ArgumentError, "one for each parameter: ['mu']"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -20,6 +21,17 @@ Symmetry = str | Mapping[str, str] | None
 def is_sparse(matrix: object) -> bool:
     """Whether a matrix is one of scipy.sparse, which need not be installed."""
     return hasattr(matrix, "tocsc") and hasattr(matrix, "shape")
+
+
+def path_of(argument: str, given: Any) -> str:
+    """A path as text."""
+    try:
+        path = os.fspath(given)
+    except TypeError:
+        path = None
+    if not isinstance(path, str):
+        raise refused(argument, repr(given), "a path, as text or pathlib.Path")
+    return path
 
 
 def number(argument: str, given: Any) -> float:

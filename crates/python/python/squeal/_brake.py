@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal, _toml
-from ._arrays import Floats, dense, number, real
+from ._arrays import Floats, dense, number, path_of, real
 from ._errors import CaseWarning, refused
 from .distributions import Distribution
 
@@ -87,7 +87,7 @@ class Case(AnyBrake):
         seed: int | None = None,
         set: Mapping[str, Any] | None = None,
     ) -> None:
-        self.path = os.fspath(path)
+        self.path = path_of("path", path)
         run = (_whole("samples", samples, 1), _whole("seed", seed, 0))
         settings = [_setting(field, value) for field, value in (set or {}).items()]
         self._make((self.path, settings, None, None, None, *run))
@@ -97,7 +97,7 @@ class Case(AnyBrake):
 
 def _whole(argument: str, given: int | None, least: int) -> int | None:
     if given is not None and not (isinstance(given, int | np.integer) and least <= given < 2**64):
-        raise refused(argument, given, f"a whole number, at least {least}")
+        raise refused(argument, repr(given) if isinstance(given, str) else given, f"a whole number, at least {least} and below 2^64")
     return None if given is None else int(given)
 
 
@@ -200,15 +200,27 @@ class Brake(AnyBrake):
             tables["correlation"] = {"parameters": list(names), "matrix": real("correlation", matrix)}
         #: The brake as a case file.
         self.text = _toml.document({key: table for key, table in tables.items() if table})
+        try:
+            self.text.encode()
+        except UnicodeEncodeError as error:
+            raise refused("names", ascii(error.object[error.start : error.end]), "text that is Unicode") from None
+        if coefficients is not None and not callable(coefficients):
+            raise refused("coefficients", repr(coefficients), "a function of a dict of arrays")
         self._make(("brake", [], self.text, coefficients, None, None, None))
         if coefficients is not None:
-            medians = {of: np.array([median]) for of, _, median in self._native.parameters()}
-            found = coefficients(medians)
+            # Anew for each call: what is handed out may be changed.
+            medians = self._native.parameters()
+            found = coefficients({of: np.array([median]) for of, _, median in medians})
             if not isinstance(found, Mapping):
                 raise refused("coefficients", f"a callable that returns {type(found).__name__}", "a dict of arrays")
             names = [str(key) for key in found]
             _check_computed(names, terms, contacts)
             self._make(("brake", [], self.text, coefficients, names, None, None))
+            first = _checked(found, names, 1)
+            again = computed(coefficients, {of: np.array([median]) for of, _, median in medians}, names, 1)
+            for key, one, other in zip(names, first, again, strict=True):
+                if not np.array_equal(one, other):
+                    raise refused("coefficients", f"{key!r} once {one[0]} and once {other[0]}, at the medians", "what depends on the parameters alone")
 
 
 def _plain(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -250,7 +262,10 @@ def _check_computed(names: Sequence[str], terms: Sequence[Term], contacts: Seque
 
 def computed(callable_: Coefficients, given: dict[str, Floats], names: list[str], length: int) -> list[Floats]:
     """What a callable computes for a block: of each name an array, checked. Called by the native module."""
-    found = callable_(given)
+    return _checked(callable_(given), names, length)
+
+
+def _checked(found: object, names: list[str], length: int) -> list[Floats]:
     if not isinstance(found, Mapping) or set(found) != set(names):
         keys = sorted(found) if isinstance(found, Mapping) else type(found).__name__
         raise refused("coefficients", f"a callable that returns {keys}", f"{sorted(names)}, as at the medians")

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Columns, Floats, Symmetry, columns, dense, is_sparse, none_of, number, real, whole, without
+from ._arrays import Columns, Floats, Symmetry, columns, dense, is_sparse, none_of, number, path_of, real, whole, without
 from ._errors import CaseWarning, FailureWarning, refused
 from ._progress import Progress, receiver
 
@@ -445,11 +445,11 @@ def read_matrices(path: str | os.PathLike[str], *, symmetry: str | None = None) 
     By the name in the file, or by "mass", "damping", "stiffness" where it says so. `symmetry`, "whole", "upper", "lower" or "triangle", says how
     matrices are stored of which the file does not say it; without it a list on one side of the diagonal is refused.
     """
-    found, left_out = _squeal.read_matrices(os.fspath(path), symmetry)
+    found, left_out = _squeal.read_matrices(path_of("path", path), symmetry)
     matrices = []
     for parts in found:
         for doubt in parts.pop("doubts"):
-            warnings.warn(f"{os.fspath(path)}: {doubt}", CaseWarning, stacklevel=2)
+            warnings.warn(f"{path_of('path', path)}: {doubt}", CaseWarning, stacklevel=2)
         labels = parts.pop("labels")
         matrices.append(Matrix(**parts, labels=None if labels is None else tuple(labels)))
     return Matrices(tuple(matrices), tuple(left_out))

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Floats, number
+from ._arrays import Floats, number, path_of
 from ._brake import AnyBrake, _whole, table_of, with_design
 from ._eig import workers
 from ._errors import FailureWarning, FolderError, refused
@@ -122,7 +122,7 @@ class Results:
 
     def save(self, folder: Folder) -> None:
         """Write all files into a new or empty folder: those that the program writes, which it can continue."""
-        to = pathlib.Path(folder)
+        to = pathlib.Path(path_of("folder", folder))
         if to.exists() and (not to.is_dir() or any(to.iterdir())):
             raise FolderError(f"{to}: is not empty; allowed: a new or empty folder", path=str(to))
         if not self.folder.is_dir():
@@ -166,12 +166,12 @@ def _read(folder: pathlib.Path, text: str | None, owned: _Owned | None) -> Resul
 
 def load(folder: Folder) -> Results:
     """The results in the folder of a study that has finished, of `run` or the program."""
-    return _read(pathlib.Path(folder), None, None)
+    return _read(pathlib.Path(path_of("folder", folder)), None, None)
 
 
 def _in_folder(out: Folder | None) -> tuple[pathlib.Path, _Owned | None]:
     if out is not None:
-        return pathlib.Path(out), None
+        return pathlib.Path(path_of("out", out)), None
     owned = _Owned()
     return pathlib.Path(owned.name, "study"), owned
 
@@ -259,7 +259,7 @@ def shard(
             raise refused(name, None, "a whole number")
     part = tuple(_whole(name, given, 0) for name, given in (("number", number), ("of", of), ("first", first)))
     native = brake._native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
-    found = _squeal.shard(native, part, os.fspath(out), keep_samples, workers(threads), receiver(progress))  # type: ignore[arg-type]
+    found = _squeal.shard(native, part, path_of("out", out), keep_samples, workers(threads), receiver(progress))  # type: ignore[arg-type]
     begin, end, evaluations, failures = found
     return Part(pathlib.Path(out), range(begin, end), evaluations, failures)
 
@@ -278,7 +278,9 @@ def merge(
 
     `mixed` lets parts of other programs, and of processors that round differently, pass.
     """
-    folders = [os.fspath(part.folder if isinstance(part, Part) else part) for part in parts]
+    if isinstance(parts, str | os.PathLike | Part):
+        raise refused("parts", repr(parts), "a list of folders of `shard` or `squeal run --shard`")
+    folders = [path_of("parts", part.folder if isinstance(part, Part) else part) for part in parts]
     if not folders:
         raise refused("parts", "none", "folders of `shard` or `squeal run --shard`")
     folder, owned = _in_folder(out)
