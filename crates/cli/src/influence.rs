@@ -105,6 +105,7 @@ impl InfluenceArgs {
                 "seed": plan.seed,
                 "samples": draws,
                 "failures": found.failures,
+                "undecided": found.undecided,
                 "total": self.total,
                 "evaluations": found.evaluations,
             });
