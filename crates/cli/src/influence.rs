@@ -108,6 +108,7 @@ impl InfluenceArgs {
                 "seed": plan.seed,
                 "samples": draws,
                 "failures": found.failures,
+                "undecided": found.undecided,
                 "total": self.total,
                 "evaluations": found.evaluations,
             });

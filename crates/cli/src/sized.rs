@@ -25,6 +25,8 @@ pub(super) fn brake(
     let prepared = args.open(&case)?;
     let brake = of_pieces(case, purpose, machine, &prepared)?;
     where_prepared(&prepared, args).iter().for_each(|line| note(line));
+    // Before a long computation; a study says it in its answer too.
+    brake.plan().doubts.iter().for_each(|doubt| note(&format!("WARNING: {doubt}")));
     Ok(brake)
 }
 

@@ -24,9 +24,11 @@ pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
 /// Ranks less their mean; equal values have the mean of theirs.
 fn centred_ranks(values: &[f64]) -> Vec<f64> {
     let mean = (values.len() as f64 - 1.0) / 2.0;
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
     let rank = |value: &f64| {
-        let below = values.iter().filter(|other| *other < value).count();
-        let equal = values.iter().filter(|other| *other == value).count();
+        let below = sorted.partition_point(|other| other < value);
+        let equal = sorted.partition_point(|other| other <= value) - below;
         below as f64 + (equal as f64 - 1.0) / 2.0 - mean
     };
     values.iter().map(rank).collect()

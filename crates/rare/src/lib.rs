@@ -23,6 +23,7 @@ mod sampled;
 mod search;
 mod spread;
 mod vector;
+mod window;
 
 pub use answer::{Estimate, Probability};
 pub use error::Error;

@@ -7,15 +7,21 @@
 use crate::normal::Interval;
 
 /// Length of a step, in standard deviations; chosen: beside it the density changes by a factor of some hundreds where failure is rare.
-const STEP: f64 = 1.0;
+pub(crate) const STEP: f64 = 1.0;
 /// Shortest step about a place at which the margin comes near zero; chosen.
 const SHORTEST: f64 = STEP / 20.0;
 /// Error of an end of an interval, in standard deviations; chosen: some 1e-3 of the probability beyond.
 pub(crate) const PRECISION: f64 = 5e-4;
-/// Most evaluations for one end; bisection takes 11. Chosen: every fourth halves, which ends in any case.
-const MOST_EVALUATIONS: usize = 24;
+/// Error of an end of a window, as a part of its width; chosen: some 1e-3 of its probability.
+pub(crate) const OF_WINDOW: f64 = 1e-3;
+/// Evaluations for one end after which each halves; chosen: one of a margin that does not jump is found by then.
+const PATIENCE: usize = 8;
+
+/// A place along a line, in standard deviations, and the largest margin there.
+pub(crate) type Place = (f64, f64);
 
 /// The intervals of `[from, to]` in which the margin is above zero, ascending; `margins` gives it at several places. One that is open at an end of the range goes on to infinity.
+/// Beside the steps are the places of a window of the width that is given with them.
 ///
 /// # Errors
 /// Those of the margin.
@@ -23,11 +29,15 @@ pub(crate) fn failing<E>(
     mut margins: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     [from, to]: [f64; 2],
     offset: f64,
+    (width, window): (f64, Vec<Place>),
 ) -> Result<Vec<Interval>, E> {
     let first = from + STEP * offset.clamp(0.1, 1.0);
     let steps = (0..).map(|step| first + STEP * f64::from(step)).take_while(|at| *at < to - SHORTEST);
     let at: Vec<f64> = std::iter::once(from).chain(steps).chain(std::iter::once(to)).collect();
-    let mut places: Vec<(f64, f64)> = at.iter().copied().zip(margins(&at)?).collect();
+    let mut places: Vec<Place> = at.iter().copied().zip(margins(&at)?).collect();
+    places.extend(window.into_iter().filter(|place| place.0 > from && place.0 < to));
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let precision = PRECISION.min(OF_WINDOW * width);
     let mut margin = |t: f64| Ok(margins(&[t])?.pop().unwrap_or(f64::NAN));
     while let Some(dip) = places.windows(3).position(comes_to_zero) {
         let [a, b, c] = [places[dip].0, places[dip + 1].0, places[dip + 2].0];
@@ -40,7 +50,7 @@ pub(crate) fn failing<E>(
     for pair in places.windows(2) {
         let [a, b] = [pair[0], pair[1]];
         if (a.1 > 0.0) != (b.1 > 0.0) {
-            let end = crossing(&mut margin, a, b)?;
+            let end = crossing(&mut margin, a, b, precision)?;
             match open.take() {
                 Some(from) => intervals.push(Interval { from, to: end }),
                 None => open = Some(end),
@@ -52,7 +62,7 @@ pub(crate) fn failing<E>(
 }
 
 /// True if a margin of one sign is nearest zero at the middle one of three places, and a parabola through them crosses it between.
-fn comes_to_zero(places: &[(f64, f64)]) -> bool {
+fn comes_to_zero(places: &[Place]) -> bool {
     let [(a, left), (b, here), (c, right)] = [places[0], places[1], places[2]];
     let is_one_side = (left > 0.0) == (here > 0.0) && (here > 0.0) == (right > 0.0);
     let is_nearest = here.abs() <= left.abs() && here.abs() <= right.abs() && here.abs() < left.abs().max(right.abs());
@@ -67,25 +77,29 @@ fn comes_to_zero(places: &[(f64, f64)]) -> bool {
     here.abs() < slope * slope / curvature
 }
 
-/// The place between two at which a margin changes its sign, by the method of Illinois kept from standing still by bisection.
+/// The place between two at which a margin changes its sign, to a precision, by the method of Illinois kept from standing still by bisection.
 ///
 /// # Errors
 /// Those of the margin.
 pub(crate) fn crossing<E>(
     margin: &mut impl FnMut(f64) -> Result<f64, E>,
-    (mut a, mut at_a): (f64, f64),
-    (mut b, mut at_b): (f64, f64),
+    (mut a, mut at_a): Place,
+    (mut b, mut at_b): Place,
+    precision: f64,
 ) -> Result<f64, E> {
     let is_failing = at_a > 0.0;
     // Illinois: the value at an end that stays is halved.
     let (mut pull_a, mut pull_b) = (at_a, at_b);
-    for evaluation in 0..MOST_EVALUATIONS {
-        if (b - a).abs() <= 4.0 * PRECISION {
-            break;
-        }
-        let next = if evaluation % 4 == 3 { 0.5 * (a + b) } else { between((a, pull_a), (b, pull_b)) };
+    let mut evaluations = 0;
+    while (b - a).abs() > 4.0 * precision {
+        evaluations += 1;
+        let next = if evaluations % 4 == 0 || evaluations > PATIENCE {
+            0.5 * (a + b)
+        } else {
+            between((a, pull_a), (b, pull_b))
+        };
         // Never nearer to an end than that: an end that is all but zero need not be the place.
-        let next = next.clamp(a.min(b) + 2.0 * PRECISION, a.max(b) - 2.0 * PRECISION);
+        let next = next.clamp(a.min(b) + 2.0 * precision, a.max(b) - 2.0 * precision);
         let found = margin(next)?;
         if (found > 0.0) == is_failing {
             (a, at_a, pull_a, pull_b) = (next, found, found, 0.5 * pull_b);
@@ -112,7 +126,7 @@ mod tests {
             count += places.len();
             Ok::<_, ()>(places.iter().map(|t| margin(*t)).collect())
         };
-        let found = failing(counted, [-6.0, 6.0], offset).unwrap();
+        let found = failing(counted, [-6.0, 6.0], offset, (STEP, Vec::new())).unwrap();
         (found.iter().flat_map(|interval| [interval.from, interval.to]).collect(), count)
     }
 

@@ -13,12 +13,13 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 
 use crate::limit_state::{Counted, LimitState};
-use crate::line::failing;
+use crate::line::{STEP, failing};
 use crate::normal::Interval;
 use crate::options::Options;
 use crate::search::DesignPoint;
 use crate::spread::Spread;
 use crate::vector::{along, dot};
+use crate::window::Window;
 
 /// Fewest lines, in all and of each design point, from which there is an estimate; chosen: fewer do not tell their own spread.
 const FEWEST_LINES: [usize; 2] = [48, 12];
@@ -62,8 +63,11 @@ impl Sampled {
         options: &Options,
     ) -> Result<Self, L::Error> {
         let mut sampled = Self { lines: points.iter().map(|_| Vec::new()).collect() };
+        let windows: Vec<Option<Window>> =
+            points.par_iter().map(|point| point.window(of)).collect::<Result<_, L::Error>>()?;
         let spread = |(place, point): (usize, &&DesignPoint)| {
-            Spread::at(of, point, &mut montecarlo::stream(options.seed, (place as u64 + 1) << 32 | OF_SPREADS))
+            let mut rng = montecarlo::stream(options.seed, (place as u64 + 1) << 32 | OF_SPREADS);
+            Spread::at(of, (point, windows[place]), &mut rng)
         };
         let spreads: Vec<Spread> = points.par_iter().enumerate().map(spread).collect::<Result<_, L::Error>>()?;
         let each = FEWEST_LINES[1].max(FEWEST_LINES[0].div_ceil(points.len()));
@@ -79,7 +83,8 @@ impl Sampled {
                 .collect();
             let line = |&(point, number): &(usize, usize)| {
                 let stream = ((point as u64 + 1) << 32) + number as u64;
-                line(of, points, (point, &spreads[point]), reach, &mut montecarlo::stream(options.seed, stream))
+                let own = (point, &spreads[point], windows[point]);
+                line(of, points, own, reach, &mut montecarlo::stream(options.seed, stream))
             };
             let found: Vec<Line> = jobs.par_iter().map(line).collect::<Result<_, L::Error>>()?;
             jobs.into_iter().zip(found).for_each(|((point, _), line)| sampled.lines[point].push(line));
@@ -139,7 +144,7 @@ impl Sampled {
 fn line<L: LimitState>(
     of: &Counted<'_, L>,
     points: &[&DesignPoint],
-    (own, spread): (usize, &Spread),
+    (own, spread, window): (usize, &Spread, Option<Window>),
     reach: f64,
     rng: &mut montecarlo::StreamRng,
 ) -> Result<Line, L::Error> {
@@ -152,7 +157,9 @@ fn line<L: LimitState>(
         let points: Vec<Vec<f64>> = places.iter().map(|t| along(&across, *t, direction)).collect();
         Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
     };
-    let intervals = failing(margins, [-reach, reach], offset)?;
+    let seen = window.map(|window| window.at(of, points[own], &across)).transpose()?.flatten();
+    let seen = seen.map_or((STEP, Vec::new()), |seen| (seen.window().width, seen.places));
+    let intervals = failing(margins, [-reach, reach], offset, seen)?;
     let exponents: Vec<(f64, f64)> = points
         .iter()
         .map(|point| (point.beyond(&across), dot(&point.direction, direction)))

@@ -8,15 +8,19 @@
 use rayon::prelude::*;
 
 use crate::limit_state::{Counted, LimitState, Mode};
-use crate::line::{crossing, failing};
+use crate::line::{OF_WINDOW, PRECISION, STEP, crossing, failing};
 use crate::vector::{along, dot, norm, scaled, unit};
+use crate::window::Window;
 
 /// Distance from the medians up to which failure is looked for, in standard deviations; chosen: 1.3e-12 lies beyond, one input alone.
 pub(crate) const REACH: f64 = 7.0;
 /// Largest number of moves to a design point; chosen.
-const MOST_MOVES: usize = 20;
+const MOST_MOVES: usize = 40;
 /// Largest number of steps up the gradient from one direction to failure; chosen.
 const MOST_CLIMBS: usize = 4;
+/// Part of the way to the next direction below which there is no nearer onset, and that of windows; chosen.
+const SMALLEST: f64 = 0.1;
+const SMALLEST_OF_WINDOWS: f64 = 0.01;
 /// Parts of the reach at which a direction is looked at too, for failure that ends again before the reach; chosen.
 const NEARER: [f64; 3] = [0.8, 0.6, 0.4];
 /// Cosine between ray and gradient at a design point; chosen: 1.1 degrees, beyond which the distance changes by less than an end of an interval.
@@ -45,6 +49,15 @@ impl DesignPoint {
     /// Distance of `u` beyond the tangent plane.
     pub(crate) fn beyond(&self, u: &[f64]) -> f64 {
         dot(&self.direction, u) - self.beta
+    }
+
+    /// The window beyond it in its direction; `None` where failure does not end within a step.
+    ///
+    /// # Errors
+    /// Those of the limit state.
+    pub(crate) fn window<L: LimitState>(&self, of: &Counted<'_, L>) -> Result<Option<Window>, L::Error> {
+        let foot = along(&self.point, -dot(&self.point, &self.direction), &self.direction);
+        Window::from(of, &|t| along(&foot, t, &self.direction), dot(&self.point, &self.direction))
     }
 
     /// True if the other point is this one.
@@ -121,14 +134,16 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
         Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
     };
     // The interval that the point itself lies in: others before it have other points.
-    let own = failing(margins, [0.0, length], 1.0)?.into_iter().rfind(|interval| interval.from <= length);
+    let own =
+        failing(margins, [0.0, length], 1.0, (STEP, Vec::new()))?.into_iter().rfind(|interval| interval.from <= length);
     let Some(mut beta) = own.map(|interval| interval.from).filter(|beta| *beta > 0.0) else { return Ok(None) };
-    let mut part = 1.0;
+    let mut window = Window::from(of, &|t| scaled(t, &ray), beta)?;
+    let smallest = if window.is_some() { SMALLEST_OF_WINDOWS } else { SMALLEST };
+    let mut precision = PRECISION;
+    let mut part: f64 = 1.0;
     let mut best: Option<DesignPoint> = None;
     for _ in 0..MOST_MOVES {
-        // Just beyond the onset, where the mode that fails is the worst.
-        let point = scaled(beta, &ray);
-        let mode = of.worst(&point)?;
+        let (point, mode) = just_beyond(of, beta, &ray, precision)?;
         let steepest = of.steepest(&point, &mode)?.filter(|(direction, _)| dot(direction, &ray) > 0.0);
         let Some((direction, slope)) = steepest else {
             // Failure without a gradient that leads to it: lines along the ray are as right, and need not be as good.
@@ -143,14 +158,47 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
         }
         let Some(towards) = unit(along(&scaled(1.0 - part, &ray), part, &direction)) else { break };
         let plane = beta * cosine / dot(&towards, &direction);
-        match onset_near(of, &|t| scaled(t, &towards), plane, [0.0, beta])? {
-            Some(next) if next < beta - 1e-4 => (ray, beta) = (towards, next),
+        let line = |t: f64| scaled(t, &towards);
+        let found = match window {
+            Some(window) => match window.on(of, &line, plane + 0.5 * window.width)? {
+                Some(seen) => {
+                    let onset = seen.onset(&mut |t| Ok::<f64, L::Error>(of.worst(&line(t))?.margin))?;
+                    onset.map(|onset| (onset, Some(seen.window())))
+                }
+                None => None,
+            },
+            None => onset_near(of, &line, plane, [0.0, beta])?.map(|onset| (onset, None)),
+        };
+        match found {
+            Some((next, seen)) if next < beta - 1e-4 => {
+                (ray, beta, window) = (towards, next, seen);
+                precision = window.map_or(PRECISION, |window| OF_WINDOW * window.width);
+                part = (2.0 * part).min(1.0);
+            }
             // Nothing nearer there: half the way.
-            _ if part > 0.1 => part *= 0.5,
+            _ if part > smallest => part *= 0.5,
             _ => break,
         }
     }
     Ok(best)
+}
+
+/// A point of a ray at an onset, or as little beyond it as its precision asks for, and its worst mode: one that fails, as before the onset of flutter margins are flat.
+fn just_beyond<L: LimitState>(
+    of: &Counted<'_, L>,
+    onset: f64,
+    ray: &[f64],
+    precision: f64,
+) -> Result<(Vec<f64>, Mode), L::Error> {
+    let point = scaled(onset, ray);
+    let mode = of.worst(&point)?;
+    if mode.margin > 0.0 {
+        return Ok((point, mode));
+    }
+    // A bracket of an onset is no longer than that.
+    let beyond = scaled(onset + 4.0 * precision, ray);
+    let there = of.worst(&beyond)?;
+    Ok(if there.margin > 0.0 { (beyond, there) } else { (point, mode) })
 }
 
 /// The onset on a line, looked for from `near` downwards if that fails, else upwards, between two ends; `None` where there is none.
@@ -172,7 +220,7 @@ pub(crate) fn onset_near<L: LimitState>(
         }
         let there = (at, margin(at)?);
         if (there.1 > 0.0) != is_failing {
-            return crossing(&mut margin, here, there).map(Some);
+            return crossing(&mut margin, here, there, PRECISION).map(Some);
         }
         (here, step) = (there, 2.0 * step);
     }

@@ -16,6 +16,7 @@ use crate::limit_state::{Counted, LimitState};
 use crate::normal::{density, tail};
 use crate::search::{DesignPoint, onset_near};
 use crate::vector::{along, dot, norm, scaled};
+use crate::window::Window;
 
 /// Most directions that are looked at; chosen: an onset bends strongly in few.
 const MOST_DIRECTIONS: usize = 8;
@@ -40,7 +41,7 @@ impl Spread {
     /// Those of the limit state.
     pub fn at<L: LimitState>(
         of: &Counted<'_, L>,
-        point: &DesignPoint,
+        (point, window): (&DesignPoint, Option<Window>),
         rng: &mut montecarlo::StreamRng,
     ) -> Result<Self, L::Error> {
         let normal = &point.direction;
@@ -58,7 +59,7 @@ impl Spread {
                 break;
             }
             let direction = scaled(1.0 / norm(&next), &next);
-            let Some(product) = bent(of, point, &direction)? else { break };
+            let Some(product) = bent(of, (point, window), &direction)? else { break };
             next.clone_from(&product);
             directions.push(direction);
             products.push(product);
@@ -101,14 +102,23 @@ impl Spread {
 /// direction of the point, towards the medians. `None` where there is no onset, or no gradient.
 fn bent<L: LimitState>(
     of: &Counted<'_, L>,
-    point: &DesignPoint,
+    (point, window): (&DesignPoint, Option<Window>),
     direction: &[f64],
 ) -> Result<Option<Vec<f64>>, L::Error> {
     let normal = &point.direction;
     let base = along(direction, dot(&point.point, normal), normal);
     let beside = |t: f64| along(&base, t, normal);
-    let Some(t) = onset_near(of, &beside, 0.0, [-FARTHEST, FARTHEST])? else { return Ok(None) };
-    let onset = beside(t);
+    let found = match window {
+        Some(window) => match window.at(of, point, direction)? {
+            Some(seen) => {
+                let onset = seen.onset(&mut |t| Ok::<f64, L::Error>(of.worst(&along(direction, t, normal))?.margin))?;
+                onset.map(|t| along(direction, t, normal))
+            }
+            None => None,
+        },
+        None => onset_near(of, &beside, 0.0, [-FARTHEST, FARTHEST])?.map(beside),
+    };
+    let Some(onset) = found else { return Ok(None) };
     let steepest = of.steepest(&onset, &of.worst(&onset)?)?;
     let turned = steepest.map(|(there, _)| (dot(&there, normal), there)).filter(|(part, _)| *part > 0.0);
     Ok(turned.map(|(part, there)| along(&scaled(1.0 / part, &there), -1.0, normal)))
@@ -158,7 +168,7 @@ mod tests {
         let mode = Mode { margin: 0.0, growth: 0.0, omega: 0.0 };
         let point =
             DesignPoint { point: scaled(4.5, &direction), direction, beta: 4.5, slope: 1.0, mode, is_settled: true };
-        Spread::at(&Counted::new(&of), &point, &mut montecarlo::stream(1, 0)).unwrap_or_default()
+        Spread::at(&Counted::new(&of), (&point, None), &mut montecarlo::stream(1, 0)).unwrap_or_default()
     }
 
     #[test]

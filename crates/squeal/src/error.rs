@@ -64,6 +64,16 @@ pub enum Error {
         /// Certified bound.
         bound: f64,
     },
+    /// A vibration of which rounding leaves too few digits to tell whether it grows.
+    #[error(
+        "rounding leaves the vibration of {hz} Hz of a draw too few digits to tell whether it grows; allowed: ties up to some 1e6 times as stiff as what \
+         vibrates beside them",
+        hz = output::hertz(omega / std::f64::consts::TAU)
+    )]
+    Blunt {
+        /// Im lambda, rad/s.
+        omega: f64,
+    },
     /// A capability that a computation needs, and the type of the brake does not give.
     #[error("{needed_by} needs {capability} of the brake, which its type does not give")]
     NotGiven {

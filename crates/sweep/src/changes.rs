@@ -24,6 +24,16 @@ const SHORTEST: f64 = 1e-13;
 const LEAST_ERROR: f64 = 1e-10;
 /// Distance from a change at which the rate of a real eigenvalue is taken, as a fraction of the range; chosen.
 const NEXT_TO: f64 = 1e-5;
+/// Growth, as a multiple of the largest that is hidden, from which its law is told; chosen: eight times is twice as far of a cube.
+const CLEAR: f64 = 8.0;
+/// Largest power of the distance with which growth may begin; chosen.
+const STEEPEST: f64 = 4.0;
+/// Factor of the distance that is hidden; chosen: a power is told to some tenths.
+const SAFETY: f64 = 3.0;
+/// Least growth beyond a divergence, in that of a rigid motion, up to which it is what was hidden and no jump; chosen.
+const SLOW: f64 = 100.0;
+/// Growth, as a part of the frequency, from which on a mode that seems to begin with it has begun with less; chosen.
+const ROUNDED: f64 = 1e-8;
 /// Length of a step, as a fraction of the range, below which a least distance from the threshold is not looked for any more; chosen.
 const SHORTEST_DIP: f64 = 1e-9;
 /// Ratio of the depth that a distance may have between three places to that of the parabola through them; chosen.
@@ -154,22 +164,42 @@ impl Along<'_> {
     /// Distance from a change between two places, as a fraction of the range, up to which a real eigenvalue is so small that it is taken for a rigid motion,
     /// or a growing mode grows so little that it is taken to be on the axis.
     fn hidden(&self, change: &Change, [a, b]: [&Place; 2]) -> Result<f64, Error> {
-        let (side, grown) = if change.starts { (NEXT_TO, b) } else { (-NEXT_TO, a) };
-        let there = || self.place((change.at + side).clamp(0.0, 1.0));
+        let (side, grown) = if change.starts { (1.0, b) } else { (-1.0, a) };
         let growth_of = |place: &Place| {
+            let CountedSpectrum { flutter, divergence, .. } = &place.counted;
+            if change.of == ChangeOf::Divergence {
+                return divergence.iter().copied().fold(f64::INFINITY, f64::min);
+            }
             let distance = |lambda: &&Complex<f64>| (lambda.im - change.lambda.im).abs();
-            let nearest = place.counted.flutter.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let nearest = flutter.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
             nearest.map_or(f64::INFINITY, |lambda| self.threshold.margin(*lambda))
         };
-        let (growth, zone) = match change.of {
+        let zone = match change.of {
             ChangeOf::Divergence => {
-                let growth = there()?.counted.divergence.iter().copied().fold(f64::INFINITY, f64::min);
-                (growth, self.rigid.max(f64::EPSILON * growth))
+                self.rigid.max(Some(growth_of(grown)).filter(|least| *least < SLOW * self.rigid).unwrap_or(0.0))
             }
-            ChangeOf::Flutter => (growth_of(&there()?), growth_of(grown)),
+            ChangeOf::Flutter => growth_of(grown),
             ChangeOf::Band | ChangeOf::Exchange => return Ok(0.0),
         };
-        Ok(if growth.is_finite() { NEXT_TO * (zone / growth).min(1.0) } else { NEXT_TO })
+        // Where growth is known to few digits a mode may seem to grow no more beyond.
+        let is_rounded = change.of == ChangeOf::Flutter && zone > ROUNDED * change.lambda.norm();
+        let growth_at = |distance: f64| {
+            let growth = growth_of(&self.place((change.at + side * distance).clamp(0.0, 1.0))?);
+            Ok::<f64, Error>(if is_rounded && growth.is_infinite() { 0.0 } else { growth })
+        };
+        let (mut distance, mut growth) = (NEXT_TO, growth_at(NEXT_TO)?);
+        while growth < CLEAR * zone && distance < 1.0 {
+            distance *= 2.0;
+            growth = growth_at(distance)?;
+        }
+        if !growth.is_finite() {
+            return Ok(distance);
+        }
+        // Growth like a power of the distance from where it begins, which is as far before the change as that says.
+        let ratio = growth_at(2.0 * distance)? / growth;
+        let power = if ratio > 1.0 { ratio.log2().clamp(0.5, STEEPEST) } else { STEEPEST };
+        let hidden = distance / ((growth / zone).powf(1.0 / power) - 1.0);
+        Ok(if hidden.is_finite() { (SAFETY * hidden.abs()).clamp(f64::EPSILON * distance, 1.0) } else { 1.0 })
     }
 
     /// Adds places where an eigenvalue may cross and come back between two of them.
@@ -360,8 +390,16 @@ impl Changes {
             }
             ranges
         };
-        self.marginal = neighbours(|counted| counted.marginal.len());
-        let open = neighbours(|counted| counted.open);
+        self.marginal = neighbours(|counted| counted.marginal.len() - counted.blunt.len());
+        let open = neighbours(|counted| counted.open + counted.blunt.len());
+        // A change that ends a range in which it is open may be anywhere in it.
+        for &Marginal { from, to, .. } in &open {
+            let after = places.iter().map(|place| place.at).find(|at| *at > to).unwrap_or(to);
+            let before = places.iter().map(|place| place.at).rfind(|at| *at < from).unwrap_or(from);
+            for change in self.found.iter_mut().filter(|change| (before..=after).contains(&change.at)) {
+                change.error = change.error.max(change.at - from).max(to - change.at);
+            }
+        }
         self.unresolved.extend(open.into_iter().map(|range| (range.from, range.to)));
         self.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.unresolved.dedup();

@@ -200,7 +200,7 @@ impl Search<'_> {
             let nearest = eigenvalues.into_iter().min_by(|x, y| distance(x).total_cmp(&distance(y)));
             let Some(nearest) = nearest else { return Ok(None) };
             let Ok(triple) = Eigentriple::new(&system, nearest, &mut work) else { return Ok(None) };
-            let (lambda, bound) = (triple.refined(&system), triple.rounding());
+            let (lambda, bound) = (triple.refined(&system), triple.rounding_of_entries(&system));
             let value = measure.value(lambda);
             if !(value.is_finite() && bound.is_finite()) {
                 return Ok(None);

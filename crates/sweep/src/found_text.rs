@@ -24,13 +24,14 @@ impl Sweep {
     fn certain(&self) -> String {
         let SweptParameter { name, from, to, is_logarithmic, .. } = &self.parameter;
         let steps = self.steps as f64;
+        let but = if self.unresolved.is_empty() { "" } else { " but in the ranges that are open" };
         if *is_logarithmic {
             format!(
-                "changes farther apart than a factor of {:.6} of {name} are all found",
+                "changes farther apart than a factor of {:.6} of {name} are all found{but}",
                 (to / from).powf(1.0 / steps)
             )
         } else {
-            format!("changes farther apart than {:.3e} of {name} are all found", (to - from) / steps)
+            format!("changes farther apart than {:.3e} of {name} are all found{but}", (to - from) / steps)
         }
     }
 }

@@ -7,8 +7,11 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::Threshold;
-use super::judge::Judge;
+use super::judge::{Judge, is_blunt};
 use crate::{CeaError, Spectrum, Verdict, Workspace, real_count};
+
+/// Frequency, as a part of [`Spectrum::scale`], up to which a motion may be a rigid one; chosen: some times the root of epsilon.
+const RIGID: f64 = 2e-7;
 
 /// Eigenvalues of a system with Im lambda >= 0, by whether they are beyond a threshold, rad/s: the rule of [`verdicts`](crate::verdicts).
 ///
@@ -46,6 +49,8 @@ pub struct CountedSpectrum {
     /// Number of eigenvalues whose bound leaves their side open though they are not next to the threshold; they are counted by
     /// the side that they are computed on.
     pub open: usize,
+    /// Vibrations among the marginal ones of which rounding leaves too few digits to tell whether they grow, rad/s: ties beside them are far stiffer.
+    pub blunt: Vec<Complex<f64>>,
 }
 
 impl CountedSpectrum {
@@ -71,7 +76,11 @@ impl CountedSpectrum {
                 Verdict::Unstable => Some(true),
                 Verdict::Stable => Some(false),
                 Verdict::Marginal { .. } => None,
-                Verdict::Undecided { .. } if judge.is_near(lambda, threshold) => None,
+                Verdict::Undecided { bound } if judge.is_near(lambda, threshold) => {
+                    let vibrates = lambda.im > RIGID * spectrum.scale;
+                    counted.blunt.extend((vibrates && is_blunt(lambda, bound)).then_some(lambda));
+                    None
+                }
                 Verdict::Undecided { .. } => {
                     counted.open += 1;
                     Some(threshold.margin(lambda) > 0.0)
@@ -164,5 +173,37 @@ mod tests {
         let k = &turn * DMatrix::from_diagonal(&nalgebra::dvector![-9.0, -9.0, 4.0]) * turn.transpose();
         let found = counted(DMatrix::identity(3, 3), DMatrix::identity(3, 3) * 0.1, k);
         assert_eq!((found.flutter.len(), found.divergence.len()), (0, 2), "{found:?}");
+    }
+
+    /// Flutter beside a row of any size: a row and column scaled together change nothing, and one that is stiff by itself hides nothing that it does not touch.
+    #[test]
+    fn growth_beside_rows_of_any_size_is_seen_or_open() {
+        for step in 0..=48 {
+            let size = 10f64.powf(0.5 * f64::from(step));
+            for (friction, damping) in [(1.4, 0.0), (1.1, 0.1), (2.5, 0.05), (0.5, 0.1)] {
+                let grows = friction > 1.0 + 2.0 * damping * damping;
+                let brake = |own: [f64; 2], coupling: f64| {
+                    let [mass, stiffness] = own;
+                    let k = dmatrix![2.0, 1.0 - friction, coupling; 1.0, 2.0, 0.0; coupling, 0.0, stiffness];
+                    let root = mass.sqrt();
+                    counted(
+                        dmatrix![1.0, 0.0, 0.0; 0.0, 1.0, 0.0; 0.0, 0.0, mass],
+                        dmatrix![damping, 0.0, 0.0; 0.0, damping, 0.0; 0.0, 0.0, root * damping * root],
+                        k,
+                    )
+                };
+                // A row and a column times `size`: another unit of the third displacement.
+                let scaled = brake([size * size, 50.0 * size * size], 0.01 * size);
+                assert_eq!(scaled.flutter.len(), usize::from(grows), "{size:e} {friction} {damping} {scaled:?}");
+                // A row that is stiff and not heavy, coupled and by itself; beside one that is 1e7 times as fast vibrations are taken for rigid motions.
+                for coupling in [0.0, 1.0].into_iter().filter(|_| (30.0..=1e12).contains(&size)) {
+                    let stiff = brake([1.0, size], coupling);
+                    let is_clear = size > 30.0;
+                    let is_seen =
+                        stiff.flutter.len() == usize::from(grows) || !stiff.blunt.is_empty() || stiff.open > 0;
+                    assert!(is_seen || !is_clear, "{size:e} {friction} {damping} {coupling} {stiff:?}");
+                }
+            }
+        }
     }
 }

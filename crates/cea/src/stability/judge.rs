@@ -26,6 +26,11 @@ const BLUNT: f64 = 1e-5;
 /// (docs/error-bounds.md, section 8).
 const MOST_COALESCING: usize = 4;
 
+/// True if a bound is so large, of what is as fast as a vibration, that to be on the axis to within it says nothing.
+pub(super) fn is_blunt(lambda: Complex<f64>, bound: f64) -> bool {
+    bound > BLUNT * lambda.norm()
+}
+
 /// Verdict on the motion of eigenvalue `lambda` of `spectrum`, whether it grows: [`verdicts`] of one.
 ///
 /// # Errors
@@ -115,7 +120,7 @@ impl<'a> Judge<'a> {
             let tolerance = self.tolerance(lambda, work);
             match threshold.margin(lambda).abs() <= tolerance {
                 // Of what surely oscillates, so large a tolerance says nothing: it may grow by as much.
-                true if lambda.im.abs() > tolerance && tolerance > BLUNT * lambda.norm() => {
+                true if lambda.im.abs() > tolerance && is_blunt(lambda, tolerance) => {
                     return Ok(Verdict::Undecided { bound: tolerance });
                 }
                 true if threshold.is_axis() => return Ok(Verdict::Marginal { tolerance }),

@@ -7,8 +7,8 @@ use super::text::escaped;
 
 /// Assumptions of every study.
 const ASSUMPTIONS: [&str; 7] = [
-    "Eigenvalues are of the brake linear about steady sliding: an unstable mode grows at first, and they do not say how loud the squeal \
-     becomes.",
+    "The brake is linear about steady sliding. An unstable mode grows at first; amplitude and loudness of the squeal that follows do not \
+     follow from that: squeal cycle, and squeal run --cycles, compute them.",
     "A mode is unstable where its eigenvalue surely has a positive real part, beyond its error bound; an undecided one counts as stable, and so \
      does one on the imaginary axis. A real eigenvalue that is positive, divergence, is instability as well.",
     "Every arrangement of contacts, law, speed range and set of constraints is evaluated with the same draws, so that differences are \

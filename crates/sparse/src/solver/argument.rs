@@ -29,6 +29,9 @@ use crate::unpatterned::unpatterned;
 /// Points of a circle to begin with; chosen. Their distances differ by a factor of up to two, so that no number of eigenvalues at the
 /// centre turns the phase by whole turns between all of them.
 const FIRST_POINTS: usize = 10;
+/// Points of a circle to begin with where it contradicts what is known; chosen: a whole turn between two of so many takes eigenvalues nearer to the circle than
+/// a search leaves any unknown.
+const MORE_POINTS: usize = 50;
 /// Degree of the polynomial that stands for the logarithm of all far away; chosen: so few that nothing next to the circle is in it.
 const DEGREE: usize = 3;
 /// Change of the phase between two points, rad, above which one is looked at between them; chosen.
@@ -90,7 +93,12 @@ impl<'a> Counting<'a> {
         let mut differing: Vec<i64> = Vec::new();
         for tried in 0..CIRCLES {
             let radius = around.clear_radius(tried);
-            let Some(excess) = self.excess(around, radius) else { continue };
+            let Some(mut excess) = self.excess(around, radius, FIRST_POINTS) else { continue };
+            // A row of eigenvalues along one side may turn the phase by a whole turn between two of a few points.
+            if excess != 0 {
+                let Some(again) = self.excess(around, radius, MORE_POINTS) else { continue };
+                excess = again;
+            }
             let (centre, inside) = (around.centre, |known: &&Known| (known.lambda - around.centre).norm() < radius);
             let eigenvalues = around.known.iter().filter(inside).count();
             // det Q has no poles: phases that say so turned by rounding.
@@ -121,11 +129,11 @@ impl<'a> Counting<'a> {
         }
     }
 
-    /// Excess of the eigenvalues inside over those that are known; `None` where the phase jumps.
-    fn excess(&mut self, around: &Around<'_>, radius: f64) -> Option<i64> {
+    /// Excess of the eigenvalues inside over those that are known, from so many points to begin with; `None` where the phase jumps.
+    fn excess(&mut self, around: &Around<'_>, radius: f64, first: usize) -> Option<i64> {
         let at = |angle: f64| around.centre + Complex::from_polar(radius, angle);
-        let irregular = |i: usize| (i as f64 + unpatterned(i as f64) / 3.0) * TAU / FIRST_POINTS as f64;
-        let mut wanted: Vec<f64> = (0..FIRST_POINTS).map(irregular).collect();
+        let irregular = |i: usize| (i as f64 + unpatterned(i as f64) / 3.0) * TAU / first as f64;
+        let mut wanted: Vec<f64> = (0..first).map(irregular).collect();
         let mut samples: Vec<(f64, Complex<f64>)> = Vec::new();
         loop {
             if samples.len() + wanted.len() > MOST_POINTS {

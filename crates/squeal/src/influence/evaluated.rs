@@ -20,13 +20,16 @@ pub(super) struct Evaluated {
     pub modes: Vec<(ModeLabel, f64)>,
     /// Another unstable mode has no sure name.
     pub is_open: bool,
+    /// Nothing surely is unstable, and a verdict is undecided.
+    pub is_undecided: bool,
 }
 
 impl Evaluated {
-    /// The sample with these inputs, and the modes of `kept`, an unstable sample; `None` is a stable one.
-    fn new(inputs: Vec<f64>, kept: Option<&KeptSample>) -> Self {
+    /// The sample with these inputs, and the modes of `kept`, an unstable sample; `None` is one in which nothing surely is unstable, if it `is_undecided` because a
+    /// verdict is.
+    fn new(inputs: Vec<f64>, kept: Option<&KeptSample>, is_undecided: bool) -> Self {
         let Some(KeptSample { growth, modes, .. }) = kept else {
-            return Self { inputs, growth: 0.0, modes: Vec::new(), is_open: false };
+            return Self { inputs, growth: 0.0, modes: Vec::new(), is_open: false, is_undecided };
         };
         let named: Vec<(ModeLabel, f64)> = modes
             .iter()
@@ -35,7 +38,7 @@ impl Evaluated {
                 _ => None,
             })
             .collect();
-        Self { inputs, growth: *growth, is_open: named.len() < modes.len(), modes: named }
+        Self { inputs, growth: *growth, is_open: named.len() < modes.len(), modes: named, is_undecided: false }
     }
 }
 
@@ -48,7 +51,7 @@ pub(super) fn of_kept<S>(
 ) -> Vec<Option<Evaluated>> {
     let evaluated = |(sample, index): (&Option<S>, u64)| {
         let sample = sample.as_ref().filter(|_| !kept.has_failed(index))?;
-        Some(Evaluated::new(of.input_values(scene, sample), kept.sample(index)))
+        Some(Evaluated::new(of.input_values(scene, sample), kept.sample(index), kept.is_open(index)))
     };
     drawn.iter().zip(0..).map(evaluated).collect()
 }
@@ -76,8 +79,9 @@ pub(super) fn evaluate<B: UncertainBrake>(
         let of_scene = &study.plan().scenes[scene];
         let evaluated = |(sample, index): (&Option<B::Sample>, u64)| {
             let sample = sample.as_ref()?;
-            let kept = KeptSample::new(index, &outcomes.next()?.ok()?);
-            Some(Evaluated::new(of.input_values(of_scene, sample), kept.as_ref()))
+            let outcome = outcomes.next()?.ok()?;
+            let kept = KeptSample::new(index, &outcome);
+            Some(Evaluated::new(of.input_values(of_scene, sample), kept.as_ref(), outcome.undecided > 0))
         };
         let found: Vec<Option<Evaluated>> = drawn.iter().zip(first..).map(evaluated).collect();
         progress.advance(indices.end - indices.start);

@@ -61,6 +61,8 @@ pub struct Influence {
     pub draws: u64,
     /// Number of draws that failed and are left out.
     pub failures: u64,
+    /// Number of draws in which nothing surely is unstable and a verdict is undecided; they count as stable.
+    pub undecided: u64,
     /// Number of draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
     pub open: u64,
     /// Number of systems evaluated for the indices, those that a certificate covers among them.
@@ -178,6 +180,7 @@ impl Influence {
             inputs,
             draws,
             failures: draws - of_draws.len() as u64,
+            undecided: of_draws.iter().filter(|row| row.is_undecided).count() as u64,
             open: of_draws.iter().filter(|row| row.is_open).count() as u64,
             evaluations: 0,
         }

@@ -22,6 +22,9 @@ impl Influence {
                 self.draws
             ),
         };
+        if self.undecided > 0 {
+            text += &format!("{} of {} draws are UNDECIDED and count as stable\n", self.undecided, self.draws);
+        }
         // Of a mode that is hardly ever unstable there is nothing to say; of the scene that is said.
         let (said, rare): (Vec<_>, Vec<_>) =
             self.outputs.iter().partition(|output| output.output.mode.is_none() || !output.inputs.is_empty());

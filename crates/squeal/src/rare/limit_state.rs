@@ -99,7 +99,12 @@ impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
         let mut spectra = Vec::with_capacity(systems.len());
         self.solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
         let of_system = |(system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
-            Ok(self.judged(CountedSpectrum::new(&self.study.plan().threshold, system, &spectrum?, &mut work)?))
+            let plan = self.study.plan();
+            let counted = CountedSpectrum::new(&plan.threshold, system, &spectrum?, &mut work)?;
+            match counted.blunt.iter().find(|lambda| plan.is_studied(**lambda)) {
+                Some(lambda) => Err(Error::Blunt { omega: lambda.im }),
+                None => Ok(self.judged(counted)),
+            }
         };
         let modes = systems.iter().zip(spectra).map(of_system).collect();
         self.progress.advance(points.len() as u64);

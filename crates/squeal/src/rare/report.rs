@@ -26,9 +26,12 @@ impl Rare {
         }
         if self.design_points.is_empty() {
             let upper = self.probability.upper;
+            let looked = match &self.inputs[..] {
+                [only] => format!("none in a scan of {} up to 8 standard deviations", only.name),
+                _ => "none in any direction up to 7 standard deviations".into(),
+            };
             text += &format!(
-                "no squeal was found{beyond}: none in any direction up to 7 standard deviations, and none in {} samples; \
-                 probability at most {upper:.2e} (95 %)\n",
+                "no squeal was found{beyond}: {looked}, and none in {} samples; probability at most {upper:.2e} (95 %)\n",
                 self.plain
             );
             return text;
