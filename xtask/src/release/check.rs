@@ -84,6 +84,8 @@ fn of_package(package: &Value, version: &str) -> Vec<String> {
     for key in SAID {
         check(!text_of(package, key).is_empty(), format!("no {key}"));
     }
+    let licence = Path::new(text_of(package, "manifest_path")).with_file_name("LICENSE");
+    check(licence.is_file(), "no LICENSE; allowed: a link to that of the repository".into());
     for key in ["keywords", "categories"] {
         let words = package[key].as_array().map_or(0, Vec::len);
         check((1..=MOST_WORDS).contains(&words), format!("{words} {key}; allowed: 1 to {MOST_WORDS}"));
