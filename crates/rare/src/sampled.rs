@@ -83,8 +83,13 @@ impl Sampled {
                 .collect();
             let line = |&(point, number): &(usize, usize)| {
                 let stream = ((point as u64 + 1) << 32) + number as u64;
-                let own = (point, &spreads[point], windows[point]);
-                line(of, points, own, reach, &mut montecarlo::stream(options.seed, stream))
+                line(
+                    of,
+                    (points, &windows),
+                    (point, &spreads[point]),
+                    reach,
+                    &mut montecarlo::stream(options.seed, stream),
+                )
             };
             let found: Vec<Line> = jobs.par_iter().map(line).collect::<Result<_, L::Error>>()?;
             jobs.into_iter().zip(found).for_each(|((point, _), line)| sampled.lines[point].push(line));
@@ -143,8 +148,8 @@ impl Sampled {
 /// A line in the direction of a design point, across at random.
 fn line<L: LimitState>(
     of: &Counted<'_, L>,
-    points: &[&DesignPoint],
-    (own, spread, window): (usize, &Spread, Option<Window>),
+    (points, windows): (&[&DesignPoint], &[Option<Window>]),
+    (own, spread): (usize, &Spread),
     reach: f64,
     rng: &mut montecarlo::StreamRng,
 ) -> Result<Line, L::Error> {
@@ -157,9 +162,16 @@ fn line<L: LimitState>(
         let points: Vec<Vec<f64>> = places.iter().map(|t| along(&across, *t, direction)).collect();
         Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
     };
-    let seen = window.map(|window| window.at(of, points[own], &across)).transpose()?.flatten();
-    let seen = seen.map_or((STEP, Vec::new()), |seen| (seen.window().width, seen.places));
-    let intervals = failing(margins, [-reach, reach], offset, seen)?;
+    // Those of all design points: the weights count on what each fails by.
+    let (mut narrowest, mut seen) = (STEP, Vec::new());
+    for (point, window) in points.iter().zip(windows) {
+        let Some(window) = window else { continue };
+        if let Some(found) = window.at(of, point, (&across, direction))? {
+            narrowest = narrowest.min(found.window().width);
+            seen.extend(found.places);
+        }
+    }
+    let intervals = failing(margins, [-reach, reach], offset, (narrowest, seen))?;
     let exponents: Vec<(f64, f64)> = points
         .iter()
         .map(|point| (point.beyond(&across), dot(&point.direction, direction)))

@@ -19,6 +19,9 @@ const ON_A_SIDE: i32 = 6;
 /// Part of the way across of the first move, and the smallest; chosen: a window that moves by three widths in the smallest is lost.
 const MOVES: (f64, f64) = (0.5, 1.0 / 128.0);
 
+/// Cosine of two directions below which the window of one is not followed to lines in the other; chosen: there its lines count for it.
+const LEAST_COSINE: f64 = 0.3;
+
 /// A window on a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Window {
@@ -71,7 +74,7 @@ impl Window {
         Ok(Seen::new(at.into_iter().zip(margins).collect(), expected))
     }
 
-    /// What is seen of it on the line at `across`, to which it is followed from its design point; `None` where it is lost.
+    /// What is seen of it on the line at `across` in a direction, to which it is followed from its design point; `None` where it is lost.
     ///
     /// # Errors
     /// Those of the limit state.
@@ -79,9 +82,14 @@ impl Window {
         mut self,
         of: &Counted<'_, L>,
         point: &DesignPoint,
-        across: &[f64],
+        (across, direction): (&[f64], &[f64]),
     ) -> Result<Option<Seen>, L::Error> {
-        let direction = &point.direction;
+        let cosine = dot(&point.direction, direction);
+        if cosine < LEAST_COSINE {
+            return Ok(None);
+        }
+        self.width /= cosine;
+        self.middle = dot(&point.point, direction) + 0.5 * self.width;
         let foot = along(&point.point, -dot(&point.point, direction), direction);
         let way = along(across, -1.0, &foot);
         let (mut part, mut step, mut drift) = (0.0, MOVES.0, 0.0);

@@ -305,3 +305,27 @@ fn windows_that_are_narrower_than_a_step_are_in_the_probability() {
     assert!(number > 120 && f64::from(held) > 0.93 * f64::from(number), "{held} of {number}");
     assert!((sum / f64::from(number) - 1.0).abs() < 0.03, "{}", sum / f64::from(number));
 }
+
+/// Two windows next to each other, one of which alone the steps of a line may meet: both are in the probability on each line.
+#[test]
+fn two_windows_next_to_each_other_are_both_in_the_probability() {
+    let pairs: Margins = |u| {
+        let depth = |from: f64, to: f64| (u[0] - from).min(to - u[0]);
+        let inside = depth(3.400, 3.489).max(depth(3.893, 4.390));
+        vec![if inside > 0.0 { inside.sqrt() } else { -1e-3 }]
+    };
+    let exact = tail(3.400) - tail(3.489) + tail(3.893) - tail(4.390);
+    let (mut number, mut held, mut sum) = (0, 0, 0.0);
+    for seed in 1..=40 {
+        // A window that the search does not meet is an error where points elsewhere do, and no line of its own where none does.
+        let Ok(found) = found(2, pairs, Options { seed, ..Options::default() }) else { continue };
+        if found.design_points.len() == 2 {
+            let rare::Probability { value, lower, upper, .. } = found.probability;
+            println!("{seed} {} {lower:e} {upper:e} {}", value / exact, found.evaluations);
+            (number, held, sum) = (number + 1, held + u32::from((lower..=upper).contains(&exact)), sum + value / exact);
+        }
+    }
+    let mean = sum / f64::from(number);
+    assert!(number >= 10 && f64::from(held) > 0.9 * f64::from(number), "{held} of {number}, mean {mean}");
+    assert!((mean - 1.0).abs() < 0.02, "{mean}");
+}
