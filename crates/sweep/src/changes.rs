@@ -28,6 +28,8 @@ const NEXT_TO: f64 = 1e-5;
 const CLEAR: f64 = 8.0;
 /// Largest power of the distance with which growth may begin; chosen.
 const STEEPEST: f64 = 4.0;
+/// Growth, as a multiple of the largest that is hidden, that no law leads to within twice the distance at which it is hidden; chosen: a fourth power makes 128 of 8.
+const LEAP: f64 = 200.0;
 /// Factor of the distance that is hidden; chosen: a power is told to some tenths.
 const SAFETY: f64 = 3.0;
 /// Least growth beyond a divergence, in that of a rigid motion, up to which it is what was hidden and no jump; chosen.
@@ -189,8 +191,12 @@ impl Along<'_> {
         };
         let (mut distance, mut growth) = (NEXT_TO, growth_at(NEXT_TO)?);
         while growth < CLEAR * zone && distance < 1.0 {
-            distance *= 2.0;
-            growth = growth_at(distance)?;
+            let next = growth_at(2.0 * distance)?;
+            if next > LEAP * zone {
+                // Two modes meet in between, beyond which another law holds: where growth began before is not known.
+                return Ok(1.0);
+            }
+            (distance, growth) = (2.0 * distance, next);
         }
         if !growth.is_finite() {
             return Ok(distance);

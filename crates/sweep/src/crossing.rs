@@ -176,8 +176,10 @@ impl Search<'_> {
 
     fn divergence(&mut self) -> Result<Option<Zero>, Error> {
         let growth = self.along.threshold.growth_above();
-        let found = sign_change(self.along.system, growth, self.ends())?;
-        Ok(found.map(|change| Zero {
+        let [from, to] = self.ends();
+        let found = sign_change(self.along.system, growth, [from, to])?;
+        // Of a body that is free to move det K vanishes everywhere, and its sign changes by rounding.
+        Ok(found.filter(|change| change.error < to - from + BESIDE).map(|change| Zero {
             at: change.at,
             error: change.error,
             lambda: Complex::from(growth),
