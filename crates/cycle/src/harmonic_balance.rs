@@ -24,6 +24,8 @@ const MOST_SAMPLES: usize = 16_384;
 /// Differences of a balance and the motion in time that it approximates, at most: of the start relative to its size, of the period; chosen.
 const OWN_START: f64 = 0.3;
 const OWN_PERIOD: f64 = 0.05;
+/// Difference of the frequencies from which on a balance is of another motion than the one it began at; chosen: of few harmonics it is some per cent off.
+const FOREIGN: f64 = 0.2;
 
 /// Fourier series of a number of harmonics, with the forces of contacts evaluated at equal steps of a period (alternating frequency and time).
 ///
@@ -96,7 +98,7 @@ impl Balance {
     /// The balanced cycle nearest to one found in time, of the same system. Its own first harmonic fixes its phase.
     ///
     /// # Errors
-    /// [`Error::NoConvergence`]; a motion that cannot be followed.
+    /// [`Error::NoConvergence`], also where it goes away to another motion; a motion that cannot be followed.
     pub fn near(&self, system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<BalancedCycle, Error> {
         let samples = self.evaluate.nrows();
         let mut shape = vec![Complex::default(); system.order()];
@@ -110,7 +112,12 @@ impl Balance {
         let mut row = DVector::zeros(guess.len());
         row[guess.len() - 1] = 1.0;
         let same = |_: f64| Ok::<_, Error>(system.clone());
-        Ok(solve(self, &same, (omega, shape), guess, &Condition { row, value: 1.0 }, 1.0)?.0)
+        let balanced = solve(self, &same, (omega, shape), guess, &Condition { row, value: 1.0 }, 1.0)?.0;
+        let changed = (balanced.omega / omega - 1.0).abs();
+        if changed < FOREIGN {
+            return Ok(balanced);
+        }
+        Err(Error::NoConvergence { method: "the balance of a motion", residual: changed })
     }
 
     /// The motion in time that a balanced cycle is an approximation of, with its Floquet multipliers.
