@@ -154,6 +154,7 @@ mod tests {
             "cea: its name does not begin with brake-squeal",
             "cea: version 0.2.0, not 0.1.0",
             "cea: no license",
+            "cea: no LICENSE; allowed: a link to that of the repository",
             "cea: 0 keywords; allowed: 1 to 5",
             "cea: brake-squeal-linsys is needed as \"*\"",
             "cea: brake-squeal-brakes is needed as \"=0.1.0\", by tests",
