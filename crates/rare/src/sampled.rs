@@ -166,7 +166,7 @@ fn line<L: LimitState>(
     let (mut narrowest, mut seen) = (STEP, Vec::new());
     for (point, window) in points.iter().zip(windows) {
         let Some(window) = window else { continue };
-        if let Some(found) = window.at(of, point, (&across, direction))? {
+        if let Some(found) = window.at(of, [&point.point, &point.direction], [&across, direction])? {
             narrowest = narrowest.min(found.window().width);
             seen.extend(found.places);
         }

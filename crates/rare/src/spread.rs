@@ -109,7 +109,7 @@ fn bent<L: LimitState>(
     let base = along(direction, dot(&point.point, normal), normal);
     let beside = |t: f64| along(&base, t, normal);
     let found = match window {
-        Some(window) => match window.at(of, point, (direction, normal))? {
+        Some(window) => match window.at(of, [&point.point, normal], [direction, normal])? {
             Some(seen) => {
                 let onset = seen.onset(&mut |t| Ok::<f64, L::Error>(of.worst(&along(direction, t, normal))?.margin))?;
                 onset.map(|t| along(direction, t, normal))

@@ -5,7 +5,6 @@
 
 use crate::limit_state::{Counted, LimitState};
 use crate::line::{OF_WINDOW, Place, STEP, crossing};
-use crate::search::DesignPoint;
 use crate::vector::{along, dot};
 
 /// Distances beyond an onset at which the end of a window is looked for, in standard deviations; chosen: farther apart outwards, down to the precision of onsets.
@@ -57,7 +56,7 @@ impl Window {
         Ok(Some(Self { middle: onset + 0.5 * width, width }))
     }
 
-    /// What is seen of it on another line, about where it is expected; `None` where nothing fails there.
+    /// Places about the window with their margins on another line, about where it is expected; `None` where nothing fails there.
     ///
     /// # Errors
     /// Those of the limit state.
@@ -74,23 +73,24 @@ impl Window {
         Ok(Seen::new(at.into_iter().zip(margins).collect(), expected))
     }
 
-    /// What is seen of it on the line at `across` in a direction, to which it is followed from its design point; `None` where it is lost.
+    /// Places about the window with their margins on the line at `across` in a direction, to which it is followed from its design point, given with its own
+    /// direction; `None` where it is lost.
     ///
     /// # Errors
     /// Those of the limit state.
     pub fn at<L: LimitState>(
         mut self,
         of: &Counted<'_, L>,
-        point: &DesignPoint,
-        (across, direction): (&[f64], &[f64]),
+        [point, towards]: [&[f64]; 2],
+        [across, direction]: [&[f64]; 2],
     ) -> Result<Option<Seen>, L::Error> {
-        let cosine = dot(&point.direction, direction);
+        let cosine = dot(towards, direction);
         if cosine < LEAST_COSINE {
             return Ok(None);
         }
         self.width /= cosine;
-        self.middle = dot(&point.point, direction) + 0.5 * self.width;
-        let foot = along(&point.point, -dot(&point.point, direction), direction);
+        self.middle = dot(point, direction) + 0.5 * self.width;
+        let foot = along(point, -dot(point, direction), direction);
         let way = along(across, -1.0, &foot);
         let (mut part, mut step, mut drift) = (0.0, MOVES.0, 0.0);
         while step >= MOVES.1 {
