@@ -44,6 +44,16 @@ pub enum CaseError {
         /// The error of the parser.
         message: String,
     },
+    /// A variant of a case that cannot be read.
+    #[error("{}: variant {name:?}: {source}", path.display())]
+    Variant {
+        /// The file with the variants.
+        path: PathBuf,
+        /// Name of the variant.
+        name: String,
+        /// Fault of its case.
+        source: Box<CaseError>,
+    },
     /// A value that is well-formed and not allowed.
     #[error("{}: {field} = {value}; allowed: {allowed}", path.display())]
     Value {

@@ -5,6 +5,7 @@
 //! | read a case of any kind | [`CaseFile::read`] |
 //! | know its study | [`CaseHeader`] |
 //! | read a case of one kind | [`LatticeCase`], [`MatricesCase`], [`FiniteElementCase`] |
+//! | read its variants | [`Variant::read_all`] |
 //! | choose one scene | [`SceneChoice`], [`CaseFile::only`] |
 
 mod alternative;
@@ -32,6 +33,7 @@ mod squeal;
 mod symmetry;
 mod types;
 mod validate;
+mod variants;
 
 pub use alternative::Alternative;
 pub use check::{HALF_WIDTHS, TakenMatrix, is_half_width};
@@ -51,6 +53,7 @@ pub use header::CaseHeader;
 pub use matrices::{BodyDofs, Branch, FixedDofs, GainExpressions, MatricesCase, Parameter};
 pub use set::parameter_of;
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};
+pub use variants::Variant;
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
+use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 
 use super::CaseError;
 use super::check::Check;
@@ -12,6 +12,9 @@ const DRAWN: [&str; 2] = ["parameters", "friction"];
 
 /// Tables of a case whose fields are parameters that can be swept.
 const OF_PARAMETERS: [&str; 3] = ["parameters", "friction", "lattice"];
+
+/// Lists of tables that a case need not have, and to which one can be added.
+const LISTS: [&str; 8] = ["bodies", "constraints", "contacts", "forces", "holders", "rotation", "speeds", "springs"];
 
 /// The name of the parameter that a field holds, as `x_damping` of `lattice.x_damping`: what is set by its field is swept by it too. Any other
 /// name stays.
@@ -25,7 +28,8 @@ pub fn parameter_of(field: &str) -> &str {
 /// for its reader to say where.
 ///
 /// NAME is a parameter, or a field as a dotted key of TOML, in which a table of a list goes by its `name`. VALUE is one of TOML, or text
-/// without quotes. A number in place of a distribution is the constant, and a distribution keeps the unit that it had.
+/// without quotes. A number in place of a distribution is the constant, and a distribution keeps the unit that it had. A table of a list as a
+/// whole takes the place of the one with its name, or is added to the list.
 ///
 /// # Errors
 /// [`CaseError::Value`] for a name that the case does not have. Whether a value is allowed is for its reader to say.
@@ -68,6 +72,12 @@ fn put(document: &mut Table, keys: &[Key], value: Value) -> Result<(), String> {
     {
         return put(document, &[&[Key::new(outer)], keys].concat(), value);
     }
+    if let ([list, name], Value::InlineTable(table)) = (keys, &value)
+        && let Some(list) = list_of(document, list.get())
+    {
+        put_in_list(list, name.get(), table.clone());
+        return Ok(());
+    }
     let (table, key) = match keys {
         [name] => (parameters_with(document, name.get())?, name),
         [table, key] if !document.contains_key(table.get()) => {
@@ -92,6 +102,33 @@ fn put(document: &mut Table, keys: &[Key], value: Value) -> Result<(), String> {
             Ok(())
         }
     }
+}
+
+/// The list of tables of this name, made where a case need not have it.
+fn list_of<'a>(document: &'a mut Table, name: &str) -> Option<&'a mut ArrayOfTables> {
+    if LISTS.contains(&name) && !document.contains_key(name) {
+        document.insert(name, Item::ArrayOfTables(ArrayOfTables::new()));
+    }
+    document.get_mut(name)?.as_array_of_tables_mut()
+}
+
+/// Puts a table into a list, in the place of the one that has its name.
+fn put_in_list(list: &mut ArrayOfTables, name: &str, table: InlineTable) {
+    let mut new = table.into_table();
+    new.insert("name", Item::Value(name.into()));
+    let place = list.iter().position(|old| named(old) == Some(name));
+    match place.and_then(|place| list.get_mut(place)) {
+        Some(old) => {
+            new.set_position(old.position());
+            *old = new;
+        }
+        None => list.push(new),
+    }
+}
+
+/// The name of a table of a list.
+fn named(table: &Table) -> Option<&str> {
+    table.get("name").and_then(Item::as_str)
 }
 
 /// The one table of a document that has a table of this name within it; `None` where the document has one of its own.
@@ -149,11 +186,10 @@ fn inner<'a>(table: &'a mut dyn TableLike, keys: &[Key]) -> Result<&'a mut dyn T
     let known: Vec<String> = table.iter().filter(|(_, item)| !item.is_value()).map(|(key, _)| key.to_owned()).collect();
     match table.get_mut(key.get()) {
         Some(Item::ArrayOfTables(list)) => {
-            let named = |table: &Table| table.get("name").and_then(Item::as_str).map(str::to_owned);
-            let names: Vec<String> = list.iter().filter_map(named).collect();
+            let names: Vec<String> = list.iter().filter_map(named).map(str::to_owned).collect();
             let allowed = || format!("a table of {} by its name: {}", key.get(), names.join(", "));
             let (name, rest) = rest.split_first().ok_or_else(allowed)?;
-            let found = list.iter_mut().find(|table| named(table).as_deref() == Some(name.get()));
+            let found = list.iter_mut().find(|table| named(table) == Some(name.get()));
             inner(found.ok_or_else(allowed)?, rest)
         }
         Some(item) => match item.as_table_like_mut() {
@@ -237,6 +273,21 @@ coefficient = 1.0
                 r#"terms."pad spring".family=springs"#,
                 "coefficient = 1.0\n",
                 "coefficient = 1.0\nfamily = \"springs\"\n",
+            ),
+            (
+                r#"terms."pad shim"={ coefficient = 2.0, family = "shims" }"#,
+                "coefficient = 1.0\n",
+                "coefficient = 1.0\n\n[[terms]]\ncoefficient = 2.0\nfamily = \"shims\"\nname = \"pad shim\"\n",
+            ),
+            (
+                "springs.shim = { stiffness = 1e6 }",
+                "coefficient = 1.0\n",
+                "coefficient = 1.0\n\n[[springs]]\nstiffness = 1e6\nname = \"shim\"\n",
+            ),
+            (
+                r#"terms."pad spring"={ coefficient = 2.0 }"#,
+                "name = \"pad spring\"\ncoefficient = 1.0\n",
+                "coefficient = 2.0\nname = \"pad spring\"\n",
             ),
             ("accuracy.half_width=0.01", "coefficient = 1.0\n", "coefficient = 1.0\n\n[accuracy]\nhalf_width = 0.01\n"),
         ] {

@@ -4,15 +4,16 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::{CaseBrake, Purpose};
+use brakes::case::Variant;
+use brakes::{AnyBrake, CaseBrake, Purpose};
 use output::printable;
 use report::{screen_figure, write_screen_page};
 use serde_json::json;
 use squeal::cycles::{CycleOptions, check_contacts_of_draws};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
-use squeal::screen::{ChangeKind, Confirmation, Criterion, ScreenOptions, Sizes, confirm, rank};
-use squeal::study::Units;
+use squeal::screen::{ChangeKind, Confirmation, Criterion, Joined, ScreenOptions, Sizes, confirm, rank};
+use squeal::study::{UncertainBrake, Units};
 use squeal::workers;
 
 use super::cycle::has_motion;
@@ -23,22 +24,27 @@ use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file::CaseArgs;
+use crate::prepared::PreparedArgs;
+use crate::terminal::note;
 
 /// Most draws of the prediction, and most places of a set; chosen.
 const MOST_DRAWS: u64 = 10_000;
 const MOST_PLACES: u64 = 20;
 
-/// Screen a brake for what helps: constraints, masses, springs, dashpots and contacts taken out, singly and in sets.
+/// Screen a brake for what helps: constraints, masses, springs, dashpots, contacts taken out, parts scaled, and variants.
 ///
-/// All are ranked by a few analyses on the same draws; the best are confirmed by all scenes of the case on other draws, the same
-/// for all, with an interval of each difference. A run that was stopped is continued by the same command.
+/// Changes are ranked by a few analyses on the same draws, singly and in sets; the best, and all variants, are confirmed by all scenes of the case on other
+/// draws, the same for all, with an interval of each difference. A run that was stopped is continued by the same command.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: squeal screen brake.toml --kinds constraint,dashpot --out screen")]
 pub struct ScreenArgs {
     /// The case
     #[command(flatten)]
     pub case: CaseArgs,
-    /// Kinds of changes: constraint, mass, spring, dashpot, contact [default: all]
+    /// File (TOML) with variants of the case: what is changed in practice, as a shim, other matrices, a chamfer; docs/screen.md describes it
+    #[arg(long, value_name = "FILE")]
+    pub variants: Option<PathBuf>,
+    /// Kinds of changes: constraint, mass, spring, dashpot, contact, scale (a part's modulus, damping, mass) [default: all; none beside --variants]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub kinds: Option<Vec<String>>,
     /// Places of a set at most; sets are built greedily, of places and of what symmetries of the brake make of a place [default: 2]
@@ -63,6 +69,9 @@ pub struct ScreenArgs {
     /// Added dashpot to ground, Ns/m; of a rotation Nms/rad [default: 1 % of critical damping of the direction by itself]
     #[arg(long, value_name = "Ns/m", allow_negative_numbers = true, value_parser = number)]
     pub dashpot: Option<f64>,
+    /// Factor by which parts are scaled, up and down [default: 1.1]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = number)]
+    pub factor: Option<f64>,
     /// Draws of the prediction [default: 8]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub draws: Option<u64>,
@@ -90,12 +99,34 @@ impl ScreenArgs {
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let mut case = self.case.read()?;
-        override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
-        if self.options(&case.constraint_sets(), case.header().units)?.criterion == Criterion::Loudness {
-            has_motion(&case, "--criterion", Criterion::Loudness.name())?;
+        let mut variants = self.read_variants()?;
+        for case in [&mut case].into_iter().chain(variants.iter_mut().map(|variant| &mut variant.case)) {
+            override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
+            if self.criterion.as_deref() == Some(Criterion::Loudness.name()) {
+                has_motion(case, "--criterion", Criterion::Loudness.name())?;
+            }
         }
-        let text = self.screen(&sized::brake(case, Purpose::Screen, self.machine, &self.case.prepared)?)?;
+        // What is wrong with an option is said before brakes are made.
+        self.options(&case.constraint_sets(), case.header().units)?;
+        let brake = sized::brake(case, Purpose::Screen, self.machine, &self.case.prepared)?;
+        // A file of pieces is of one brake.
+        let beside = PreparedArgs { prepared: None, no_cache: self.case.prepared.no_cache };
+        let made = |Variant { name, case }| -> Result<(String, AnyBrake), Error> {
+            Ok((name, sized::brake(case, Purpose::Screen, self.machine, &beside)?))
+        };
+        let variants = variants.into_iter().map(made).collect::<Result<Vec<_>, Error>>()?;
+        let text = self.screen(&brake, &variants)?;
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+    }
+
+    /// The variants of the case.
+    fn read_variants(&self) -> Result<Vec<Variant>, Error> {
+        let Some(path) = &self.variants else { return Ok(Vec::new()) };
+        let variants = Variant::read_all(path, &self.case.case, &self.case.set)?;
+        for Variant { name, case } in &variants {
+            case.header().notes.iter().for_each(|text| note(&format!("{name}: {text}")));
+        }
+        Ok(variants)
     }
 
     /// The options of the screening of a brake with these sets of constraints.
@@ -115,6 +146,9 @@ impl ScreenArgs {
             given => Ok(given),
         };
         let mut options = ScreenOptions::default();
+        if self.variants.is_some() {
+            options.kinds.clear();
+        }
         if let Some(given) = &self.kinds {
             options.kinds.clear();
             for name in given {
@@ -132,6 +166,13 @@ impl ScreenArgs {
             mass: size("--mass", self.mass, units.of("kg"))?,
             spring: size("--spring", self.spring, units.of("N/m"))?,
             dashpot: size("--dashpot", self.dashpot, units.of("Ns/m"))?,
+            factor: match self.factor {
+                Some(value) if !(value.is_finite() && value > 1.0) => {
+                    let allowed = "a number > 1".to_owned();
+                    return Err(Error::Option { option: "--factor", value: value.to_string(), allowed });
+                }
+                given => given,
+            },
         };
         options.up_to = within("--up-to", self.up_to, options.up_to as u64, 1..=MOST_PLACES)? as usize;
         options.draws = within("--draws", self.draws, options.draws, 1..=MOST_DRAWS)?;
@@ -140,21 +181,37 @@ impl ScreenArgs {
         Ok(options)
     }
 
-    /// Screens a brake, which need not be one of a case file, and says what was found.
+    /// Screens a brake, which need not be one of a case file, and variants of it by their names, and says what was found.
     ///
     /// # Errors
     /// As [`ScreenArgs::run`].
-    pub fn screen<B: CaseBrake>(&self, brake: &B) -> Result<String, Error> {
-        let (plan, start) = (brake.plan(), Instant::now());
-        let sets: Vec<&str> = plan.labels.constraints.iter().map(String::as_str).collect();
-        let options = self.options(&sets, plan.units)?;
+    pub fn screen<B: CaseBrake>(&self, brake: &B, variants: &[(String, B)]) -> Result<String, Error> {
+        let labels = &brake.plan().labels;
+        let sets: Vec<&str> = labels.constraints.iter().map(String::as_str).collect();
+        let mut options = self.options(&sets, brake.plan().units)?;
+        options.variants = variants.len();
+        if variants.is_empty() {
+            return self.screen_joined(brake, brake, &options);
+        }
+        let variants: Vec<(&str, &B)> = variants.iter().map(|(name, variant)| (name.as_str(), variant)).collect();
+        self.screen_joined(brake, &Joined::new(brake, &variants, options.constraints)?, &options)
+    }
+
+    /// Screens a brake that is `joined` with its variants.
+    fn screen_joined<B: CaseBrake, J: UncertainBrake>(
+        &self,
+        brake: &B,
+        joined: &J,
+        options: &ScreenOptions,
+    ) -> Result<String, Error> {
+        let (plan, start) = (joined.plan(), Instant::now());
         if plan.samples < 2 {
             let (value, allowed) = (plan.samples.to_string(), "2 or more, for an interval".into());
             return Err(Error::Option { option: "--samples", value, allowed });
         }
-        let mut identity = of_study(brake).part("screen", |to| options.written(to)).given("samples", plan.samples);
+        let mut identity = of_study(joined).part("screen", |to| options.written(to)).given("samples", plan.samples);
         if options.criterion == Criterion::Loudness {
-            let (_, contacts) = check_contacts_of_draws(brake, CycleOptions::default().stick)?;
+            let (_, contacts) = check_contacts_of_draws(joined, CycleOptions::default().stick)?;
             identity = identity.given("contacts", contacts);
         }
         let identity = identity.into_line();
@@ -162,7 +219,7 @@ impl ScreenArgs {
             RunFolder::check(dir, &identity)?;
         }
         let ranking =
-            workers(self.machine.threads)?.install(|| rank(brake, &options, &Bar::of("combinations of changes")))?;
+            workers(self.machine.threads)?.install(|| rank(joined, options, &Bar::of("combinations of changes")))?;
         let predicted = start.elapsed().as_secs_f64();
         let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
         let (preparation, evaluation) = (Bar::of(PREPARED), Bar::of(EVALUATED));
@@ -170,9 +227,10 @@ impl ScreenArgs {
             .with_threads(self.machine.threads)
             .with_checkpoint(self.out.as_ref().map(|dir| dir.join("checkpoint.json")))
             .with_progress(&preparation, &evaluation);
-        let screen = confirm(brake, ranking, &options, &how)?;
+        let screen = confirm(joined, ranking, options, &how)?;
         let seconds = start.elapsed().as_secs_f64();
-        let what = format!("{}: what helps, constraints \"{}\"", plan.name, sets[options.constraints]);
+        let what =
+            format!("{}: what helps, constraints \"{}\"", plan.name, plan.labels.constraints[options.constraints]);
         if let Some(folder) = &folder {
             folder.publish(|stage| -> Result<(), Error> {
                 for table in screen.tables() {
@@ -183,7 +241,8 @@ impl ScreenArgs {
                 Ok(write_screen_page(plan, &screen, options.constraints, &geometry(brake), &figure, &what, stage)?)
             })?;
             let own = json!({
-                "constraints": sets[options.constraints],
+                "constraints": plan.labels.constraints[options.constraints],
+                "variants": self.variants,
                 "kinds": options.kinds,
                 "criterion": options.criterion,
                 "up_to": options.up_to,
@@ -191,6 +250,7 @@ impl ScreenArgs {
                 "mass": options.sizes.mass,
                 "spring": options.sizes.spring,
                 "dashpot": options.sizes.dashpot,
+                "factor": options.sizes.factor,
                 "seed": plan.seed,
                 "counts": screen.counts(),
                 "seconds_of_prediction": predicted,
@@ -201,11 +261,12 @@ impl ScreenArgs {
             return Ok(format!("{:#}\n", screen.json()));
         }
         let place = results_folder::place(self.out.as_deref());
+        let sizes = Sizes::in_proportion(&options.kinds);
+        let sizes = if sizes.is_empty() { sizes } else { sizes + "\n" };
         Ok(format!(
-            "{}\n\n{}{}\n{seconds:.2} s, {predicted:.2} s of it for the prediction{place}\n",
+            "{}\n\n{}{sizes}{seconds:.2} s, {predicted:.2} s of it for the prediction{place}\n",
             printable(&what),
             screen.text(),
-            Sizes::in_proportion()
         ))
     }
 }

@@ -222,7 +222,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         json: false,
         machine,
     };
-    assert!(screen.screen(&both).unwrap().contains("pad"));
+    assert!(screen.screen(&both, &[]).unwrap().contains("pad"));
     let drawn = DrawnSceneArgs { case: case.clone(), ..DrawnSceneArgs::default() };
     let influence = InfluenceArgs { drawn: drawn.clone(), samples: None, total: Some(100), out: None, json: false };
     let said = influence.influence(&both).unwrap();

@@ -82,6 +82,18 @@ pub enum Error {
         /// Computation that needs the capability.
         needed_by: &'static str,
     },
+    /// A variant of a case that cannot be compared with it.
+    #[error("variant {name:?}: {what} = {found}; allowed: {allowed}")]
+    Variant {
+        /// Name of the variant.
+        name: String,
+        /// What differs.
+        what: &'static str,
+        /// What the variant has.
+        found: String,
+        /// What is allowed, in words.
+        allowed: String,
+    },
     /// An argument that does not fit the brake.
     #[error("{argument} = {value}; allowed: {allowed}")]
     Argument {

@@ -22,7 +22,7 @@ fn case(name: &str) -> PathBuf {
 }
 
 fn options(kinds: &[ChangeKind], up_to: usize) -> ScreenOptions {
-    let sizes = Sizes { mass: Some(1.0), spring: Some(0.8), dashpot: Some(1.0) };
+    let sizes = Sizes { mass: Some(1.0), spring: Some(0.8), dashpot: Some(1.0), factor: Some(1.25) };
     let mut options = ScreenOptions::default();
     (options.kinds, options.sizes, options.up_to) = (kinds.to_vec(), sizes, up_to);
     (options.draws, options.confirmed) = (400, 2);
@@ -35,13 +35,18 @@ fn screened<B: UncertainBrake>(brake: &B, options: &ScreenOptions, samples: u64)
 }
 
 fn found<'a>(screen: &'a Screen, kind: ChangeKind, places: &str) -> &'a ScreenedSet {
-    screen.sets.iter().find(|set| set.kind == Some(kind) && set.places == places).unwrap()
+    let all = || screen.sets.iter().map(|set| set.places.as_str()).collect::<Vec<_>>();
+    let found = screen.sets.iter().find(|set| set.kind == Some(kind) && set.places == places);
+    found.unwrap_or_else(|| panic!("{places}: {:?}", all()))
 }
 
 /// With dashpots c_x and c_y and a spring k in x, `(s^2 + c_x s + 2 + k) (s^2 + c_y s + 2) = 1 - D` at `D = mu k_3`. On the axis
 /// - without the spring `s^2 = -2` and `D = 1 + 2 c_x c_y`;
 /// - with equal dashpots `u (u + k) = 1 - D` with `u = s^2 + c s + 2`, so that `D = 1 + k^2 / 4 + c^2 (2 + k / 2)`;
-/// - with masses 1 + m in both directions `D = 1 + 2 c^2 / (1 + m)`.
+/// - with masses 1 + m in both directions `D = 1 + 2 c^2 / (1 + m)`;
+/// - with dashpots of f times their size `D = 1 + 2 (f c)^2`;
+/// - with springs of f times their stiffness `(s^2 + c s + 2 f)^2 = f (f - D)`, as what friction reads stays, and `D = f + 2 c^2`;
+/// - where the mass goes with them `D = f + 2 c^2 / f`.
 ///
 /// The case's comments derive the first for equal dashpots.
 #[test]
@@ -63,6 +68,9 @@ fn hoffmanns_oscillator_does_with_changes_what_closed_forms_say() {
         (ChangeKind::Constraint, "x", f64::INFINITY),
         (ChangeKind::Constraint, "y", f64::INFINITY),
         (ChangeKind::Contact, "belt", f64::INFINITY),
+        (ChangeKind::Scale, "springs.stiffness x 1.25", 1.25 + 2.0 * c * c),
+        (ChangeKind::Scale, "springs.all x 1.25", 1.25 + 2.0 * c * c / 1.25),
+        (ChangeKind::Scale, "springs.all x 1.25 dashpots.damping x 1.25", 1.25 + 2.0 * 1.25 * c * c),
     ] {
         let (set, left) = (found(&screen, kind, places), occurrence(d));
         let confirmed = set.confirmed.as_ref().unwrap();
@@ -75,6 +83,10 @@ fn hoffmanns_oscillator_does_with_changes_what_closed_forms_say() {
         let predicted = set.predicted_drop(&screen.unchanged, Criterion::Occurrence).unwrap();
         assert!((predicted - (now - left)).abs() < 0.1, "{kind:?} {places}: {predicted} {}", now - left);
     }
+    // A part is scaled once.
+    assert!(screen.sets.iter().all(|set| set.places.matches("springs").count() < 2));
+    let all: Vec<String> = screen.tables()[1].rows.iter().map(|row| format!("{} less {}", row[0], row[1])).collect();
+    assert_eq!(all.iter().collect::<std::collections::BTreeSet<_>>().len(), all.len(), "each pair of changes once");
     // Two degrees of freedom cannot both be held.
     assert!(
         screen.failed.iter().any(|(places, why)| places == "x y" && why.contains("constrained")),
@@ -233,7 +245,13 @@ fn singles_are_ranked_by_the_criterion() {
                 of_kind.singles.iter().map(|ranked| criterion.predicted(&ranked.prediction)).collect();
             assert!(values.is_sorted(), "{criterion:?}: {values:?}");
         }
-        orders.push(ranking.kinds.iter().map(|of_kind| of_kind.singles[0].singles.clone()).collect::<Vec<_>>());
+        orders.push(
+            ranking
+                .kinds
+                .iter()
+                .filter_map(|of_kind| Some(of_kind.singles.first()?.singles.clone()))
+                .collect::<Vec<_>>(),
+        );
     }
     assert!(orders[0] != orders[2], "{orders:?}");
     let few = screened(&brake, &options(&[ChangeKind::Contact], 1), 10);

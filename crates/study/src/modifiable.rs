@@ -3,7 +3,7 @@
 use linsys::SecondOrder;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Plan, Scene};
+use crate::{Error, Plan, Scene, origin_of_set};
 
 /// A relabelling of degrees of freedom and contacts that maps a brake onto itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,6 +85,11 @@ pub trait Modifiable: Sync {
     /// Medians that have no operating point.
     fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error>;
 
+    /// Names of the terms of the brake that are parts of it, whose stiffness, damping and mass can be scaled. None, as provided.
+    fn scalable_terms(&self, _constraints: usize) -> Vec<String> {
+        Vec::new()
+    }
+
     /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; with each arrangement the plan has
     /// all others that the symmetries make of it. Without any the list is empty.
     fn symmetries(&self, constraints: usize) -> Vec<Symmetry>;
@@ -95,7 +100,7 @@ pub trait Modifiable: Sync {
 }
 
 /// Modifiable parts of a brake that is known by its plan alone: the channels of one name are one contact, in whichever configurations they
-/// are, of which only the friction can be taken away; the degrees of freedom are the places, and there are no symmetries.
+/// are, of which only the friction can be taken away; the degrees of freedom are the places, several terms are parts, and there are no symmetries.
 pub struct ModifiablePlan<'a>(pub &'a Plan);
 
 impl Modifiable for ModifiablePlan<'_> {
@@ -118,6 +123,13 @@ impl Modifiable for ModifiablePlan<'_> {
 
     fn places(&self, _constraints: usize) -> Result<Option<Vec<Place>>, Error> {
         Ok(None)
+    }
+
+    fn scalable_terms(&self, constraints: usize) -> Vec<String> {
+        let origin = origin_of_set(self.0, constraints);
+        let terms = origin.map_or(&[][..], |origin| self.0.origins[origin].brake.system.terms());
+        // A term alone is the brake and no part of it.
+        terms.iter().filter(|_| terms.len() > 1).map(|term| term.name.clone()).collect()
     }
 
     fn symmetries(&self, _constraints: usize) -> Vec<Symmetry> {

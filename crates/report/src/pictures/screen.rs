@@ -31,7 +31,7 @@ pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure,
         let bars = screen.sets.iter().skip(1).filter(|set| set.kind == kind).filter_map(bar).collect();
         DropGroup { title: title.into(), bars }
     };
-    let kinds = ChangeKind::ALL.into_iter().map(|kind| group(kind.action(), Some(kind)));
+    let kinds = ChangeKind::shown().map(|kind| group(kind.action(), Some(kind)));
     let groups = [group("the case's sets of constraints", None)].into_iter().chain(kinds);
     Ok(drops(&DropsFigure {
         title: title.into(),

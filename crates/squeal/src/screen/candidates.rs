@@ -3,12 +3,13 @@
 use std::collections::BTreeSet;
 
 use nalgebra::DMatrix;
+use output::significant;
 use serde::{Deserialize, Serialize};
 use study::{
     Direction, Modifiable, ModifiablePlan, Moves, OwnSize, Place, Plan, Symmetry, UncertainBrake, Units, origin_of_set,
 };
 
-use super::change::{Attached, Change};
+use super::change::{Attached, Change, Scaled};
 use super::modified::modifiable_of;
 use crate::Error;
 
@@ -26,11 +27,20 @@ pub enum ChangeKind {
     Dashpot,
     /// A contact is taken out.
     Contact,
+    /// A part is scaled: the stiffness, the damping, the mass of a term, or all of it.
+    Scale,
+    /// A variant of the brake, which is another one: nothing that a search could make.
+    Variant,
 }
 
 impl ChangeKind {
-    /// Kinds of changes, all of them.
-    pub const ALL: [Self; 5] = [Self::Constraint, Self::Mass, Self::Spring, Self::Dashpot, Self::Contact];
+    /// Kinds of changes that a search makes, all of them.
+    pub const ALL: [Self; 6] = [Self::Constraint, Self::Mass, Self::Spring, Self::Dashpot, Self::Contact, Self::Scale];
+
+    /// Kinds in the order in which they are shown: variants first.
+    pub fn shown() -> impl Iterator<Item = Self> {
+        [Self::Variant].into_iter().chain(Self::ALL)
+    }
 
     /// Name in tables and options.
     pub fn name(self) -> &'static str {
@@ -40,6 +50,8 @@ impl ChangeKind {
             Self::Spring => "spring",
             Self::Dashpot => "dashpot",
             Self::Contact => "contact",
+            Self::Scale => "scale",
+            Self::Variant => "variant",
         }
     }
 
@@ -52,7 +64,9 @@ impl ChangeKind {
             (Self::Spring, Moves::Turns) => units.of("Nm/rad"),
             (Self::Dashpot, Moves::Along) => units.of("Ns/m"),
             (Self::Dashpot, Moves::Turns) => units.of("Nms/rad"),
-            (Self::Mass | Self::Spring | Self::Dashpot, Moves::Unknown) | (Self::Constraint | Self::Contact, _) => "",
+            (Self::Scale, _) => "times",
+            (Self::Mass | Self::Spring | Self::Dashpot, Moves::Unknown)
+            | (Self::Constraint | Self::Contact | Self::Variant, _) => "",
         }
     }
 
@@ -64,11 +78,13 @@ impl ChangeKind {
             Self::Spring => "add a spring to ground to",
             Self::Dashpot => "add a dashpot to ground to",
             Self::Contact => "take out contact",
+            Self::Scale => "scale",
+            Self::Variant => "variant",
         }
     }
 }
 
-/// Sizes of masses, springs and dashpots.
+/// Sizes of masses, springs and dashpots, and the factor by which parts are scaled.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sizes {
     /// Mass, kg, or in the units of a case that does not say how its degrees of freedom move; `None`: [`Sizes::PART`] times the place's own mass, the least of those of its directions.
@@ -78,6 +94,8 @@ pub struct Sizes {
     /// Damping of a dashpot, Ns/m; `None`: `2 zeta sqrt(k m)`, zeta = [`Sizes::DAMPING_RATIO`], with the direction's own stiffness k and mass m,
     /// as if it were uncoupled.
     pub dashpot: Option<f64>,
+    /// Factor by which parts are scaled, > 1, up and down; `None`: [`Sizes::FACTOR`].
+    pub factor: Option<f64>,
 }
 
 impl Sizes {
@@ -86,13 +104,24 @@ impl Sizes {
     /// Damping ratio zeta, 1, that a dashpot of `2 zeta sqrt(k m)` adds to a direction as if it were uncoupled; chosen.
     pub const DAMPING_RATIO: f64 = 0.01;
 
-    /// Words for the sizes where none is given, for people.
-    pub fn in_proportion() -> String {
-        format!(
-            "a mass or spring is {} % of its place's own, a dashpot adds {} % of critical damping to its direction left to itself",
-            100.0 * Self::PART,
-            100.0 * Self::DAMPING_RATIO
-        )
+    /// Factor by which parts are scaled; chosen: as far as a lining of another lot may be off.
+    pub const FACTOR: f64 = 1.1;
+
+    /// Words for the sizes of some kinds where none is given, for people; nothing where they have none.
+    pub fn in_proportion(kinds: &[ChangeKind]) -> String {
+        let has = |kind: ChangeKind| kinds.contains(&kind);
+        let mut said = Vec::new();
+        if has(ChangeKind::Mass) || has(ChangeKind::Spring) {
+            said.push(format!("a mass or spring is {} % of its place's own", 100.0 * Self::PART));
+        }
+        if has(ChangeKind::Dashpot) {
+            let percent = 100.0 * Self::DAMPING_RATIO;
+            said.push(format!("a dashpot adds {percent} % of critical damping to its direction left to itself"));
+        }
+        if has(ChangeKind::Scale) {
+            said.push(format!("a part is scaled by {} and by 1 over it", Self::FACTOR));
+        }
+        said.join(", ")
     }
 
     fn spring(&self, own: OwnSize) -> f64 {
@@ -126,7 +155,7 @@ impl SingleChange {
     /// Size of the change, in the unit of its kind; `None` of one that has no size.
     pub fn size(&self) -> Option<f64> {
         match self.change {
-            Change::Attach { size, .. } => Some(size),
+            Change::Attach { size, .. } | Change::Scale { factor: size, .. } => Some(size),
             Change::Hold { .. } | Change::TakeOut { .. } => None,
         }
     }
@@ -171,6 +200,7 @@ impl Candidates {
         let of_kind = |&kind: &ChangeKind| {
             let singles = match kind {
                 ChangeKind::Contact => contacts(brake.plan(), modifiable, constraints),
+                ChangeKind::Scale => scaled(brake.plan(), modifiable, constraints, sizes),
                 _ => places.iter().flat_map(|place| attached(kind, place, sizes)).collect(),
             };
             Self::new(kind, singles, &modifiable.symmetries(constraints))
@@ -213,6 +243,19 @@ impl Candidates {
         self.images.len() > 1 && self.images.iter().all(is_same)
     }
 
+    /// True if some single changes can be made at once: no two of them scale the same part.
+    pub fn are_compatible(&self, of: &[usize]) -> bool {
+        let term = |&single: &usize| match &self.singles[single].change {
+            Change::Scale { term, .. } => Some(term),
+            _ => None,
+        };
+        let mut terms: Vec<&String> = of.iter().filter_map(term).collect();
+        let scaled = terms.len();
+        terms.sort_unstable();
+        terms.dedup();
+        terms.len() == scaled
+    }
+
     /// The changes of some singles, in the order of `of`.
     pub fn changes(&self, of: &[usize]) -> Vec<Change> {
         of.iter().map(|&single| self.singles[single].change.clone()).collect()
@@ -246,7 +289,7 @@ fn attached(kind: ChangeKind, place: &Place, sizes: &Sizes) -> Vec<SingleChange>
             let along = place.directions.iter().flat_map(|direction| direction.parts.clone()).collect();
             single(&place.name, moves_of(place), Attached::Mass, sizes.mass(place), along).into_iter().collect()
         }
-        ChangeKind::Contact => Vec::new(),
+        ChangeKind::Contact | ChangeKind::Scale | ChangeKind::Variant => Vec::new(),
         _ => {
             let of_direction = |direction: &Direction| {
                 let &Direction { ref name, dof, ref parts, own, moves } = direction;
@@ -281,6 +324,24 @@ fn contacts(plan: &Plan, modifiable: &dyn Modifiable, constraints: usize) -> Vec
     found.sort();
     let single = |(contact, name)| SingleChange { name, change: Change::TakeOut { contact }, moves: Moves::Unknown };
     found.into_iter().map(single).collect()
+}
+
+/// Changes that scale parts of a brake, up and down.
+fn scaled(plan: &Plan, modifiable: &dyn Modifiable, constraints: usize, sizes: &Sizes) -> Vec<SingleChange> {
+    let Some(origin) = origin_of_set(plan, constraints) else { return Vec::new() };
+    let (terms, names) = (plan.origins[origin].brake.system.terms(), modifiable.scalable_terms(constraints));
+    let factor = sizes.factor.unwrap_or(Sizes::FACTOR);
+    let mut singles = Vec::new();
+    for term in terms.iter().filter(|term| names.contains(&term.name)) {
+        for what in Scaled::ALL.into_iter().filter(|what| what.is_in(term.matrices())) {
+            for factor in [factor, 1.0 / factor] {
+                let change = Change::Scale { term: term.name.clone(), what, factor };
+                let name = format!("{}.{} x {}", term.name, what.name(), significant(factor, 4));
+                singles.push(SingleChange { name, change, moves: Moves::Unknown });
+            }
+        }
+    }
+    singles
 }
 
 /// Free degrees of freedom as places: each body that is a point mass is one, with its directions, each other degree of freedom

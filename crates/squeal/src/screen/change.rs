@@ -23,6 +23,61 @@ pub enum Attached {
     Dashpot,
 }
 
+/// Matrices of a part that are scaled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scaled {
+    /// Its stiffness: as by another modulus.
+    Stiffness,
+    /// Its damping.
+    Damping,
+    /// Its mass: as by another density.
+    Mass,
+    /// All of them: as by another thickness of what is loaded in its plane.
+    Whole,
+}
+
+impl Scaled {
+    /// What can be scaled, all of it.
+    pub const ALL: [Self; 4] = [Self::Stiffness, Self::Damping, Self::Mass, Self::Whole];
+
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stiffness => "stiffness",
+            Self::Damping => "damping",
+            Self::Mass => "mass",
+            Self::Whole => "all",
+        }
+    }
+
+    /// These of the matrices of a term, the others 0.
+    fn of(self, SecondOrder { m, c, k, .. }: &SecondOrder) -> SecondOrder {
+        let mut part = SecondOrder::zeros(m.nrows(), 0);
+        if matches!(self, Self::Mass | Self::Whole) {
+            part.m.copy_from(m);
+        }
+        if matches!(self, Self::Damping | Self::Whole) {
+            part.c.copy_from(c);
+        }
+        if matches!(self, Self::Stiffness | Self::Whole) {
+            part.k.copy_from(k);
+        }
+        part
+    }
+
+    /// True if a term has any of these matrices, of which [`Scaled::Whole`] takes two or more.
+    pub(super) fn is_in(self, SecondOrder { m, c, k, .. }: &SecondOrder) -> bool {
+        let [m, c, k] = [m, c, k].map(|matrix| matrix.iter().any(|&entry| entry != 0.0));
+        match self {
+            Self::Stiffness => k,
+            Self::Damping => c,
+            Self::Mass => m,
+            Self::Whole => usize::from(m) + usize::from(c) + usize::from(k) > 1,
+        }
+    }
+}
+
 /// Change of a brake. Degrees of freedom have their numbers, from 0, with held ones counted.
 #[derive(Debug, Clone, PartialEq, PartialOrd, Serialize)]
 pub enum Change {
@@ -40,6 +95,15 @@ pub enum Change {
         /// Vectors p, as (degree of freedom, value) entries.
         along: Vec<Vec<(usize, f64)>>,
     },
+    /// A term is scaled: `(factor - 1)` times its own coefficient times some of its matrices is added. What contacts read of its forces stays.
+    Scale {
+        /// Name of the term.
+        term: String,
+        /// Matrices that are scaled.
+        what: Scaled,
+        /// Factor, > 0.
+        factor: f64,
+    },
     /// A contact is taken out where it is closed: its friction and, as far as they are known, its spring and dashpot. The loads of
     /// the others stay as they are.
     TakeOut {
@@ -54,6 +118,8 @@ impl Change {
         match self {
             Self::Hold { dof } => Self::Hold { dof: symmetry.dofs[*dof] },
             Self::TakeOut { contact } => Self::TakeOut { contact: symmetry.contacts[*contact] },
+            // A symmetry maps each term onto itself.
+            Self::Scale { .. } => self.clone(),
             Self::Attach { what, size, along } => {
                 let image = |vector: &Vec<(usize, f64)>| {
                     let mut image: Vec<(usize, f64)> =
@@ -78,6 +144,8 @@ pub(super) struct ChangedBrake {
     /// Degrees of freedom that stay free, among those of the brake without changes.
     kept: DofMap,
     has_term: bool,
+    /// Indices of the terms that are scaled, and by how much more than 1: each a term of its own after the others.
+    scaled: Vec<(usize, f64)>,
 }
 
 impl ChangedBrake {
@@ -88,6 +156,7 @@ impl ChangedBrake {
     pub fn new(brake: &Brake, contacts: &[WholeContact], changes: &[Change]) -> Result<Self, Error> {
         let order = brake.system.order();
         let (mut held, mut added, mut out) = (Vec::new(), SecondOrder::zeros(order, 0), Vec::new());
+        let (mut scaled, mut terms_of_scaled) = (Vec::new(), Vec::new());
         for change in changes {
             match change {
                 Change::Hold { dof } => held.extend(brake.dofs.position(*dof)),
@@ -98,6 +167,14 @@ impl ChangedBrake {
                         Attached::Dashpot => &mut added.c,
                     };
                     along.iter().for_each(|vector| attach(matrix, &brake.dofs, *size, vector));
+                }
+                Change::Scale { term, what, factor } => {
+                    if let Some(at) = brake.system.terms().iter().position(|other| other.name == *term) {
+                        let Term { name, family, .. } = &brake.system.terms()[at];
+                        let part = what.of(brake.system.terms()[at].matrices());
+                        terms_of_scaled.push(Term::new(format!("{name} x {factor}"), family, part)?);
+                        scaled.push((at, factor - 1.0));
+                    }
                 }
                 Change::TakeOut { contact } => {
                     if let Some(contact) = contacts.iter().find(|other| other.number == *contact) {
@@ -116,6 +193,9 @@ impl ChangedBrake {
         if has_term {
             terms.push(Term::new(TERM, TERM, added.clone())?);
         }
+        let in_them = terms_of_scaled.iter().map(Term::matrices);
+        let sectors_of = sectors(brake, &kept, &channels, [&added].into_iter().chain(in_them));
+        terms.extend(terms_of_scaled.clone());
         let of_channels = channels.iter().map(|&at| brake.system.channels()[at].clone()).collect();
         let system = AffineSystem::new(terms, of_channels)?.on(&kept)?;
         let free = |body: &Body| body.dofs.iter().filter_map(|&dof| kept.position(dof)).collect();
@@ -123,15 +203,16 @@ impl ChangedBrake {
         let total = brake.dofs.total();
         let stays = |dof: usize| brake.dofs.position(dof).is_some_and(|at| kept.position(at).is_some());
         let dofs = DofMap::new(total, &(0..total).filter(|&dof| !stays(dof)).collect::<Vec<_>>())?;
-        let sectors = sectors(brake, &kept, &channels, &added);
-        Ok(Self { brake: Brake { system, dofs, bodies, sectors }, channels, kept, has_term })
+        Ok(Self { brake: Brake { system, dofs, bodies, sectors: sectors_of }, channels, kept, has_term, scaled })
     }
 
     /// The operating point of the brake with changes from that of the one without.
     pub fn point(&self, mut at: OperatingPoint) -> OperatingPoint {
+        let scaled: Vec<f64> = self.scaled.iter().map(|&(term, more)| more * at.coefficients[term]).collect();
         if self.has_term {
             at.coefficients.push(1.0);
         }
+        at.coefficients.extend(scaled);
         at.channels = self.channels.iter().filter_map(|&channel| at.channels.get(channel).copied()).collect();
         at
     }
@@ -163,11 +244,15 @@ fn attach(matrix: &mut DMatrix<f64>, dofs: &DofMap, size: f64, vector: &[(usize,
 }
 
 /// Sectors of the brake with changes, where these keep the symmetry, else one sector for the whole brake.
-fn sectors(brake: &Brake, kept: &DofMap, channels: &[usize], added: &SecondOrder) -> Sectors {
+fn sectors<'a>(
+    brake: &Brake,
+    kept: &DofMap,
+    channels: &[usize],
+    mut added: impl Iterator<Item = &'a SecondOrder>,
+) -> Sectors {
     let whole = || Sectors::whole(kept.free().len(), channels.len());
-    if brake.sectors.iter().len() == 1
-        || [&added.m, &added.c, &added.k].map(|a| brake.sectors.are_coupled_by(a)).contains(&true)
-    {
+    let couples = |of: &SecondOrder| [&of.m, &of.c, &of.k].map(|a| brake.sectors.are_coupled_by(a)).contains(&true);
+    if brake.sectors.iter().len() == 1 || added.any(couples) {
         return whole();
     }
     let dofs: Vec<Option<usize>> = (0..kept.total()).map(|dof| kept.position(dof)).collect();

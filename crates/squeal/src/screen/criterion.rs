@@ -93,6 +93,12 @@ impl Criterion {
         }
     }
 
+    /// Size of the confirmed drop, whichever its sign; -1 where it is not known.
+    pub(super) fn effect(self, confirmed: &Confirmed) -> f64 {
+        let drop = self.drop(confirmed).value;
+        if drop.is_nan() { -1.0 } else { drop.abs() }
+    }
+
     /// Form of its numbers for people.
     #[must_use]
     pub fn form(self) -> Form {

@@ -50,6 +50,12 @@ impl ChangeSet {
                     });
                 });
             }
+            Change::Scale { term, what, factor } => {
+                to.text("scale");
+                to.text(term);
+                to.text(what.name());
+                to.number(*factor);
+            }
             Change::TakeOut { contact } => {
                 to.text("take out");
                 to.count(*contact);

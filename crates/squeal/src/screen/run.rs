@@ -6,12 +6,13 @@ use std::time::Duration;
 use cea::EigenSolver;
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Sampling, run_with};
 use study::identity::{Written, of_study};
-use study::{Study, UncertainBrake, divergence_doubt, samples_together};
+use study::{Study, UncertainBrake, samples_together};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
 use super::criterion::Criterion;
 use super::growing::growing_modes;
+use super::joined::divergence_doubt_of;
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::screened::{Screen, ScreenedSet};
@@ -43,6 +44,8 @@ pub struct ScreenOptions {
     pub confirmed: usize,
     /// Criterion of the ranking.
     pub criterion: Criterion,
+    /// Number of sets of constraints of the plan that are variants, the last ones: as [`Joined`](super::Joined) has them.
+    pub variants: usize,
 }
 
 impl Default for ScreenOptions {
@@ -58,6 +61,7 @@ impl Default for ScreenOptions {
             draws: 8,
             confirmed: 1,
             criterion: Criterion::default(),
+            variants: 0,
         }
     }
 }
@@ -70,8 +74,8 @@ impl ScreenOptions {
 
     /// Writes out the options that tell a screening from others of the same brake.
     pub fn written(&self, to: &mut Written) {
-        let Self { constraints, kinds, sizes: Sizes { mass, spring, dashpot }, up_to, draws, confirmed, criterion } =
-            self;
+        let Self { constraints, kinds, sizes, up_to, draws, confirmed, criterion, variants } = self;
+        let Sizes { mass, spring, dashpot, factor } = sizes;
         to.count(*constraints);
         to.list(kinds, |to, kind| to.text(kind.name()));
         [mass, spring, dashpot].into_iter().for_each(|size| to.option(*size, Written::number));
@@ -79,6 +83,13 @@ impl ScreenOptions {
         to.text(&draws.to_string());
         to.count(*confirmed);
         to.text(criterion.name());
+        // What older folders do not have says nothing.
+        if kinds.contains(&ChangeKind::Scale) {
+            to.option(*factor, Written::number);
+        }
+        if *variants > 0 {
+            to.count(*variants);
+        }
     }
 }
 
@@ -204,7 +215,10 @@ pub fn confirm<B: UncertainBrake>(
     let differences = (0..count).map(of_set).collect();
     let failures =
         summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();
-    let source = brake.mode_source();
+    // Variants by their effect, the largest first.
+    let effect = |set: &ScreenedSet| set.confirmed.as_ref().map_or(-1.0, |found| options.criterion.effect(found));
+    let first = sets.iter().position(ScreenedSet::is_variant).unwrap_or(0);
+    sets[first..first + options.variants].sort_by(|a, b| effect(b).total_cmp(&effect(a)));
     Ok(Screen {
         criterion: options.criterion,
         sets,
@@ -219,7 +233,7 @@ pub fn confirm<B: UncertainBrake>(
         scenes: plan.scenes.len() as u64,
         failures,
         growing: growing_modes(&study, 0),
-        divergence_doubt: divergence_doubt(plan, source.is_some(), source.and_then(|source| source.full_checks())),
+        doubts: brake.plan().doubts.iter().cloned().chain(divergence_doubt_of(brake)).collect(),
     })
 }
 
@@ -229,10 +243,11 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
     let names = &plan.labels.constraints;
     let others = (0..names.len()).filter(|&set| set != options.constraints);
     for (confirmation, of) in [options.constraints].into_iter().chain(others).enumerate() {
+        let is_variant = of >= names.len() - options.variants;
         sets.push(ScreenedSet {
-            kind: None,
+            kind: is_variant.then_some(ChangeKind::Variant),
             places: names[of].clone(),
-            count: held(brake, of).saturating_sub(held(brake, options.constraints)),
+            count: if is_variant { 1 } else { held(brake, of).saturating_sub(held(brake, options.constraints)) },
             sizes: Vec::new(),
             prediction: (confirmation == 0).then_some(ranking.unchanged),
             changes: ChangeSet { name: names[of].clone(), of, changes: Vec::new() },

@@ -34,7 +34,7 @@ pub struct ScreenedSet {
 pub struct Screen {
     /// Criterion of the ranking.
     pub criterion: Criterion,
-    /// Sets: the brake as it is, its other sets of constraints, then kind by kind: the largest sets first, then single changes, the best
+    /// Sets: the brake as it is, its other sets of constraints, its variants, those of the largest effect first, then kind by kind: the largest sets first, then single changes, the best
     /// first.
     pub sets: Vec<ScreenedSet>,
     /// Differences `[i][j]`: mean number of unstable modes per analysis of confirmed set i minus that of set j, on the same draws, with 95 % limits.
@@ -59,8 +59,8 @@ pub struct Screen {
     pub failures: u64,
     /// Modes that are unstable at the medians without changes.
     pub growing: Vec<GrowingMode>,
-    /// Reason why divergence may be missing in the results, as it is of a reduced brake.
-    pub divergence_doubt: Option<String>,
+    /// Sentences that speak against the results: those of the brake and of its variants, and why divergence may be missing, as it is of a reduced brake.
+    pub doubts: Vec<String>,
 }
 
 impl ScreenedSet {
@@ -74,6 +74,8 @@ impl ScreenedSet {
         let with_unit = |number: String, unit: &str| if unit.is_empty() { number } else { format!("{number} {unit}") };
         let units = self.units();
         let sizes = match (self.kind, self.sizes.as_slice()) {
+            // A factor stands in the name of the place.
+            (Some(ChangeKind::Scale), _) => String::new(),
             (Some(_), [(size, unit)]) => with_unit(format!(", {size:.3e}"), unit),
             (Some(_), [_, ..]) if units.len() == 1 => {
                 let sizes = self.sizes.iter().map(|(size, _)| *size);
@@ -87,6 +89,11 @@ impl ScreenedSet {
             _ => String::new(),
         };
         format!("{}{sizes}", self.places)
+    }
+
+    /// True if it is a variant of the brake.
+    pub fn is_variant(&self) -> bool {
+        self.kind == Some(ChangeKind::Variant)
     }
 
     /// Units of its sizes, each once.

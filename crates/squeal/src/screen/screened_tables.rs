@@ -140,7 +140,7 @@ impl Screen {
                 })
             })
             .collect();
-        json!({ "criterion": self.criterion, "warnings": self.divergence_doubt.iter().collect::<Vec<_>>(), "sets": sets, "failed": self.failed, "counts": self.counts() })
+        json!({ "criterion": self.criterion, "warnings": self.doubts, "sets": sets, "failed": self.failed, "counts": self.counts() })
     }
 
     /// Numbers of sets, analyses, draws and scenes, as JSON.

@@ -27,7 +27,7 @@ impl Screen {
             text += &format!("\n{}", heading("the case's sets of constraints"));
             of_case.iter().for_each(|set| text += &self.line(set));
         }
-        for kind in ChangeKind::ALL {
+        for kind in ChangeKind::shown() {
             let of_kind: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.kind == Some(kind)).collect();
             if of_kind.is_empty() {
                 continue;
@@ -40,11 +40,38 @@ impl Screen {
                 text += &format!("{} more, of no larger predicted drop\n", predicted.len() - MOST_PRINTED);
             }
         }
+        text += &self.together();
         text += "\n";
         for set in of_case {
             text += &self.against(set);
         }
         text + &self.remarks()
+    }
+
+    /// All that was confirmed in one list, the largest effect first; empty where that is of one kind.
+    fn together(&self) -> String {
+        let confirmed = self.sets.iter().skip(1).filter_map(|set| Some((set, set.confirmed.as_ref()?)));
+        let mut ranked: Vec<(&ScreenedSet, &Confirmed)> = confirmed.collect();
+        let first = ranked.first().map(|(set, _)| set.kind);
+        if ranked.iter().all(|(set, _)| Some(set.kind) == first) {
+            return String::new();
+        }
+        ranked.sort_by(|(_, a), (_, b)| self.criterion.effect(b).total_cmp(&self.criterion.effect(a)));
+        let name =
+            |set: &ScreenedSet| format!("{} {}", set.kind.map_or("set of constraints", ChangeKind::name), set.name());
+        let width = ranked.iter().map(|(set, _)| name(set).chars().count()).max().unwrap_or(0).max(38);
+        let Form { times, decimals, .. } = self.criterion.form();
+        let mut text = format!("\n{:<width$}  {:>25}\n", "together, the largest effect first", "drop");
+        for (set, found) in ranked {
+            let drop = self.criterion.drop(found);
+            let says = match drop {
+                Estimate { lower, .. } if lower > 0.0 => "helps",
+                Estimate { upper, .. } if upper < 0.0 => "harms",
+                _ => "not sure",
+            };
+            text += &format!("{:<width$}  {:>25}  {says}\n", name(set), within(&drop, decimals, times));
+        }
+        text
     }
 
     /// The growth, or loudness, of the brake as it is, where the ranking is by it.
@@ -70,7 +97,7 @@ impl Screen {
     fn said_first(&self) -> String {
         let sum =
             |of: fn(&Confirmed) -> u64| self.sets.iter().filter_map(|set| set.confirmed.as_ref()).map(of).sum::<u64>();
-        let mut text = self.divergence_doubt.as_ref().map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n"));
+        let mut text = self.doubts.iter().map(|doubt| format!("WARNING: {doubt}\n")).collect::<String>();
         if self.failures > 0 {
             text += &format!(
                 "{} evaluations of the confirmation FAILED; they may be unstable, and widen the limits\n",
@@ -122,7 +149,7 @@ impl Screen {
         for (set, error) in &self.failed {
             text += &format!("{set}: not analysed: {error}\n");
         }
-        if self.predicted_sets == 0 {
+        if self.predicted_sets == 0 && !self.sets.iter().any(ScreenedSet::is_variant) {
             text += "no change of the kinds that are asked for has a place in this brake; the sets of constraints of the case alone are compared\n";
         }
         let has_no_limits = |set: &ScreenedSet| {
@@ -141,15 +168,17 @@ impl Screen {
     pub fn rests_on(&self) -> [String; 2] {
         let Form { fewer, over, .. } = self.criterion.form();
         let meaning = format!("drop: {fewer}, {over}; 95 % limits");
-        let counts = format!(
-            "predicted by {} spectra for each of {} sets of changes, of {} combinations; {} draws; confirmed with {} other draws in {} scenes",
-            self.analyses_per_set,
-            self.predicted_sets,
-            self.combinations,
-            self.prediction_draws,
-            self.samples,
-            self.scenes
-        );
+        let confirmed = |other| format!("confirmed with {}{other} draws in {} scenes", self.samples, self.scenes);
+        let counts = match self.predicted_sets {
+            0 => confirmed(""),
+            sets => format!(
+                "predicted by {} spectra for each of {sets} sets of changes, of {} combinations; {} draws; {}",
+                self.analyses_per_set,
+                self.combinations,
+                self.prediction_draws,
+                confirmed(" other")
+            ),
+        };
         [meaning, counts]
     }
 

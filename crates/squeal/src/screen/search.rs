@@ -116,7 +116,7 @@ impl KindRanking {
             };
             for rest in rests.into_iter().filter(|rest| rest.iter().all(|single| !group.contains(single))) {
                 let set = self.candidates.representative(&[group, rest].concat());
-                if !sets.contains(&set) {
+                if self.candidates.are_compatible(&set) && !sets.contains(&set) {
                     sets.push(set);
                 }
             }

@@ -1,0 +1,257 @@
+//! A brake and variants of it as one brake, so that they are compared on the same draws.
+
+use std::ops::Range;
+
+use cycle::ContactSystem;
+use linsys::OperatingPoint;
+use montecarlo::StreamRng;
+use study::identity::{Identity, of_study};
+use study::{
+    DrawnContacts, DrawnInputs, ModeSource, Modifiable, ModifiablePlan, Parametrised, Place, Plan, Scene, SceneKey,
+    SlidingContacts, Symmetry, UncertainBrake, WholeContact, divergence_doubt,
+};
+
+use super::modified::modifiable_of;
+use crate::Error;
+
+/// A brake whose sets of constraints are its own, and after them its variants: other brakes, each with one of its sets of constraints.
+///
+/// A sample has a draw of each of the brakes from one random stream. Numbers that are drawn in the same order are the same in all of them;
+/// the comparison is right also where they are not, and less sharp.
+pub struct Joined<'a, B> {
+    plan: Plan,
+    parts: Vec<Part<'a, B>>,
+}
+
+/// One of the brakes that are joined.
+struct Part<'a, B> {
+    brake: &'a B,
+    by_plan: ModifiablePlan<'a>,
+    /// Its configurations among those of the whole.
+    configurations: Range<usize>,
+    /// Its sets of constraints among those of the whole, and the first of them in its own plan.
+    constraints: (Range<usize>, usize),
+    /// Its panels in those of the whole.
+    panels: Vec<usize>,
+}
+
+impl<'a, B: UncertainBrake> Joined<'a, B> {
+    /// A brake with its variants, each by a name, of which the set of constraints called as number `constraints` of the brake is taken, or the only one.
+    ///
+    /// # Errors
+    /// [`Error::Variant`]: what is counted in a variant cannot be compared, or its name is that of a set of constraints.
+    pub fn new(brake: &'a B, variants: &[(&str, &'a B)], constraints: usize) -> Result<Self, Error> {
+        let of = brake.plan();
+        let identity = Identity::read(&of.name, &of.identity).part("variants", |to| {
+            to.list(variants, |to, (name, variant)| {
+                to.text(name);
+                to.text(&of_study(*variant).into_line());
+            });
+        });
+        let mut plan = of.clone();
+        plan.identity = identity.into_line();
+        let own = Part {
+            brake,
+            by_plan: ModifiablePlan(of),
+            configurations: 0..of.configurations.len(),
+            constraints: (0..of.labels.constraints.len(), 0),
+            panels: (0..of.labels.panels.len()).collect(),
+        };
+        let mut joined = Self { plan, parts: vec![own] };
+        joined.plan.doubts.extend(divergence_doubt_of(brake));
+        for (name, variant) in variants {
+            let taken = joined.comparable(name, variant.plan(), &of.labels.constraints[constraints])?;
+            joined.add(name, variant, taken);
+        }
+        Ok(joined)
+    }
+
+    /// The set of constraints of a variant that is compared with one of the brake's.
+    fn comparable(&self, name: &str, of: &Plan, constraints: &str) -> Result<usize, Error> {
+        let refused = |what, found: String, allowed: String| {
+            Err(Error::Variant { name: name.to_owned(), what, found, allowed: format!("that of the case, {allowed}") })
+        };
+        let Plan { labels, .. } = &self.plan;
+        if labels.constraints.iter().any(|known| known == name) {
+            let allowed = "a name of its own".into();
+            return Err(Error::Variant { name: name.to_owned(), what: "name", found: name.into(), allowed });
+        }
+        let laws = |of: &Plan| of.labels.laws.iter().map(|law| law.name.as_str()).collect::<Vec<_>>().join(", ");
+        let speeds =
+            |of: &Plan| of.labels.speeds.iter().map(|speed| speed.name.as_str()).collect::<Vec<_>>().join(", ");
+        let band = |of: &Plan| match of.band {
+            Some([from, to]) => format!("{from} to {to} rad/s"),
+            None => "all frequencies".into(),
+        };
+        let said: [(&'static str, &dyn Fn(&Plan) -> String); 5] = [
+            ("laws", &laws),
+            ("speeds", &speeds),
+            ("band", &band),
+            ("threshold of squeal", &|of: &Plan| of.threshold.to_string()),
+            ("units", &|of: &Plan| of.units.name().to_owned()),
+        ];
+        for (what, value) in said {
+            if value(of) != value(&self.plan) {
+                return refused(what, value(of), value(&self.plan));
+            }
+        }
+        match (of.labels.constraints.iter().position(|known| known == constraints), of.labels.constraints.len()) {
+            (Some(place), _) => Ok(place),
+            (None, 1) => Ok(0),
+            _ => refused("sets of constraints", of.labels.constraints.join(", "), constraints.to_owned()),
+        }
+    }
+
+    fn add(&mut self, name: &str, brake: &'a B, taken: usize) {
+        let (of, plan) = (brake.plan(), &mut self.plan);
+        let (origins, first, set) = (plan.origins.len(), plan.configurations.len(), plan.labels.constraints.len());
+        plan.labels.constraints.push(name.to_owned());
+        let mut panels = Vec::new();
+        for panel in &of.labels.panels {
+            let known = plan.labels.panels.iter().position(|known| known == panel);
+            panels.push(known.unwrap_or(plan.labels.panels.len()));
+            if known.is_none() {
+                plan.labels.panels.push(panel.clone());
+            }
+        }
+        plan.origins.extend(of.origins.iter().cloned());
+        plan.configurations.extend(of.configurations.iter().cloned().map(|mut configuration| {
+            configuration.origin += origins;
+            configuration
+        }));
+        for scene in of.scenes.iter().filter(|scene| scene.key.constraints == taken) {
+            let key = SceneKey { constraints: set, panel: panels[scene.key.panel], ..scene.key };
+            let mut joined = scene.clone();
+            (joined.key, joined.configuration) = (key, first + scene.configuration);
+            plan.scenes.push(joined);
+        }
+        let doubts = of.doubts.iter().cloned().chain(divergence_doubt_of(brake));
+        plan.doubts.extend(doubts.map(|doubt| format!("{name}: {doubt}")));
+        self.parts.push(Part {
+            brake,
+            by_plan: ModifiablePlan(of),
+            configurations: first..plan.configurations.len(),
+            constraints: (set..set + 1, taken),
+            panels,
+        });
+    }
+
+    /// The part that a scene belongs to, its index, and the scene as the part's own plan has it.
+    fn own(&self, scene: &Scene) -> Option<(usize, &Part<'a, B>, Scene)> {
+        let of = |(_, part): &(usize, &Part<'a, B>)| part.configurations.contains(&scene.configuration);
+        let (at, part) = self.parts.iter().enumerate().find(of)?;
+        let mut own = scene.clone();
+        own.configuration -= part.configurations.start;
+        own.key.constraints = scene.key.constraints - part.constraints.0.start + part.constraints.1;
+        own.key.panel = part.panels.iter().position(|&panel| panel == scene.key.panel)?;
+        Some((at, part, own))
+    }
+
+    /// The part that a set of constraints belongs to, and the set in the part's own plan.
+    fn of_set(&self, constraints: usize) -> Option<(&dyn Modifiable, usize)> {
+        let part = self.parts.iter().find(|part| part.constraints.0.contains(&constraints))?;
+        let own = constraints - part.constraints.0.start + part.constraints.1;
+        Some((modifiable_of(part.brake, &part.by_plan).ok()?, own))
+    }
+}
+
+/// Reason why divergence may be missing in the results of a brake, as it is of a reduced one.
+pub(super) fn divergence_doubt_of<B: UncertainBrake>(brake: &B) -> Option<String> {
+    let source = brake.mode_source();
+    divergence_doubt(brake.plan(), source.is_some(), source.and_then(|source| source.full_checks()))
+}
+
+impl<B: UncertainBrake> UncertainBrake for Joined<'_, B> {
+    type Sample = Vec<B::Sample>;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<Self::Sample, study::Error> {
+        let start = rng.clone();
+        let of_part = |part: &Part<'_, B>| {
+            *rng = start.clone();
+            part.brake.draw(rng)
+        };
+        self.parts.iter().map(of_part).collect()
+    }
+
+    fn median(&self) -> Self::Sample {
+        self.parts.iter().map(|part| part.brake.median()).collect()
+    }
+
+    fn operating_point(&self, scene: &Scene, sample: &Self::Sample) -> Result<OperatingPoint, study::Error> {
+        let (at, part, own) = self.own(scene).ok_or(study::Error::OtherSample)?;
+        part.brake.operating_point(&own, sample.get(at).ok_or(study::Error::OtherSample)?)
+    }
+
+    /// `None`: inputs belong to one of the brakes.
+    fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<Self::Sample>> {
+        None
+    }
+
+    /// `None`: parameters belong to one of the brakes.
+    fn parametrised(&self) -> Option<&dyn Parametrised> {
+        None
+    }
+
+    fn modifiable(&self) -> Option<&dyn Modifiable> {
+        let is_given = |part: &Part<'_, B>| modifiable_of(part.brake, &part.by_plan).is_ok();
+        self.parts.iter().all(is_given).then_some(self)
+    }
+
+    /// `None`: a source knows the scenes of one of the brakes.
+    fn mode_source(&self) -> Option<&dyn ModeSource> {
+        None
+    }
+
+    /// `None`: the scenes of a motion are those of one of the brakes.
+    fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+        None
+    }
+
+    fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<Self::Sample>> {
+        self.parts.iter().all(|part| part.brake.drawn_contacts().is_some()).then_some(self)
+    }
+}
+
+/// Modifiable parts of the brake that a set of constraints belongs to.
+impl<B: UncertainBrake> Modifiable for Joined<'_, B> {
+    fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
+        let of = self.own(scene).and_then(|(_, part, own)| Some((modifiable_of(part.brake, &part.by_plan).ok()?, own)));
+        of.map_or_else(Vec::new, |(of, own)| of.contacts(&own))
+    }
+
+    fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, study::Error> {
+        self.of_set(constraints).map_or(Ok(None), |(of, own)| of.places(own))
+    }
+
+    fn symmetries(&self, constraints: usize) -> Vec<Symmetry> {
+        self.of_set(constraints).map_or_else(Vec::new, |(of, own)| of.symmetries(own))
+    }
+
+    fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
+        let of = self.own(scene).and_then(|(_, part, own)| Some((modifiable_of(part.brake, &part.by_plan).ok()?, own)));
+        of.map_or(0, |(of, own)| of.symmetry_of_member(&own, member))
+    }
+
+    fn scalable_terms(&self, constraints: usize) -> Vec<String> {
+        self.of_set(constraints).map_or_else(Vec::new, |(of, own)| of.scalable_terms(own))
+    }
+}
+
+/// Contacts of the brake that a scene belongs to. [`UncertainBrake::drawn_contacts`] hands this out only where all of them have some.
+impl<B: UncertainBrake> DrawnContacts<Vec<B::Sample>> for Joined<'_, B> {
+    fn contact_system_of(
+        &self,
+        scene: &Scene,
+        sample: &Vec<B::Sample>,
+        stick: f64,
+    ) -> Result<ContactSystem, study::Error> {
+        let (at, part, own) = self.own(scene).ok_or(study::Error::OtherSample)?;
+        let (contacts, sample) = (part.brake.drawn_contacts(), sample.get(at));
+        let (contacts, sample) = contacts.zip(sample).ok_or(study::Error::OtherSample)?;
+        contacts.contact_system_of(&own, sample, stick)
+    }
+}
