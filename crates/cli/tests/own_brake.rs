@@ -207,6 +207,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
     }
     let screen = ScreenArgs {
         case: case.clone(),
+        variants: None,
         kinds: None,
         up_to: Some(1),
         constraints: None,
@@ -215,6 +216,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         mass: None,
         spring: None,
         dashpot: None,
+        factor: None,
         draws: None,
         samples: None,
         seed: None,

@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use squeal::influence::{influence as of_inputs, influence_table};
 use squeal::parts::{Shard, completed, run_part};
-use squeal::screen::{ChangeKind, Confirmation, Criterion, ScreenOptions, Sizes, confirm, rank};
+use squeal::screen::{ChangeKind, Confirmation, Criterion, Joined, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::{Cost, Study, UncertainBrake};
 use squeal::sweep::{Found, Over, stability_map, sweep as over_one};
 use squeal::{RunOptions, RunProgress, workers};
@@ -219,22 +219,24 @@ pub(crate) fn influence(
     })
 }
 
-/// A screen of changes: kinds, places at most, mass, spring and dashpot added, draws of the prediction, single changes to confirm, criterion.
-type Screening = (Option<Vec<String>>, usize, [Option<f64>; 3], u64, usize, String);
+/// A screen of changes: kinds, places at most, mass, spring and dashpot added and factor of parts, draws of the prediction, single changes to confirm, criterion.
+type Screening = (Option<Vec<String>>, usize, [Option<f64>; 4], u64, usize, String);
 
-/// A screen of the first set of constraints of a brake: tables, JSON, text.
+/// A screen of a set of constraints of a brake, and of variants of it by their names: tables, JSON, text.
 #[pyfunction]
 pub(crate) fn screen(
     py: Python<'_>,
     brake: &Brake,
+    variants: Vec<(String, PyRef<'_, Brake>)>,
     screening: Screening,
     set: usize,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<AsTable>, String, String)> {
-    let (kinds, up_to, [mass, spring, dashpot], draws, confirmed, criterion) = screening;
+    let (kinds, up_to, [mass, spring, dashpot, factor], draws, confirmed, criterion) = screening;
     let mut options = ScreenOptions::default();
-    options.sizes = Sizes { mass, spring, dashpot };
+    options.sizes = Sizes { mass, spring, dashpot, factor };
+    options.variants = variants.len();
     (options.up_to, options.draws, options.confirmed, options.constraints) = (up_to, draws, confirmed, set);
     if let Some(kinds) = kinds {
         let kind = |name: &String| {
@@ -248,15 +250,31 @@ pub(crate) fn screen(
     let allowed = Criterion::ALL.map(Criterion::name).join(", ");
     options.criterion = known.ok_or_else(|| argument(py, "criterion", &format!("{criterion:?}"), &allowed))?;
     let source = brake.source.clone();
+    let variants: Vec<_> = variants.into_iter().map(|(name, variant)| (name, variant.source.clone())).collect();
     away(py, Ends::Itself, progress.as_ref(), move |watch| {
         let brake = source.brake(Purpose::Screen, threads, watch)?;
-        let ranking = workers(threads)?.install(|| rank(&brake, &options, &*watch.stage("combinations of changes")))?;
-        let (preparation, evaluation) = (watch.stage(PREPARED), watch.stage(EVALUATED));
-        let how =
-            Confirmation::new(brake.plan().samples).with_threads(threads).with_progress(&*preparation, &*evaluation);
-        let screen = confirm(&brake, ranking, &options, &how)?;
+        let made = |(name, source): (String, Source)| Ok((name, source.brake(Purpose::Screen, threads, watch)?));
+        let variants = variants.into_iter().map(made).collect::<Result<Vec<_>, Error>>()?;
+        let named: Vec<(&str, &AnyBrake)> = variants.iter().map(|(name, variant)| (name.as_str(), variant)).collect();
+        let screen = match named.is_empty() {
+            true => screened(&brake, &options, threads, watch)?,
+            false => screened(&Joined::new(&brake, &named, options.constraints)?, &options, threads, watch)?,
+        };
         Ok((tables(screen.tables()), screen.json().to_string(), screen.text()))
     })
+}
+
+/// A brake, screened: ranked and confirmed.
+fn screened<B: UncertainBrake>(
+    brake: &B,
+    options: &ScreenOptions,
+    threads: Option<usize>,
+    watch: &Arc<Watch>,
+) -> Result<squeal::screen::Screen, Error> {
+    let ranking = workers(threads)?.install(|| rank(brake, options, &*watch.stage("combinations of changes")))?;
+    let (preparation, evaluation) = (watch.stage(PREPARED), watch.stage(EVALUATED));
+    let how = Confirmation::new(brake.plan().samples).with_threads(threads).with_progress(&*preparation, &*evaluation);
+    Ok(confirm(brake, ranking, options, &how)?)
 }
 
 /// A point of the plain function, evaluated.

@@ -154,6 +154,34 @@ def test_a_screen_is_that_of_the_program(cases, tmp_path):
         sq.screen(sq.Case(cases / "hoffmann.toml"), kinds=["glue"], progress=False)
 
 
+def test_variants_are_those_of_the_program(cases, tmp_path):
+    (tmp_path / "variants.toml").write_text(
+        f"""
+        [[variants]]
+        name = "dashpots"
+        set = ["terms.dashpots.coefficient=8"]
+        [[variants]]
+        name = "less-friction"
+        case = '{(cases / "hoffmann.toml").resolve()}'
+        set = ["mu.from=0.3", "mu.to=0.9"]
+        """
+    )
+    options = ("--kinds", "scale", "--factor", 1.5, "--variants", tmp_path / "variants.toml", "--samples", 200)
+    program("screen", cases / "hoffmann.toml", *options, "--out", tmp_path / "x")
+    case = sq.Case(cases / "hoffmann.toml")
+    variants = {
+        "dashpots": sq.Case(cases / "hoffmann.toml", set={"terms.dashpots.coefficient": 8}),
+        "less-friction": sq.Case(cases / "hoffmann.toml", set={"mu.from": 0.3, "mu.to": 0.9}),
+    }
+    x = sq.screen(case, kinds=["scale"], factor=1.5, variants=variants, samples=200, progress=False)
+    same_table(x.ranked, tmp_path / "x" / "screen.csv")
+    same_table(x.differences, tmp_path / "x" / "screen_differences.csv")
+    alone = sq.screen(case, variants=variants, samples=200, progress=False)
+    assert list(alone.ranked["kind"]) == ["set of constraints", "variant", "variant"]
+    with pytest.raises(sq.SquealError, match="variant \"other\": laws = "):
+        sq.screen(case, variants={"other": sq.Case(cases / "two-by-two.toml")}, samples=10, progress=False)
+
+
 def test_fields_are_set_by_name(cases, tmp_path):
     path = cases / "hoffmann.toml"
     case = sq.Case(path, set={"parameters.mu": sq.Constant(0.9, unit="1"), "terms.dashpots.damping": [[0.2, 0], [0, 0.2]]})

@@ -120,7 +120,10 @@ fn screenings_that_are_refused() {
     let case = folder.path().join("brake.toml");
     std::fs::write(&case, SMALL).unwrap();
     for (options, expected) in [
-        (&["--kinds", "glue"][..], &["--kinds = glue", "allowed: constraint, mass, spring, dashpot, contact"][..]),
+        (
+            &["--kinds", "glue"][..],
+            &["--kinds = glue", "allowed: constraint, mass, spring, dashpot, contact, scale"][..],
+        ),
         (&["--constraints", "third"], &["--constraints = third", "none, first"]),
         (&["--up-to", "0"], &["--up-to = 0", "1 to 20"]),
         (&["--up-to", "-1"], &["-1", "a whole number"]),
@@ -129,6 +132,8 @@ fn screenings_that_are_refused() {
         (&["--mass", "0"], &["--mass = 0", "a number > 0, kg"]),
         (&["--spring", "nan"], &["--spring = NaN", "a number > 0, N/m"]),
         (&["--dashpot=-1"], &["--dashpot = -1", "a number > 0, Ns/m"]),
+        (&["--factor", "1"], &["--factor = 1", "a number > 1"]),
+        (&["--variants", "none.toml"], &["none.toml", "cannot be read"]),
         (&["--dashpot", "much"], &["much", "allowed: a number"]),
         (&["--threads", "0"], &["--threads = 0", "1 to 1024"]),
     ] {
@@ -136,4 +141,25 @@ fn screenings_that_are_refused() {
         println!("{}", line.trim_end());
     }
     refusal(&asked("screen", &folder.path().join("none.toml"), &[]), &["none.toml"]);
+}
+
+/// Exact occurrences stand in the file of the variants.
+#[test]
+fn variants_are_ranked_with_what_a_search_makes() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("out");
+    let variants = hoffmann().with_file_name("hoffmann-variants.toml");
+    let options = ["--variants", variants.to_str().unwrap(), "--kinds", "spring", "--samples", "2000", "--out"];
+    let words = answer("screen", &hoffmann(), &[&options[..], &[dir.to_str().unwrap()]].concat());
+    let together = words.split_once("together, the largest effect first").unwrap().1;
+    let places = ["variant shim", "variant lining", "variant abutment", "spring x"].map(|name| together.find(name));
+    assert!(places.is_sorted() && places[0].is_some(), "{words}");
+    let rows = columns(&dir.join("screen.csv"), &["kind", "places", "unstable_modes_lower", "unstable_modes_upper"]);
+    for (name, exact) in [("abutment", 0.375_833), ("shim", 0.183_333), ("lining", 0.243_75)] {
+        let row = rows.iter().find(|row| row[0] == "variant" && row[1] == name).unwrap();
+        let [lower, upper] = [&row[2], &row[3]].map(|number| number.parse::<f64>().unwrap());
+        assert!(lower < exact && exact < upper && upper - lower < 0.05, "{row:?}");
+    }
+    let page = std::fs::read_to_string(dir.join("report.html")).unwrap();
+    assert!(page.contains("Variant <strong>shim</strong>") && page.contains("together, the largest effect first"));
 }

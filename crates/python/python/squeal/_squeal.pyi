@@ -43,7 +43,7 @@ class Brake:
 
 _Told = Callable[[str, int, int], object] | None
 _AsTable = tuple[str, list[str], list[list[str]]]
-_Screening = tuple[list[str] | None, int, tuple[float | None, float | None, float | None], int, int, str]
+_Screening = tuple[list[str] | None, int, tuple[float | None, float | None, float | None, float | None], int, int, str]
 _Integers = npt.NDArray[np.int64]
 
 def run(
@@ -74,7 +74,7 @@ def influence(
     brake: Brake, draws: int, total: int | None, threads: int | None, progress: _Told
 ) -> tuple[_AsTable, int, int, str]: ...
 def screen(
-    brake: Brake, screening: _Screening, set: int, threads: int | None, progress: _Told
+    brake: Brake, variants: list[tuple[str, Brake]], screening: _Screening, set: int, threads: int | None, progress: _Told
 ) -> tuple[list[_AsTable], str, str]: ...
 def evaluate(
     brake: Brake, names: list[str], values: Floats, threads: int | None, progress: _Told

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import os
 import pathlib
+import re
 import shutil
 import tempfile
 import warnings
 import weakref
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -536,10 +537,28 @@ class Screen:
         return self.text
 
 
+def _variants(
+    variants: Mapping[str, AnyBrake] | None, samples: int | None, seed: int | None
+) -> list[tuple[str, _squeal.Brake]]:
+    """Brakes by their names, as the native module takes them."""
+    if variants is None:
+        return []
+    if not isinstance(variants, Mapping):
+        raise refused("variants", repr(variants), "a mapping of names to brakes")
+    for name, variant in variants.items():
+        if not (isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9_-]{1,60}", name)):
+            raise refused("variants", repr(name), "names of 1 to 60 letters, digits, - and _")
+        if not isinstance(variant, AnyBrake):
+            raise refused(f"variants[{name!r}]", repr(variant), "a brake or a case")
+    run = (_whole("samples", samples, 2), _whole("seed", seed, 0))
+    return [(name, variant._native.with_run(*run)) for name, variant in variants.items()]
+
+
 def screen(
     brake: AnyBrake,
     *,
     kinds: Sequence[str] | None = None,
+    variants: Mapping[str, AnyBrake] | None = None,
     up_to: int = 2,
     constraints: str | None = None,
     criterion: str = "occurrence",
@@ -547,38 +566,53 @@ def screen(
     mass: float | None = None,
     spring: float | None = None,
     dashpot: float | None = None,
+    factor: float | None = None,
     draws: int = 8,
     samples: int | None = None,
     seed: int | None = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Screen:
-    """Screen a brake for what helps: "constraint", "mass", "spring", "dashpot", "contact" at every place, singly and in sets `up_to`.
+    """Screen a brake for what helps: "constraint", "mass", "spring", "dashpot", "contact" at every place, "scale" of every part, singly and in sets `up_to`.
 
     All are ranked by a few analyses on `draws` draws, by `criterion`: "occurrence" (unstable modes in one analysis), "probability" (anything is
     unstable), "growth-quantile" (the growth that 95 % of the draws do not exceed) or "loudness" (that of the motion, likewise; lattices and
     matrices), and the best of each kind, `confirm` single ones and one of each larger size, are
     confirmed on `samples` other draws. `mass`, kg, `spring`, N/m, and `dashpot`, Ns/m, are what is attached; parts of the place's own
-    unless given.
+    unless given. Parts are scaled by `factor`, 1.1 unless given, up and down.
+
+    `variants` are other brakes by their names, as `{"shim": case.set(...)}`, which are confirmed on the same draws and ranked with the rest. Beside them
+    no kind of changes is searched unless `kinds` says so.
     """
     if isinstance(kinds, str):
         raise refused("kinds", repr(kinds), "a list of kinds of changes")
     for name, given, least, most in (("up_to", up_to, 1, 20), ("draws", draws, 1, 10_000), ("confirm", confirm, 0, 65_535)):
         if not (isinstance(given, int | np.integer) and least <= given <= most):
             raise refused(name, given, f"{least} to {most}")
-    sizes = [_number(name, given) for name, given in (("mass", mass), ("spring", spring), ("dashpot", dashpot))]
-    for name, size in zip(("mass", "spring", "dashpot"), sizes, strict=True):
-        if size is not None and not (np.isfinite(size) and size > 0):
-            raise refused(name, size, "a number > 0")
+    given_sizes = (("mass", mass, 0), ("spring", spring, 0), ("dashpot", dashpot, 0), ("factor", factor, 1))
+    sizes = [_number(name, given) for name, given, _ in given_sizes]
+    for (name, _, above), size in zip(given_sizes, sizes, strict=True):
+        if size is not None and not (np.isfinite(size) and size > above):
+            raise refused(name, size, f"a number > {above}")
     native = brake._native.with_run(_whole("samples", samples, 2), _whole("seed", seed, 0))
     _, count, _, sets = native.header()
     if count < 2:
         raise refused("samples", count, "2 or more, for an interval")
     if constraints is not None and constraints not in sets:
         raise refused("constraints", constraints, ", ".join(sets))
-    screening = (None if kinds is None else list(kinds), up_to, (sizes[0], sizes[1], sizes[2]), draws, confirm, criterion)
+    named = _variants(variants, samples, seed)
+    if kinds is None and named:
+        kinds = []
+    screening = (
+        None if kinds is None else list(kinds),
+        up_to,
+        (sizes[0], sizes[1], sizes[2], sizes[3]),
+        draws,
+        confirm,
+        criterion,
+    )
     at = 0 if constraints is None else sets.index(constraints)
-    tables, found, text = _squeal.screen(native, screening, at, workers(threads), receiver(progress))
+    tables, found, text = _squeal.screen(native, named, screening, at, workers(threads), receiver(progress))
     return Screen(Tables([Table(*of) for of in tables]), json.loads(found), text)
 
 

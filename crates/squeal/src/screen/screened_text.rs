@@ -24,7 +24,7 @@ impl Screen {
             });
         let of_case: Vec<&ScreenedSet> = self.sets.iter().skip(1).take_while(|set| set.kind.is_none()).collect();
         if !of_case.is_empty() {
-            text += &format!("\n{}", heading("the case's sets of constraints"));
+            text += &format!("\n{}", self.heading("the case's sets of constraints"));
             of_case.iter().for_each(|set| text += &self.line(set));
         }
         for kind in ChangeKind::shown() {
@@ -32,7 +32,7 @@ impl Screen {
             if of_kind.is_empty() {
                 continue;
             }
-            text += &format!("\n{}", heading(kind.action()));
+            text += &format!("\n{}", self.heading(kind.action()));
             let (confirmed, predicted): (Vec<_>, Vec<_>) =
                 of_kind.into_iter().partition(|set| set.confirmation.is_some());
             confirmed.iter().chain(predicted.iter().take(MOST_PRINTED)).for_each(|set| text += &self.line(set));
@@ -59,7 +59,7 @@ impl Screen {
         ranked.sort_by(|(_, a), (_, b)| self.criterion.effect(b).total_cmp(&self.criterion.effect(a)));
         let name =
             |set: &ScreenedSet| format!("{} {}", set.kind.map_or("set of constraints", ChangeKind::name), set.name());
-        let width = ranked.iter().map(|(set, _)| name(set).chars().count()).max().unwrap_or(0).max(38);
+        let width = self.width(name);
         let Form { times, decimals, .. } = self.criterion.form();
         let mut text = format!("\n{:<width$}  {:>25}\n", "together, the largest effect first", "drop");
         for (set, found) in ranked {
@@ -194,12 +194,19 @@ impl Screen {
                 100.0 * confirmed.squealing.value
             )
         });
-        format!("{:<38}{predicted:>9}{confirmed}\n", set.name())
+        format!("{:<width$}{predicted:>9}{confirmed}\n", set.name(), width = self.width(ScreenedSet::name))
     }
-}
 
-fn heading(what: &str) -> String {
-    format!("{what:<38}{:>9}  {:>25}  {:>7}  {:>9}\n", "predicted", "drop", "left", "any")
+    fn heading(&self, what: &str) -> String {
+        let width = self.width(ScreenedSet::name);
+        format!("{what:<width$}{:>9}  {:>25}  {:>7}  {:>9}\n", "predicted", "drop", "left", "any")
+    }
+
+    /// Width of the column of names, of those that are confirmed at least.
+    fn width(&self, name: impl Fn(&ScreenedSet) -> String) -> usize {
+        let confirmed = self.sets.iter().filter(|set| set.confirmed.is_some());
+        confirmed.map(|set| name(set).chars().count()).max().unwrap_or(0).max(38)
+    }
 }
 
 /// A value times `times` with its 95 % limits, to `decimals` digits after the point.
