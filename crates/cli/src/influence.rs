@@ -116,7 +116,7 @@ impl InfluenceArgs {
         }
         if self.json {
             let rows = influence_table(plan, [(scene, &found)]).json();
-            let document = json!({ "scene": plan.describe(scene), "warning": doubt, "samples": draws, "failures": found.failures, "rows": rows });
+            let document = json!({ "scene": plan.describe(scene), "warning": doubt, "samples": draws, "failures": found.failures, "undecided": found.undecided, "rows": rows });
             return Ok(format!("{document:#}\n"));
         }
         let place = results_folder::place(self.out.as_deref());

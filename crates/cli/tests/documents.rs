@@ -86,7 +86,8 @@ fn every_key_of_the_other_commands_is_described() {
     let page = std::fs::read_to_string(root("docs/json.md")).unwrap();
     let described: BTreeSet<&str> = page.split(['"', ' ', ',']).collect();
     for (command, own) in [
-        (&["sweep", hoffmann, "--over", "mu=0:1.3"][..], None),
+        (&["check", small, "--shards", "4"][..], None),
+        (&["sweep", hoffmann, "--over", "mu=0:1.3"], None),
         (&["sweep", small, "--over", "mu=0:1.3", "--over", "x_damping=50:400"], None),
         (&["screen", small, "--kinds", "constraint", "--up-to", "1", "--samples", "20"], None),
         (&["cycle", hoffmann], None),

@@ -233,7 +233,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
     // More than half of the draws squeal.
     let refused = rare.rare(&both).unwrap_err().to_string();
     assert!(refused.contains("is unstable with all inputs at their medians"), "{refused}");
-    let check = CheckArgs { case, samples: None, shards: Some(4), out: None, memory };
+    let check = CheckArgs { case, samples: None, shards: Some(4), out: None, json: false, memory };
     let said = check.check(&both).unwrap();
     assert!(said.contains("pad1 (friction)") && said.contains("vd, lugre") && said.contains("4: each"), "{said}");
 }

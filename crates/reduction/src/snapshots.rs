@@ -36,7 +36,7 @@ pub struct Snapshots<'a> {
 }
 
 /// Modes of a large brake at one point, with the brake there.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Snapshot {
     system: SparseSecondOrder,
     norms: NormsAt,

@@ -106,6 +106,10 @@ pub fn within(
                 known[probe] = all;
             }
         }
+        if small.basis().ncols() == reduced.order() {
+            // The larger basis itself, in other directions: whatever is known of its modes, nothing is missing.
+            (is_reached, distance) = (true, 0.0);
+        }
         if is_reached || is_last {
             let solved = search.points.iter().zip(&corrections).filter(|(_, times)| **times > MOST_CORRECTIONS);
             let solved = solved.map(|(at, _)| at.clone()).collect();

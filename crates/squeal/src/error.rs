@@ -74,6 +74,18 @@ pub enum Error {
         /// Im lambda, rad/s.
         omega: f64,
     },
+    /// A reduced brake of whose errors nothing is known, where a sign is asked for that they decide.
+    #[error(
+        "{study}: {scene}: {why}, so that no sign of growth is known; allowed: a reduction that agrees with the whole brake, which reduction.growth and reduction.training change"
+    )]
+    UnknownError {
+        /// Path of the case file, or name of the study.
+        study: String,
+        /// Constraints, law, contacts and speed.
+        scene: String,
+        /// Reason, in words.
+        why: &'static str,
+    },
     /// A capability that a computation needs, and the type of the brake does not give.
     #[error("{needed_by} needs {capability} of the brake, which its type does not give")]
     NotGiven {

@@ -28,6 +28,8 @@ pub use reduced_set::{Part, ReducedSet};
 pub use rungs::Rung;
 pub use whole_modes::BESIDE;
 
+use std::collections::BTreeMap;
+
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, StreamRng};
 use num_complex::Complex;
@@ -127,15 +129,31 @@ impl FiniteElementBrake {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let pieces = prepared.of(&case)?;
-        match purpose {
-            Purpose::Study => Self::checked_of((case, &pieces), progress),
+        let mut brake = match purpose {
+            // The findings of a study say of whose errors nothing is known.
+            Purpose::Study => return Self::checked_of((case, &pieces), progress),
             Purpose::Analysis => Self::with_points((case, &pieces), Bases::OfEach, (&[], &[]), progress),
             Purpose::Screen => Self::with_points((case, &pieces), Bases::OfEachSet, (&[], &[]), progress),
             Purpose::Sweep(over) => {
                 let swept = swept::points(&case, over)?;
                 Self::with_points((case, &pieces), Bases::OfEach, (&swept, &[]), progress)
             }
+        }?;
+        let doubts = brake.unknown_errors();
+        brake.plan.doubts.extend(doubts);
+        Ok(brake)
+    }
+
+    /// A sentence for each reason for which nothing is known of the errors of a scene.
+    fn unknown_errors(&self) -> Vec<String> {
+        let mut scenes: BTreeMap<&str, usize> = BTreeMap::new();
+        for why in self.plan.scenes.iter().filter_map(|scene| self.unknown_error(scene)) {
+            *scenes.entry(why).or_default() += 1;
         }
+        let all = self.plan.scenes.len();
+        let sentence =
+            |(why, count)| format!("in {count} of {all} scenes {why}, so that nothing is known of its errors");
+        scenes.into_iter().map(sentence).collect()
     }
 
     /// Reduces the brake as [`FiniteElementBrake::new`] does, but for its first scene so that the basis holds the modes over ranges of

@@ -19,6 +19,9 @@ const ALLOWANCE: f64 = 100.0;
 /// Least assumed error of an eigenvalue, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were
 /// solved with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
+/// Reason why nothing is known of the errors of a reduced brake that has other modes than the whole one.
+const OTHER_MODES: &str =
+    "the reduced brake does not have the modes of the whole one, at the medians or at draws of which it was not made";
 /// Factor of the largest residual at draws of which a basis of modes was not made, up to which the distance that was measured there is taken to tell the
 /// error of a mode; chosen.
 const BEYOND_HELD_OUT: f64 = 10.0;
@@ -90,7 +93,7 @@ impl ModeSource for FiniteElementBrake {
     fn unknown_error(&self, scene: &Scene) -> Option<&'static str> {
         let part = self.part(scene);
         if self.sets[part.set].held_out >= 1.0 {
-            Some("the reduced brake does not have the modes of the whole one at draws of which it was not made")
+            Some(OTHER_MODES)
         } else if !self.is_known(part) {
             Some("the basis of the reduced brake does not hold its modes within reduction.residual")
         } else {

@@ -165,6 +165,9 @@ pub(super) fn all_bases(
             (bases == Bases::OfEachSet).put(to);
         };
         (set.held_out, set.held_out_residual) = pieces.item("held out", all, || held_out(case, &set.drawn, part))?;
+        if set.has_others(case) {
+            set.held_out = 1.0;
+        }
     }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })

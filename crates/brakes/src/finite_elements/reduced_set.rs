@@ -10,7 +10,7 @@ use sparse::SparseAffineSystem;
 
 use super::divergence::Responses;
 use super::set_basis::{HeldOut, SetBasis};
-use super::training::rectangle;
+use super::training::{AT_BORDER, rectangle};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
@@ -36,7 +36,7 @@ pub struct ReducedSet {
     /// Draws of which the basis was not made.
     pub(super) drawn: Vec<HeldOut>,
     /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
-    /// of them does not have the same modes, and 0 without any.
+    /// of them, or the medians, does not have the same modes, and 0 without any.
     pub held_out: f64,
     /// Responses of the contacts far beyond the band, made when they are first asked for; `None` without contacts.
     responses: OnceLock<Option<Responses>>,
@@ -88,6 +88,17 @@ impl ReducedSet {
         })
     }
 
+    /// Modes at the medians, surely where they are wanted, that the whole brake does not have.
+    #[must_use]
+    pub fn invented(&self, case: &FiniteElementCase) -> usize {
+        surely_wanted(case, &self.compared.left)
+    }
+
+    /// True if the reduced brake and the whole one do not have the same modes at the medians.
+    pub(super) fn has_others(&self, case: &FiniteElementCase) -> bool {
+        self.invented(case) + surely_wanted(case, &self.compared.missed) > 0
+    }
+
     /// Responses of the contacts far beyond the band.
     pub(super) fn responses(&self, case: &FiniteElementCase) -> Result<Option<&Responses>, Error> {
         if self.responses.get().is_none() {
@@ -102,4 +113,10 @@ impl ReducedSet {
         let of_set = (&self.basis, &self.reduced, &self.combinations);
         Ok(Reduced::within(of_set, columns, rectangle(case), case.reduction.residual)?)
     }
+}
+
+/// Number of modes that are wanted wherever the error of a reduction puts them.
+pub(super) fn surely_wanted(case: &FiniteElementCase, modes: &[Complex<f64>]) -> usize {
+    let wanted = rectangle(case);
+    modes.iter().filter(|lambda| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm())).count()
 }

@@ -1,15 +1,17 @@
 //! The basis of a set of constraints, V: what holds a brake in all its arrangements, before a smaller one is sought within it for each. It is made of modes at
 //! draws, one after another, until some in a row are held that it was not made of.
 
+use cea::{EigenSolver as _, QrSolver, Workspace};
 use linsys::OperatingPoint;
 use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{Snapshot, Snapshots};
+use reduction::{ReductionError, Snapshot, Snapshots, compared, grows_too_fast};
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};
+use super::reduced_set::surely_wanted;
 use super::training::{Drawn, draws, rectangle};
 use crate::Error;
 use crate::bits::bits;
@@ -21,6 +23,11 @@ const WANTED_ERROR: f64 = 1e-6;
 /// Singular values, of vectors of unit length, down to which directions are in a basis: at first, and least where a draw whose modes were added is
 /// not held; each time a tenth. Chosen.
 const FLOORS: [f64; 2] = [1e-5, 1e-9];
+/// The floor at first where all that is studied is known: no more directions than hold it, as each that is a part of modes beside the band may make a mode that the
+/// brake does not have.
+const FEWEST: f64 = 1e-2;
+/// Part of a floor that is tried after it where a basis has modes that the brake does not have; chosen: few directions more.
+const FINER: f64 = 0.5;
 /// Singular values down to which the first columns of a basis have all modes of any draw, roughly; chosen.
 const LEADING: f64 = 3e-3;
 /// Complete solutions that make a basis, with that at the medians, before draws tell whether it is enough; and most of them. Measured with
@@ -69,9 +76,15 @@ pub(super) fn basis(
     let mut snapshots = Snapshots::new(system, rectangle(case));
     let mut known = vec![at_median];
     known.extend_from_slice(trained);
+    // What a basis was made of, until there is one.
+    let mut made_of: Vec<Snapshot> = Vec::new();
     for points in known.chunks(TOGETHER) {
-        solved(&snapshots, points, progress)?.iter().try_for_each(|found| snapshots.add(found))?;
+        for found in solved(&snapshots, points, progress)? {
+            snapshots.add(&found)?;
+            made_of.push(found);
+        }
     }
+    let at_medians = made_of[0].clone();
     let mut drawn_once: Vec<Drawn> = Vec::new();
     // There may be nothing that is drawn.
     for drawn in draws(case, swept, MOST_SOLUTIONS + HELD_OUT)? {
@@ -79,7 +92,7 @@ pub(super) fn basis(
             drawn_once.push(drawn);
         }
     }
-    let ([mut floor, least], mut held_out) = (FLOORS, Vec::new());
+    let ([mut floor, _], mut held_out) = (FLOORS, Vec::new());
     let mut basis = None;
     let (mut solutions, mut in_a_row) = (known.len(), 0);
     for drawn in drawn_once.chunks(TOGETHER) {
@@ -95,14 +108,11 @@ pub(super) fn basis(
             snapshots.add(&found)?;
             solutions += 1;
             if solutions < FIRST_SOLUTIONS {
+                made_of.push(found);
                 continue;
             }
-            let mut wider = snapshots.basis(floor, MOST_COLUMNS)?;
-            while found.error(&wider.0) > WANTED_ERROR && floor > least && wider.0.ncols() < MOST_COLUMNS {
-                floor *= 0.1;
-                wider = snapshots.basis(floor, MOST_COLUMNS)?;
-            }
-            basis = Some(wider);
+            made_of.clear();
+            basis = Some(holding(&snapshots, &[found], &mut floor)?);
         }
         if in_a_row >= HELD_OUT {
             break;
@@ -110,11 +120,58 @@ pub(super) fn basis(
     }
     let (basis, values) = match basis {
         Some(basis) => basis,
-        // So few that none of them was asked about: all that there is.
-        None => snapshots.basis(least, MOST_COLUMNS)?,
+        // So few that none of them was asked about.
+        None => holding(&snapshots, &made_of, &mut { FEWEST })?,
     };
+    let (basis, values) = without_others((case, system, &known[0]), &snapshots, &at_medians, (basis, values))?;
     let leading = values.iter().take_while(|&&value| value > LEADING).count();
     Ok(SetBasis { basis, leading, held_out })
+}
+
+/// A basis that holds some of the modes that it is made of, with its singular values, down to a floor that is lowered until it does or cannot be lowered.
+fn holding(
+    snapshots: &Snapshots<'_>,
+    of: &[Snapshot],
+    floor: &mut f64,
+) -> Result<(DMatrix<f64>, Vec<f64>), ReductionError> {
+    loop {
+        let basis = snapshots.basis(*floor, MOST_COLUMNS)?;
+        let is_held = of.iter().all(|found| found.error(&basis.0) <= WANTED_ERROR);
+        if is_held || *floor <= FLOORS[1] || basis.0.ncols() >= MOST_COLUMNS {
+            return Ok(basis);
+        }
+        *floor *= 0.1;
+    }
+}
+
+/// A basis on which the brake has no modes at the medians that the whole brake does not have, where one with fewer or more directions is such and holds those
+/// that it has: directions that are parts of modes beside the band may together look like one in it. Otherwise the basis that is given.
+fn without_others(
+    (case, system, at): (&FiniteElementCase, &SparseAffineSystem, &OperatingPoint),
+    snapshots: &Snapshots<'_>,
+    whole: &Snapshot,
+    given: (DMatrix<f64>, Vec<f64>),
+) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
+    let has_others = |basis: &DMatrix<f64>| -> Result<bool, Error> {
+        let reduced = system.project(basis)?.assemble(at)?;
+        let mut modes = QrSolver.eigenvalues(&reduced, &mut Workspace::default())?.eigenvalues;
+        modes.retain(|&lambda| !grows_too_fast(lambda));
+        Ok(surely_wanted(case, &compared(&whole.lambdas(), modes).left) > 0)
+    };
+    if !has_others(&given.0)? {
+        return Ok(given);
+    }
+    let mut tried = given.0.ncols();
+    let mut floor = FEWEST;
+    while floor > FLOORS[1] {
+        let other = snapshots.basis(floor, MOST_COLUMNS)?;
+        let is_new = std::mem::replace(&mut tried, other.0.ncols()) != other.0.ncols();
+        if is_new && whole.error(&other.0) <= WANTED_ERROR && !has_others(&other.0)? {
+            return Ok(other);
+        }
+        floor *= FINER;
+    }
+    Ok(given)
 }
 
 /// All modes of the whole brake at some points.

@@ -7,7 +7,7 @@ use brakes::loads_at_medians;
 use formats::{Cell, CellKind, Mesh, MeshField, Node, write_fields_vtu};
 use output::{OutputError, make_folder, printable, write};
 
-use super::line;
+use super::Lines;
 use crate::Error;
 
 /// Writes `contact.vtu`, the pairs of the contact with their directions and loads, and `mesh.vtu`, the mesh under them where the case has one, into a
@@ -15,16 +15,17 @@ use crate::Error;
 ///
 /// # Errors
 /// A file that cannot be written, a load at the medians that is none.
-pub(super) fn write_pictures(case: &FiniteElementCase, contact: &PatchContact, dir: &Path) -> Result<String, Error> {
+pub(super) fn write_pictures(case: &FiniteElementCase, contact: &PatchContact, dir: &Path) -> Result<Lines, Error> {
     make_folder(dir)?;
     let (points, fields) = of_pairs(contact, &loads_at_medians(case)?);
     let file = write_one(dir, "contact.vtu", &points, &fields)?;
     let what = format!("{} pairs with normal, sliding, gap and N0 at the medians", points.nodes.len());
-    let mut text = line("drawn", &format!("{file}: {what}"));
+    let mut lines = Lines::default();
+    lines.add("drawn", format!("{file}: {what}"));
     if let Some(mesh) = &case.mesh {
-        text += &line("", &format!("{}: the mesh", write_one(dir, "mesh.vtu", mesh, &[])?));
+        lines.add("", format!("{}: the mesh", write_one(dir, "mesh.vtu", mesh, &[])?));
     }
-    Ok(text)
+    Ok(lines)
 }
 
 /// The pairs as a mesh of single points, numbered from 1, and what is known of each.

@@ -11,7 +11,7 @@ use sparse::SparseSecondOrder;
 use sparse::health::{MatrixHealth, Signs, SolutionErrors, solution_errors};
 use squeal::study::{Origin, Plan};
 
-use super::line;
+use super::Lines;
 use crate::Error;
 
 /// An asymmetry that is rounding of an export; chosen.
@@ -29,7 +29,7 @@ const POINTS: [[f64; 2]; 5] = [[0.21, 0.08], [0.67, 0.31], [0.43, 0.52], [0.88, 
 ///
 /// # Errors
 /// An operating point that cannot be computed, a factorisation that does not fit into memory.
-pub(super) fn of_finite_elements(case: &FiniteElementCase, set: &FixedDofs) -> Result<String, Error> {
+pub(super) fn of_finite_elements(case: &FiniteElementCase, set: &FixedDofs) -> Result<Lines, Error> {
     let (dofs, system) = frictionless(case, &set.fixed)?;
     let model = Model {
         set: &set.name,
@@ -46,8 +46,8 @@ pub(super) fn of_finite_elements(case: &FiniteElementCase, set: &FixedDofs) -> R
 ///
 /// # Errors
 /// As [`of_finite_elements`].
-pub(super) fn of_plan(plan: &Plan) -> Result<String, Error> {
-    let mut text = String::new();
+pub(super) fn of_plan(plan: &Plan) -> Result<Lines, Error> {
+    let mut lines = Lines::default();
     for (set, Origin { brake, naming_point }) in plan.labels.constraints.iter().zip(&plan.origins) {
         let dense = brake.system.structure(&naming_point.coefficients)?;
         // The frequency at which mass and stiffness weigh the same.
@@ -60,14 +60,14 @@ pub(super) fn of_plan(plan: &Plan) -> Result<String, Error> {
         let model = Model {
             set,
             name: &|row| plan.labels.dof(brake.dofs.free()[row]),
-            mass: String::new(),
+            mass: None,
             rectangle: [[-0.1 * scale, 0.1 * scale], [0.0, 2.0 * scale]],
             region: format!("up to {} Hz", hertz(2.0 * scale / TAU)),
             system: &system,
         };
-        text += &model.lines()?;
+        lines.extend(model.lines()?);
     }
-    Ok(text)
+    Ok(lines)
 }
 
 /// A model with a set of constraints.
@@ -75,8 +75,8 @@ struct Model<'a> {
     set: &'a str,
     /// The name of a row.
     name: &'a dyn Fn(usize) -> String,
-    /// Line on the mass that a translation moves; empty where it is not known.
-    mass: String,
+    /// Mass that a translation moves, in words, where it is known.
+    mass: Option<String>,
     /// Borders of Re lambda and Im lambda, rad/s, of the rectangle in which it is solved with.
     rectangle: [[f64; 2]; 2],
     /// Name of that rectangle in the lines of the check.
@@ -85,29 +85,30 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
-    fn lines(&self) -> Result<String, Error> {
+    fn lines(&self) -> Result<Lines, Error> {
         let Self { set, name, mass, rectangle: [re, im], region, system } = self;
         let name = |row: &usize| name(*row);
-        let mut text = String::new();
+        let mut lines = Lines::default();
         for (letter, matrix) in [("M", &system.m), ("C", &system.c), ("K", &system.k)] {
             let health = MatrixHealth::of(matrix)?;
-            text += &line(&format!("{letter} {set}"), &what_it_is(&health, matrix.nrows()));
+            lines.add(&format!("{letter} {set}"), what_it_is(&health, matrix.nrows()));
             let rows = health.empty_rows.iter().map(name);
             if letter == "M" {
-                text += mass;
+                mass.iter().for_each(|mass| lines.add("", mass));
             }
             // Damping may act on a few rows alone.
             if letter != "C" && !health.empty_rows.is_empty() {
-                text += &line("", &format!("WARNING: empty rows: {}", first(rows, health.empty_rows.len())));
+                lines.add("", format!("WARNING: empty rows: {}", first(rows, health.empty_rows.len())));
             }
             let null = health.signs.map_or(0, |signs| signs.null);
             if letter != "C" && null > 0 {
-                text += &line("", &format!("WARNING: singular, by {}", null_rows(&health, null, name)));
+                lines.add("", format!("WARNING: singular, by {}", null_rows(&health, null, name)));
             }
         }
         let within = |[from, to]: [f64; 2], part: f64| from + part * (to - from);
         let points = POINTS.map(|[x, y]| Complex::new(within(*re, x), within(*im, y)));
-        Ok(text + &solutions(&solution_errors(system, &points)?, region))
+        lines.extend(solutions(&solution_errors(system, &points)?, region));
+        Ok(lines)
     }
 }
 
@@ -135,8 +136,8 @@ fn what_it_is(health: &MatrixHealth, order: usize) -> String {
     format!("{} entries, {symmetry}, {of}{signs}; nearest to zero {:.1e} of its norm", health.entries, health.smallest)
 }
 
-/// Line on the mass that a translation of all free rows in x, y or z moves, for matrices with names of their rows; else empty.
-fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -> String {
+/// Mass that a translation of all free rows in x, y or z moves, in words, of matrices with names of their rows.
+fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -> Option<String> {
     let direction = |row: usize| case.dofs[free[row]].direction;
     let mut sums = [0.0; 3];
     for (row, _, value) in mass.triplet_iter().filter(|(row, column, _)| direction(*row) == direction(*column)) {
@@ -145,10 +146,10 @@ fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -
         }
     }
     if sums == [0.0; 3] {
-        return String::new();
+        return None;
     }
     let [x, y, z] = sums;
-    line("", &format!("moved by a translation in x, y and z: {x:.4}, {y:.4} and {z:.4} {}", case.header.units.of("kg")))
+    Some(format!("moved by a translation in x, y and z: {x:.4}, {y:.4} and {z:.4} {}", case.header.units.of("kg")))
 }
 
 /// Names in a line, the first of many.
@@ -172,7 +173,7 @@ fn null_rows(health: &MatrixHealth, null: usize, name: impl Fn(&usize) -> String
     )
 }
 
-fn solutions(errors: &[SolutionErrors], region: &str) -> String {
+fn solutions(errors: &[SolutionErrors], region: &str) -> Lines {
     let largest = |of: fn(&SolutionErrors) -> f64| {
         errors.iter().map(of).fold(0.0, |largest: f64, e| if e <= largest { largest } else { e })
     };
@@ -181,10 +182,12 @@ fn solutions(errors: &[SolutionErrors], region: &str) -> String {
         "at {} points {region}: backward error up to {backward:.1e}, a known solution to {forward:.1e}",
         errors.len()
     );
-    let text = line("solutions", &found);
+    let mut lines = Lines::default();
+    lines.add("solutions", found);
     if forward <= SINGULAR {
-        return text;
+        return lines;
     }
     let at = errors.iter().max_by(|a, b| a.forward.total_cmp(&b.forward)).map_or(f64::NAN, |e| e.lambda.im / TAU);
-    text + &line("", &format!("WARNING: lambda^2 M + lambda C + K is singular to rounding near {at:.0} Hz"))
+    lines.add("", format!("WARNING: lambda^2 M + lambda C + K is singular to rounding near {at:.0} Hz"));
+    lines
 }

@@ -2,43 +2,44 @@
 
 use brakes::case::{FiniteElementCase, NamesOnMesh, Side};
 
-use super::line;
+use super::Lines;
 
 /// Bodies that are listed; chosen: a line holds them.
 const BODIES_LISTED: usize = 5;
 
 /// The lines of a check on names.
-pub(super) fn of(case: &FiniteElementCase) -> String {
-    let mut text = case.names.as_ref().map_or_else(String::new, on_mesh);
+pub(super) fn of(case: &FiniteElementCase) -> Lines {
+    let mut lines = case.names.as_ref().map_or_else(Lines::default, on_mesh);
     for missing in &case.missing_rows {
         let warning = if missing.field.starts_with("contact.") { "WARNING: " } else { "" };
-        text += &line("", &format!("{warning}{missing}"));
+        lines.add("", format!("{warning}{missing}"));
     }
     match case.sides {
         None => {}
         Some([Side::Unknown, Side::Unknown]) => {
             let found =
                 "WARNING: not compared with the mesh, which has no elements at the contact that tell where the pad is";
-            text += &line("normal", found);
+            lines.add("normal", found);
         }
         Some([pad, disc]) => {
             let by = |side: Side, body: &str| match side {
                 Side::Unknown => format!("nothing of the {body}"),
                 told => format!("{told} of the {body}"),
             };
-            text +=
-                &line("normal", &format!("from the disc into the pad, by {} and {}", by(pad, "pad"), by(disc, "disc")));
+            let found = format!("from the disc into the pad, by {} and {}", by(pad, "pad"), by(disc, "disc"));
+            lines.add("normal", found);
         }
     }
-    text
+    lines
 }
 
-fn on_mesh(names: &NamesOnMesh) -> String {
+fn on_mesh(names: &NamesOnMesh) -> Lines {
     let NamesOnMesh { nodes, with_rows, not_on_mesh, bodies_without } = names;
     let others = if with_rows < nodes { ", the others count as held" } else { "" };
-    let mut text = line("names", &format!("{with_rows} of {nodes} nodes of the mesh have rows{others}"));
+    let mut lines = Lines::default();
+    lines.add("names", format!("{with_rows} of {nodes} nodes of the mesh have rows{others}"));
     if *not_on_mesh > 0 {
-        text += &line("", &format!("{not_on_mesh} nodes with rows are not of the mesh"));
+        lines.add("", format!("{not_on_mesh} nodes with rows are not of the mesh"));
     }
     if !bodies_without.is_empty() {
         let first: Vec<String> = bodies_without.iter().take(BODIES_LISTED).map(i64::to_string).collect();
@@ -48,7 +49,7 @@ fn on_mesh(names: &NamesOnMesh) -> String {
             bodies_without.len(),
             first.join(", ")
         );
-        text += &line("", &found);
+        lines.add("", found);
     }
-    text
+    lines
 }

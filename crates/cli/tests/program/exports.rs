@@ -445,3 +445,61 @@ fn cases_say_how_a_one_sided_file_is_stored() {
         &["terms \"all\".damping = a matrix without names of its rows", "allowed: "],
     );
 }
+
+/// Rings of masses with a few dashpots or gyroscopic couplings, of which nothing is drawn, and a band in the middle of their spectrum: parts of complex modes are directions of
+/// a basis that are like modes below and above the band, and could be one in it. A list is that of the whole brake, or said to be none.
+#[test]
+fn a_reduced_brake_has_no_modes_that_the_whole_one_does_not_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let (order, mut random, mut open) = (90, Random(0x5eed_5eed), 0);
+    for system in 0..12 {
+        let (mut m, mut c, mut k) = (Vec::new(), Vec::new(), Vec::new());
+        for i in 0..order {
+            let (next, spring) = ((i + 1) % order, 1e5 * (1.0 + 0.02 * random.unit()));
+            m.push((i, i, 1.0 + 0.02 * random.unit()));
+            c.push((i, i, 5.0));
+            k.extend([(i, i, spring + 3e3), (next, next, spring), (i, next, -spring), (next, i, -spring)]);
+        }
+        for _ in 0..3 {
+            let (at, size) = ((random.unit() * 88.0) as usize, 10f64.powf(3.0 * random.unit() - 1.0));
+            match system % 2 {
+                0 => c.push((at, at, size)),
+                _ => c.extend([(at, at + 1, size), (at + 1, at, -size), (at, at, 0.01 * size)]),
+            }
+        }
+        let place = |name: &str, text: &str| written(folder.path(), name, text);
+        let dense = [&m, &c, &k].map(|entries| market(order, entries));
+        let [dm, dc, dk] = ["m.mtx", "c.mtx", "k.mtx"]
+            .iter()
+            .zip(&dense)
+            .map(|(name, text)| place(name, text))
+            .collect::<Vec<_>>()
+            .try_into()
+            .unwrap();
+        let all = frequencies(&json(&dm, Some(&dc), &dk, &[]));
+        let is_apart = |at: &usize| all[*at] > 1.01 * all[at - 1];
+        let (low, high) = ((20..30).find(is_apart).unwrap(), (34..60).find(is_apart).unwrap());
+        let between = |at: usize| 0.5 * (all[at] + all[at - 1]) / std::f64::consts::TAU;
+        for (name, entries) in [("J_MASS1.mtx", &m), ("J_DAMP1.mtx", &c), ("J_STIF1.mtx", &k)] {
+            place(name, &abaqus(entries));
+        }
+        let files =
+            "mass = \"J_MASS1.mtx\"\ndamping = \"J_DAMP1.mtx\"\nstiffness = \"J_STIF1.mtx\"\nsymmetry = \"whole\"";
+        let band =
+            format!("[reduction]\nfrequencies = [{:?}, {:?}]\ngrowth = [-500.0, 500.0]\n", between(low), between(high));
+        let case = case(folder.path(), "finite-elements", files, &band);
+        let output = cea(&case);
+        let scene: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let modes = scene["modes"].as_array().unwrap();
+        if modes.iter().all(|mode| mode["verdict"] == "undecided") {
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert!(said.contains("does not have the modes of the whole one, at the medians"), "{said}");
+            open += 1;
+            continue;
+        }
+        let mut found: Vec<f64> = modes.iter().map(|mode| mode["im"].as_f64().unwrap()).collect();
+        found.sort_by(f64::total_cmp);
+        assert_close(&found, &all[low..high], 1e-5);
+    }
+    assert!(open <= 3, "{open} of 12 are open");
+}

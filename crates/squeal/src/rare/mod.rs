@@ -104,6 +104,9 @@ pub fn rare<B: UncertainBrake>(
     let of_scene = &plan.scenes[scene];
     let capability = Error::NotGiven { capability: "drawn_inputs()", needed_by: "the probability of rare squeal" };
     let drawn = brake.drawn_inputs().ok_or(capability)?;
+    if let Some(why) = brake.mode_source().and_then(|source| source.unknown_error(of_scene)) {
+        return Err(Error::UnknownError { study: plan.source(), scene: plan.describe(of_scene), why });
+    }
     let inputs = drawn.inputs(of_scene);
     if inputs.is_empty() {
         return Err(Error::NoInputs { study: plan.source(), scene: plan.describe(of_scene) });

@@ -266,13 +266,14 @@ impl Candidates {
         of.iter().map(|&single| self.singles[single].name.as_str()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Sizes of those of some single changes that have one, with their units, in the order of `of`; of equal ones one after another only the
-    /// first is kept, so that it is one where all are equal.
+    /// Sizes of those of some single changes that have one, with their units, in the order of `of`; one where all are equal.
     pub fn sizes(&self, of: &[usize], units: Units) -> Vec<(f64, &'static str)> {
         let singles = of.iter().map(|&single| &self.singles[single]);
         let size = |single: &SingleChange| Some((single.size()?, self.kind.unit(single.moves, units)));
         let mut sizes: Vec<(f64, &'static str)> = singles.filter_map(size).collect();
-        sizes.dedup();
+        if sizes.windows(2).all(|two| two[0] == two[1]) {
+            sizes.truncate(1);
+        }
         sizes
     }
 }

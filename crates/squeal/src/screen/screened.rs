@@ -17,7 +17,7 @@ pub struct ScreenedSet {
     pub places: String,
     /// Number of single changes; of a set of constraints the number of degrees of freedom that it holds beyond those of the brake as it is, 0 where it holds fewer.
     pub count: usize,
-    /// Sizes with their units; consecutive equal ones are given once, so not one for each place. A unit is empty where the brake does not say which it is.
+    /// Sizes with their units, one where all are equal, else those of the places in their order. A unit is empty where the brake does not say which it is.
     pub sizes: Vec<(f64, &'static str)>,
     /// Prediction for the brake with the changes; `None` of the case's other sets of constraints.
     pub prediction: Option<Prediction>,

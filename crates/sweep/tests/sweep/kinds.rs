@@ -604,3 +604,58 @@ fn ties_of_any_stiffness_leave_no_onset_outside_its_error() {
     }
     assert!(found_sharp > 25 && open > 6, "{found_sharp} {open}");
 }
+
+/// Chains of masses, free or held at one end, one spring of which may be up to 1e8 times as stiff as the others: a spring of the stiffness -p between two masses makes
+/// them diverge from where p is the stiffness of the springs between these in series, with any damping and any springs beside them.
+#[test]
+fn divergence_is_within_its_error_of_the_stiffness_in_series() {
+    let (mut sharp, mut open) = (0, 0);
+    for seed in 0..60 {
+        let mut numbers = Numbers::new(11_000 + seed);
+        let order = numbers.pick(&[2, 3, 5, 6]);
+        let mut springs: Vec<f64> = (0..order - 1).map(|_| 1.0 + 9.0 * numbers.next()).collect();
+        let stiff = numbers.pick(&[0, order - 2]);
+        springs[stiff] *= numbers.pick(&[1.0, 1e4, 1e6, 1e8]);
+        let ends = [numbers.pick(&[0, order - 2]), order - 1];
+        let exact = 1.0 / springs[ends[0]..ends[1]].iter().map(|k| 1.0 / k).sum::<f64>();
+        let is_held = numbers.pick(&[0.0, 1.0]);
+        let damping = numbers.pick(&[0.0, 0.02, 0.3]);
+        let mut stiffness = DMatrix::<f64>::zeros(order, order);
+        for (i, k) in springs.iter().enumerate() {
+            for (a, b, sign) in [(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)] {
+                stiffness[(a, b)] += sign * k;
+            }
+        }
+        stiffness[(0, 0)] += is_held * 5.0;
+        let mass = DMatrix::from_fn(order, order, |i, j| if i == j { 0.5 + numbers.next() } else { 0.0 });
+        let mut between = DMatrix::<f64>::zeros(order, order);
+        for (a, b, sign) in [(0, 0, 1.0), (1, 1, 1.0), (0, 1, -1.0), (1, 0, -1.0)] {
+            between[(ends[a], ends[b])] += sign;
+        }
+        let rows = |a: &DMatrix<f64>| {
+            let row = |i: usize| format!("{:?}", a.row(i).iter().collect::<Vec<_>>());
+            format!("[{}]", (0..order).map(row).collect::<Vec<_>>().join(", "))
+        };
+        let to = exact * (1.2 + 2.0 * numbers.next());
+        let text = format!(
+            "[study]\nname = \"chain\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n\
+             [parameters.p]\ndistribution = \"uniform\"\nfrom = 0.0\nto = {to:?}\n\
+             [[terms]]\nname = \"chain\"\nmass = {}\ndamping = {}\nstiffness = {}\n\
+             [[terms]]\nname = \"negative\"\ncoefficient = \"-p\"\nstiffness = {}\n",
+            rows(&mass),
+            rows(&(&mass * damping)),
+            rows(&stiffness),
+            rows(&between)
+        );
+        let brake = MatricesBrake::new(written(&text)).unwrap();
+        let found = sweep(&Study::new(&brake, &QrSolver).unwrap(), 0, &over("p", 0.0, to), &QrSolver, &()).unwrap();
+        let step = to / found.steps as f64;
+        let is_open = found.unresolved.iter().any(|(from, to)| (from - step..=to + step).contains(&exact));
+        let held: Vec<_> = found.onsets.iter().filter(|onset| (onset.at - exact).abs() <= onset.error).collect();
+        assert!(held.len() == 1 || is_open, "{seed} {springs:?} {exact}: {:?} {:?}", found.onsets, found.unresolved);
+        assert!(is_open || found.onsets.len() == 1, "{seed} {exact}: {:?}", found.onsets);
+        sharp += usize::from(held.first().is_some_and(|onset| onset.error < 1e-5 * exact));
+        open += usize::from(is_open);
+    }
+    assert!(sharp >= 40, "{sharp} sharp, {open} open of 60");
+}
