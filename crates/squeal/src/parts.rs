@@ -82,7 +82,12 @@ pub fn run_part<B: UncertainBrake>(
     let is_it = |done: &PartManifest| {
         done.identity == identity && (done.from..done.to, done.of) == (range.clone(), plan.samples)
     };
-    if let Some(done) = complete(dir)?.filter(is_it) {
+    // One whose samples are lost, or whose manifest is damaged, is not.
+    let has_samples = |_: &PartManifest| {
+        let state = checkpoint(dir, identity.clone()).state::<Study<'_, B>, StudyTally>(plan.seed, plan.scenes.len());
+        state.is_ok_and(|state| state.range() == range)
+    };
+    if let Some(done) = complete(dir).ok().flatten().filter(is_it).filter(has_samples) {
         return Ok(done);
     }
     RunFolder::check(dir, &of_folder)?;

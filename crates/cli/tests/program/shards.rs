@@ -142,3 +142,28 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     let refused = said(&shard(&case, "41/41", &place("none"), &[]));
     assert!(refused.contains("--shard = 41/41; allowed: 1/N to N/N, N at most 40"), "{refused}");
 }
+
+/// A complete part that lost its samples, or whose manifest was cut, is none: the same command makes it again.
+#[test]
+fn a_damaged_part_is_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, SMALL).unwrap();
+    let part = folder.path().join("part");
+    assert!(shard(&case, "2/3", &part, &[]).status.success());
+    let kept = |name: &str| std::fs::read(part.join(name)).unwrap();
+    let whole = kept("checkpoint.json");
+    let cut = |name: &str, length: usize| std::fs::write(part.join(name), &kept(name)[..length]).unwrap();
+    std::fs::remove_file(part.join("checkpoint.json")).unwrap();
+    assert!(shard(&case, "2/3", &part, &[]).status.success());
+    assert_eq!(kept("checkpoint.json"), whole);
+    cut("shard.json", 20);
+    assert!(shard(&case, "2/3", &part, &[]).status.success());
+    assert!(serde_json::from_slice::<serde_json::Value>(&kept("shard.json")).is_ok());
+    cut("checkpoint.json", 100);
+    let refused = said(&shard(&case, "2/3", &part, &[]));
+    assert!(refused.contains("checkpoint.json") && refused.contains("delete it"), "{refused}");
+    std::fs::remove_file(part.join("checkpoint.json")).unwrap();
+    assert!(shard(&case, "2/3", &part, &[]).status.success());
+    assert_eq!(kept("checkpoint.json"), whole);
+}
