@@ -203,7 +203,9 @@ impl Along<'_> {
         }
         // Growth like a power of the distance from where it begins, which is as far before the change as that says.
         let ratio = growth_at(2.0 * distance)? / growth;
-        let power = if ratio > 1.0 { ratio.log2().clamp(0.5, STEEPEST) } else { STEEPEST };
+        // A real eigenvalue leaves zero in proportion, where what is farther grows like the root of the distance: as soon as it outgrows its damping.
+        let flattest = if change.of == ChangeOf::Divergence { 1.0 } else { 0.5 };
+        let power = if ratio > 1.0 { ratio.log2().clamp(flattest, STEEPEST) } else { STEEPEST };
         let hidden = distance / ((growth / zone).powf(1.0 / power) - 1.0);
         Ok(if hidden.is_finite() { (SAFETY * hidden.abs()).clamp(f64::EPSILON * distance, 1.0) } else { 1.0 })
     }
