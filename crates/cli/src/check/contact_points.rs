@@ -93,7 +93,7 @@ mod tests {
             assert_eq!(load.values[0][at], 156.0);
         }
         let folder = tempfile::tempdir()?;
-        let said = write_pictures(&case, contact, &folder.path().join("new"))?;
+        let said = write_pictures(&case, contact, &folder.path().join("new"))?.text();
         assert!(said.contains("contact.vtu: 27 pairs with normal, sliding, gap and N0 at the medians"), "{said}");
         let drawn = std::fs::read_to_string(folder.path().join("new/mesh.vtu"))?;
         let nodes = case.mesh.as_ref().map_or(0, |mesh| mesh.nodes.len());

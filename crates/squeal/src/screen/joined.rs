@@ -76,23 +76,20 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
             let allowed = "a name of its own".into();
             return Err(Error::Variant { name: name.to_owned(), what: "name", found: name.into(), allowed });
         }
-        let laws = |of: &Plan| of.labels.laws.iter().map(|law| law.name.as_str()).collect::<Vec<_>>().join(", ");
-        let speeds =
-            |of: &Plan| of.labels.speeds.iter().map(|speed| speed.name.as_str()).collect::<Vec<_>>().join(", ");
-        let band = |of: &Plan| match of.band {
-            Some([from, to]) => format!("{from} to {to} rad/s"),
-            None => "all frequencies".into(),
+        let joined =
+            |names: &mut dyn Iterator<Item = &String>| names.map(String::as_str).collect::<Vec<_>>().join(", ");
+        let said = |of: &Plan| {
+            [
+                ("laws", joined(&mut of.labels.laws.iter().map(|law| &law.name))),
+                ("speeds", joined(&mut of.labels.speeds.iter().map(|speed| &speed.name))),
+                ("band", of.band.map_or("all frequencies".into(), |[from, to]| format!("{from} to {to} rad/s"))),
+                ("threshold of squeal", of.threshold.to_string()),
+                ("units", of.units.name().to_owned()),
+            ]
         };
-        let said: [(&'static str, &dyn Fn(&Plan) -> String); 5] = [
-            ("laws", &laws),
-            ("speeds", &speeds),
-            ("band", &band),
-            ("threshold of squeal", &|of: &Plan| of.threshold.to_string()),
-            ("units", &|of: &Plan| of.units.name().to_owned()),
-        ];
-        for (what, value) in said {
-            if value(of) != value(&self.plan) {
-                return refused(what, value(of), value(&self.plan));
+        for ((what, found), (_, own)) in said(of).into_iter().zip(said(&self.plan)) {
+            if found != own {
+                return refused(what, found, own);
             }
         }
         match (of.labels.constraints.iter().position(|known| known == constraints), of.labels.constraints.len()) {
