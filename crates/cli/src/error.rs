@@ -15,6 +15,14 @@ pub enum Error {
     /// A case file, or the brake that it makes.
     #[error(transparent)]
     Brake(brakes::Error),
+    /// Variants that cannot be compared with their case.
+    #[error("{}: {source}", path.display())]
+    Variants {
+        /// The file with the variants.
+        path: PathBuf,
+        /// Cause.
+        source: Box<squeal::Error>,
+    },
     /// An eigenvalue analysis.
     #[error(transparent)]
     Cea(#[from] cea::CeaError),

@@ -8,12 +8,13 @@ use brakes::case::Variant;
 use brakes::{AnyBrake, CaseBrake, Purpose};
 use output::printable;
 use report::{screen_figure, write_screen_page};
-use serde_json::json;
+use serde_json::{Value, json};
 use squeal::cycles::{CycleOptions, check_contacts_of_draws};
+use squeal::fingerprint;
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::screen::{ChangeKind, Confirmation, Criterion, Joined, ScreenOptions, Sizes, confirm, rank};
-use squeal::study::{UncertainBrake, Units};
+use squeal::study::{Plan, UncertainBrake, Units};
 use squeal::workers;
 
 use super::cycle::has_motion;
@@ -191,10 +192,15 @@ impl ScreenArgs {
         let mut options = self.options(&sets, brake.plan().units)?;
         options.variants = variants.len();
         if variants.is_empty() {
-            return self.screen_joined(brake, brake, &options);
+            return self.screen_joined(brake, brake, &options, &[]);
         }
+        let described: Vec<Value> = variants.iter().map(|(name, variant)| described(name, variant.plan())).collect();
         let variants: Vec<(&str, &B)> = variants.iter().map(|(name, variant)| (name.as_str(), variant)).collect();
-        self.screen_joined(brake, &Joined::new(brake, &variants, options.constraints)?, &options)
+        let joined = Joined::new(brake, &variants, options.constraints).map_err(|source| match &self.variants {
+            Some(path) => Error::Variants { path: path.clone(), source: Box::new(source) },
+            None => source.into(),
+        })?;
+        self.screen_joined(brake, &joined, &options, &described)
     }
 
     /// Screens a brake that is `joined` with its variants.
@@ -203,6 +209,7 @@ impl ScreenArgs {
         brake: &B,
         joined: &J,
         options: &ScreenOptions,
+        variants: &[Value],
     ) -> Result<String, Error> {
         let (plan, start) = (joined.plan(), Instant::now());
         if plan.samples < 2 {
@@ -242,7 +249,7 @@ impl ScreenArgs {
             })?;
             let own = json!({
                 "constraints": plan.labels.constraints[options.constraints],
-                "variants": self.variants,
+                "variants": variants,
                 "kinds": options.kinds,
                 "criterion": options.criterion,
                 "up_to": options.up_to,
@@ -269,4 +276,15 @@ impl ScreenArgs {
             screen.text(),
         ))
     }
+}
+
+/// A variant, for the manifest: its case, what was set in it, and the digest of both together.
+fn described(name: &str, plan: &Plan) -> Value {
+    let file = plan.source_file.as_ref();
+    json!({
+        "name": name,
+        "case": file.map(|file| file.path.display().to_string()),
+        "set": file.map(|file| &file.set),
+        "sha256": file.map(|file| fingerprint(&file.text)),
+    })
 }
