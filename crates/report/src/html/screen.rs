@@ -80,24 +80,23 @@ fn growing(geometry: &Geometry<'_>, screen: &Screen, constraints: usize) -> Resu
     moving(geometry, &scenes, modes)
 }
 
-/// Answer of a screening: what helps, in words, the best of each kind first; then all that was found, as it is printed.
+/// Answer of a screening: what helps, in words, the best of each kind, the largest drop first; then all that was found, as it is printed.
 fn answer(screen: &Screen) -> String {
     let mut text = String::from("<h3>What helps</h3>\n<ul class=\"lead\">\n");
+    // A drop that is not known is none.
+    let drop = |set: &ScreenedSet| {
+        let found = set.confirmed.as_ref().map(|found| screen.criterion.drop(found).value);
+        found.filter(|drop| !drop.is_nan()).unwrap_or(f64::NEG_INFINITY)
+    };
     let mut best: Vec<&ScreenedSet> = Vec::new();
     for set in screen.sets.iter().skip(1).filter(|set| set.confirmed.is_some()) {
-        let drop = |set: &ScreenedSet| match &set.confirmed {
-            // A drop that is not known is none.
-            Some(found) => {
-                Some(screen.criterion.drop(found).value).filter(|drop| !drop.is_nan()).unwrap_or(f64::NEG_INFINITY)
-            }
-            None => f64::NEG_INFINITY,
-        };
         match best.iter_mut().find(|other| other.kind == set.kind) {
             Some(other) if drop(set) > drop(other) => *other = set,
             Some(_) => {}
             None => best.push(set),
         }
     }
+    best.sort_by(|a, b| drop(b).total_cmp(&drop(a)));
     for set in best {
         let Some(found) = &set.confirmed else { continue };
         let action = set.kind.map_or_else(|| "Set of constraints".to_owned(), |kind| capitalised(kind.action()));
@@ -119,6 +118,6 @@ fn answer(screen: &Screen) -> String {
             100.0 * found.squealing.value
         );
     }
-    text += "</ul>\n<p>Of each kind the one with the largest drop that was confirmed; limits at 95&nbsp;%.</p>\n";
+    text += "</ul>\n<p>Of each kind the one with the largest drop that was confirmed, the largest first; limits at 95&nbsp;%.</p>\n";
     text + &format!("<pre tabindex=\"0\" aria-label=\"What the screening found\">{}</pre>\n", escaped(&screen.text()))
 }
