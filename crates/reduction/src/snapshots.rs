@@ -10,6 +10,7 @@ use sparse::product::times;
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::basis::{ROUNDING, directions};
+use super::compared::compared;
 use super::norms::{Norms, NormsAt};
 use super::wanted::largest;
 use super::{dense, grows_too_fast, split};
@@ -111,6 +112,14 @@ impl Snapshot {
     pub fn lambdas(&self) -> Vec<Complex<f64>> {
         let all = self.modes.iter().map(|mode| mode.lambda);
         all.filter(|&lambda| self.rectangle.contains_to_the_right(lambda, 0.0)).collect()
+    }
+
+    /// True if eigenvalues of a reduced system in and to the right of the rectangle, rad/s, are all counterparts of modes here, in the rectangle or next to it.
+    #[must_use]
+    pub fn has_all(&self, reduced: &[Complex<f64>]) -> bool {
+        let inside = reduced.iter().copied().filter(|&lambda| self.rectangle.contains_to_the_right(lambda, 0.0));
+        let own = self.modes.iter().map(|mode| mode.lambda).collect();
+        compared(&inside.collect::<Vec<_>>(), own).missed.is_empty()
     }
 
     /// The largest error, relative to |lambda| and to first order, that the eigenvalues have on a basis V, n x k, of orthonormal columns:

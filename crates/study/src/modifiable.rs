@@ -127,9 +127,12 @@ impl Modifiable for ModifiablePlan<'_> {
 
     fn scalable_terms(&self, constraints: usize) -> Vec<String> {
         let origin = origin_of_set(self.0, constraints);
-        let terms = origin.map_or(&[][..], |origin| self.0.origins[origin].brake.system.terms());
-        // A term alone is the brake and no part of it.
-        terms.iter().filter(|_| terms.len() > 1).map(|term| term.name.clone()).collect()
+        let Some(system) = origin.map(|origin| &self.0.origins[origin].brake.system) else { return Vec::new() };
+        let terms = system.terms();
+        // A term alone is the brake and no part of it; what relaxes is not in the matrices of its term.
+        let relaxes = |name: &str| system.channels().iter().any(|channel| !channel.is_contact && channel.name == name);
+        let parts = terms.iter().filter(|term| terms.len() > 1 && !relaxes(&term.name));
+        parts.map(|term| term.name.clone()).collect()
     }
 
     fn symmetries(&self, _constraints: usize) -> Vec<Symmetry> {

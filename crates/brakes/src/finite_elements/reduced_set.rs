@@ -25,6 +25,8 @@ pub struct ReducedSet {
     pub basis: DMatrix<f64>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub(super) leading: usize,
+    /// At the medians the brake on the basis has modes that the whole one does not have.
+    has_others: bool,
     /// Combinations of residuals on smaller bases within it.
     combinations: Combinations,
     /// The brake on it.
@@ -68,7 +70,7 @@ impl ReducedSet {
     ) -> Result<Self, Error> {
         let dofs = DofMap::new(case.dofs.len(), fixed)?;
         let system = case.system.on(&dofs)?;
-        let SetBasis { basis, leading, held_out: drawn } = basis(&system)?;
+        let SetBasis { basis, leading, has_others, held_out: drawn } = basis(&system)?;
         let reduced = system.project(&basis)?;
         let combinations = Combinations::new(&system, &basis);
         let compared = compared(&[], Vec::new());
@@ -77,6 +79,7 @@ impl ReducedSet {
             system,
             basis,
             leading,
+            has_others,
             combinations,
             reduced,
             modes: Vec::new(),
@@ -96,7 +99,7 @@ impl ReducedSet {
 
     /// True if the reduced brake and the whole one do not have the same modes at the medians.
     pub(super) fn has_others(&self, case: &FiniteElementCase) -> bool {
-        self.invented(case) + surely_wanted(case, &self.compared.missed) > 0
+        self.has_others || self.invented(case) + surely_wanted(case, &self.compared.missed) > 0
     }
 
     /// Responses of the contacts far beyond the band.
@@ -116,7 +119,7 @@ impl ReducedSet {
 }
 
 /// Number of modes that are wanted wherever the error of a reduction puts them.
-pub(super) fn surely_wanted(case: &FiniteElementCase, modes: &[Complex<f64>]) -> usize {
+fn surely_wanted(case: &FiniteElementCase, modes: &[Complex<f64>]) -> usize {
     let wanted = rectangle(case);
     modes.iter().filter(|lambda| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm())).count()
 }

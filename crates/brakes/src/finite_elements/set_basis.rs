@@ -7,11 +7,10 @@ use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{ReductionError, Snapshot, Snapshots, compared, grows_too_fast};
+use reduction::{ReductionError, Snapshot, Snapshots, grows_too_fast};
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};
-use super::reduced_set::surely_wanted;
 use super::training::{Drawn, draws, rectangle};
 use crate::Error;
 use crate::bits::bits;
@@ -48,6 +47,8 @@ pub(super) struct SetBasis {
     pub basis: DMatrix<f64>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub leading: usize,
+    /// At the medians the brake on it has modes that the whole one does not have.
+    pub has_others: bool,
     pub held_out: Vec<HeldOut>,
 }
 
@@ -59,7 +60,7 @@ pub(super) struct HeldOut {
     pub modes: Vec<Complex<f64>>,
 }
 
-bits!(SetBasis { basis, leading, held_out });
+bits!(SetBasis { basis, leading, has_others, held_out });
 bits!(HeldOut { drawn, modes });
 bits!(Drawn { closed, at });
 
@@ -123,9 +124,9 @@ pub(super) fn basis(
         // So few that none of them was asked about.
         None => holding(&snapshots, &made_of, &mut { FEWEST })?,
     };
-    let (basis, values) = without_others((case, system, &known[0]), &snapshots, &at_medians, (basis, values))?;
+    let ((basis, values), has_others) = without_others((system, &known[0]), &snapshots, &at_medians, (basis, values))?;
     let leading = values.iter().take_while(|&&value| value > LEADING).count();
-    Ok(SetBasis { basis, leading, held_out })
+    Ok(SetBasis { basis, leading, has_others, held_out })
 }
 
 /// A basis that holds some of the modes that it is made of, with its singular values, down to a floor that is lowered until it does or cannot be lowered.
@@ -145,21 +146,21 @@ fn holding(
 }
 
 /// A basis on which the brake has no modes at the medians that the whole brake does not have, where one with fewer or more directions is such and holds those
-/// that it has: directions that are parts of modes beside the band may together look like one in it. Otherwise the basis that is given.
+/// that it has: directions that are parts of modes beside the band may together look like one in it. Otherwise the basis that is given, and true.
 fn without_others(
-    (case, system, at): (&FiniteElementCase, &SparseAffineSystem, &OperatingPoint),
+    (system, at): (&SparseAffineSystem, &OperatingPoint),
     snapshots: &Snapshots<'_>,
     whole: &Snapshot,
     given: (DMatrix<f64>, Vec<f64>),
-) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
+) -> Result<((DMatrix<f64>, Vec<f64>), bool), Error> {
     let has_others = |basis: &DMatrix<f64>| -> Result<bool, Error> {
         let reduced = system.project(basis)?.assemble(at)?;
         let mut modes = QrSolver.eigenvalues(&reduced, &mut Workspace::default())?.eigenvalues;
         modes.retain(|&lambda| !grows_too_fast(lambda));
-        Ok(surely_wanted(case, &compared(&whole.lambdas(), modes).left) > 0)
+        Ok(!whole.has_all(&modes))
     };
     if !has_others(&given.0)? {
-        return Ok(given);
+        return Ok((given, false));
     }
     let mut tried = given.0.ncols();
     let mut floor = FEWEST;
@@ -167,11 +168,11 @@ fn without_others(
         let other = snapshots.basis(floor, MOST_COLUMNS)?;
         let is_new = std::mem::replace(&mut tried, other.0.ncols()) != other.0.ncols();
         if is_new && whole.error(&other.0) <= WANTED_ERROR && !has_others(&other.0)? {
-            return Ok(other);
+            return Ok((other, false));
         }
         floor *= FINER;
     }
-    Ok(given)
+    Ok((given, true))
 }
 
 /// All modes of the whole brake at some points.

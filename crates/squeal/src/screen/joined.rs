@@ -92,11 +92,23 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
                 return refused(what, found, own);
             }
         }
-        match (of.labels.constraints.iter().position(|known| known == constraints), of.labels.constraints.len()) {
-            (Some(place), _) => Ok(place),
-            (None, 1) => Ok(0),
-            _ => refused("sets of constraints", of.labels.constraints.join(", "), constraints.to_owned()),
+        let place = |of: &Plan| of.labels.constraints.iter().position(|known| known == constraints);
+        let taken = match (place(of), of.labels.constraints.len()) {
+            (Some(place), _) => place,
+            (None, 1) => 0,
+            _ => return refused("sets of constraints", of.labels.constraints.join(", "), constraints.to_owned()),
+        };
+        // Counts of all analyses of a draw are subtracted from each other.
+        let analyses = |of: &Plan, set: usize| {
+            let scenes = of.scenes.iter().filter(|scene| scene.key.constraints == set);
+            scenes.map(|scene| scene.members.len() * of.speeds_of(scene.key)).sum::<usize>()
+        };
+        let (found, own) = (analyses(of, taken), place(&self.plan).map_or(0, |set| analyses(&self.plan, set)));
+        if found != own {
+            let words = |count: usize| format!("{count} for each draw");
+            return refused("arrangements, laws and ranges of speed", words(found), words(own));
         }
+        Ok(taken)
     }
 
     fn add(&mut self, name: &str, brake: &'a B, taken: usize) {
