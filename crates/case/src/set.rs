@@ -40,7 +40,16 @@ pub(super) fn edited(path: &Path, text: &str, set: &[String]) -> Result<String, 
         let (name, value) = setting.split_once('=').ok_or_else(|| refused("NAME=VALUE".into()))?;
         let name = name.trim();
         let keys = Key::parse(name).map_err(|_| refused(format!("a dotted key of TOML before =; {name:?} is none")))?;
-        let value = value.trim().parse().unwrap_or_else(|_| Value::from(value.trim()));
+        let value = match value.trim().parse::<Value>() {
+            Ok(value) => value,
+            // What begins as a list or a table is meant as one.
+            Err(error) if value.trim().starts_with(['{', '[']) => {
+                let reason = error.to_string();
+                let reason = reason.lines().last().unwrap_or_default().to_owned();
+                return Err(refused(format!("a value of TOML, which {} is not: {reason}", value.trim())));
+            }
+            Err(_) => Value::from(value.trim()),
+        };
         put(document.as_table_mut(), &keys, value).map_err(refused)?;
     }
     Ok(document.to_string())
@@ -325,6 +334,7 @@ coefficient = 1.0
             ("terms=1", "mu, c, or"),
             ("terms.springs.coefficient=2", "a table of terms by its name: pad spring"),
             ("study.samples.most=1", "samples is no table"),
+            ("terms.shim={ stiffness = [[1.0, 0.0] [0.0, 0.0]] }", "a value of TOML, which { stiffness = "),
         ] {
             let refused = set(&[setting]).unwrap_err();
             assert!(refused.starts_with(&format!("brake.toml: set = {setting}; allowed: ")), "{refused}");

@@ -45,7 +45,7 @@ pub struct ScreenArgs {
     /// File (TOML) with variants of the case: what is changed in practice, as a shim, other matrices, a chamfer; docs/screen.md describes it
     #[arg(long, value_name = "FILE")]
     pub variants: Option<PathBuf>,
-    /// Kinds of changes: constraint, mass, spring, dashpot, contact, scale (a part's modulus, damping, mass) [default: all; none beside --variants]
+    /// Kinds of changes: constraint, mass, spring, dashpot, contact, scale (the modulus, damping, mass of a part of given matrices) [default: all; none beside --variants]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub kinds: Option<Vec<String>>,
     /// Places of a set at most; sets are built greedily, of places and of what symmetries of the brake make of a place [default: 2]
@@ -268,7 +268,7 @@ impl ScreenArgs {
             return Ok(format!("{:#}\n", screen.json()));
         }
         let place = results_folder::place(self.out.as_deref());
-        let sizes = Sizes::in_proportion(&options.kinds);
+        let sizes = options.sizes.in_proportion(&options.kinds);
         let sizes = if sizes.is_empty() { sizes } else { sizes + "\n" };
         Ok(format!(
             "{}\n\n{}{sizes}{seconds:.2} s, {predicted:.2} s of it for the prediction{place}\n",

@@ -167,3 +167,16 @@ fn what_cannot_be_compared_is_refused() {
         assert!(refused(text).contains(wanted), "{text}: {}", refused(text));
     }
 }
+
+/// Numbers of two sets are subtracted over all analyses of a draw.
+#[test]
+fn a_variant_with_another_number_of_arrangements_is_refused() {
+    let mut other = LatticeCase::read(&case("two-by-two.toml")).unwrap();
+    other.panels.truncate(1);
+    let (unchanged, other) = (
+        LatticeBrake::new(LatticeCase::read(&case("two-by-two.toml")).unwrap()).unwrap(),
+        LatticeBrake::new(other).unwrap(),
+    );
+    let refused = Joined::new(&unchanged, &[("fewer", &other)], 0).err().map(|error| error.to_string());
+    assert!(refused.is_some_and(|line| line.contains("variant \"fewer\": arrangements, laws and ranges of speed = ")));
+}

@@ -85,7 +85,7 @@ pub trait Modifiable: Sync {
     /// Medians that have no operating point.
     fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error>;
 
-    /// Names of the terms of the brake that are parts of it, whose stiffness, damping and mass can be scaled. None, as provided.
+    /// Names of the terms of the brake that are parts of it, whose stiffness, damping and mass can be scaled. None, as provided, and of a reduced brake: its basis need not hold the modes with them.
     fn scalable_terms(&self, _constraints: usize) -> Vec<String> {
         Vec::new()
     }

@@ -32,9 +32,6 @@ pub struct SceneTally {
     pub perhaps_diverging: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
-    /// Samples in which the verdict on a mode that oscillates is open: it may be any mode that is not surely unstable there.
-    #[serde(default)]
-    pub undecided_samples: u64,
     /// Eigenvalues on the imaginary axis to within rounding of the matrices.
     pub marginal: u64,
     /// Unstable modes of a reduced brake whose residual in the full model is known.
@@ -83,7 +80,6 @@ impl SceneTally {
         self.diverging += u64::from(outcome.divergent > 0);
         self.perhaps_diverging += u64::from(outcome.divergent == 0 && outcome.undecided_real > 0);
         self.undecided += u64::from(outcome.undecided);
-        self.undecided_samples += u64::from(!outcome.undecided_omegas.is_empty());
         self.record_third_octaves(outcome);
         self.marginal += u64::from(outcome.marginal);
         for mode in &outcome.unstable {
@@ -142,7 +138,6 @@ impl SceneTally {
         self.diverging += later.diverging;
         self.perhaps_diverging += later.perhaps_diverging;
         self.undecided += later.undecided;
-        self.undecided_samples += later.undecided_samples;
         self.marginal += later.marginal;
         self.residuals += later.residuals;
         self.residuals_above += later.residuals_above;

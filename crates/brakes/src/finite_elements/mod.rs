@@ -332,13 +332,6 @@ impl Modifiable for FiniteElementBrake {
         Ok(places::places(self, constraints).map(Some)?)
     }
 
-    fn scalable_terms(&self, constraints: usize) -> Vec<String> {
-        // Terms of the case stand before holders and contact, whose forces friction reads; one alone is the whole structure.
-        let (own, origin) = (self.case.coefficients.len(), &self.plan.origins[constraints]);
-        let terms = origin.brake.system.terms().iter().take(own).filter(|_| own > 1);
-        terms.map(|term| term.name.clone()).collect()
-    }
-
     fn symmetries(&self, _: usize) -> Vec<Symmetry> {
         Vec::new()
     }

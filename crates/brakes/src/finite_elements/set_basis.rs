@@ -42,6 +42,9 @@ const MOST_COLUMNS: usize = 600;
 /// Complete solutions of the whole brake that the basis of a set takes, roughly: those that make it, with those at draws that are held out and at the medians.
 pub(super) const SOLUTIONS: usize = FIRST_SOLUTIONS + 3 * HELD_OUT + 1;
 
+/// Orthonormal directions, n x k, by descending singular value, with these.
+type Directions = (DMatrix<f64>, Vec<f64>);
+
 /// The basis V of a brake, n x k, and draws that it was not made of.
 pub(super) struct SetBasis {
     pub basis: DMatrix<f64>,
@@ -130,11 +133,7 @@ pub(super) fn basis(
 }
 
 /// A basis that holds some of the modes that it is made of, with its singular values, down to a floor that is lowered until it does or cannot be lowered.
-fn holding(
-    snapshots: &Snapshots<'_>,
-    of: &[Snapshot],
-    floor: &mut f64,
-) -> Result<(DMatrix<f64>, Vec<f64>), ReductionError> {
+fn holding(snapshots: &Snapshots<'_>, of: &[Snapshot], floor: &mut f64) -> Result<Directions, ReductionError> {
     loop {
         let basis = snapshots.basis(*floor, MOST_COLUMNS)?;
         let is_held = of.iter().all(|found| found.error(&basis.0) <= WANTED_ERROR);
@@ -151,8 +150,8 @@ fn without_others(
     (system, at): (&SparseAffineSystem, &OperatingPoint),
     snapshots: &Snapshots<'_>,
     whole: &Snapshot,
-    given: (DMatrix<f64>, Vec<f64>),
-) -> Result<((DMatrix<f64>, Vec<f64>), bool), Error> {
+    given: Directions,
+) -> Result<(Directions, bool), Error> {
     let has_others = |basis: &DMatrix<f64>| -> Result<bool, Error> {
         let reduced = system.project(basis)?.assemble(at)?;
         let mut modes = QrSolver.eigenvalues(&reduced, &mut Workspace::default())?.eigenvalues;

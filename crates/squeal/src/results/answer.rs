@@ -196,7 +196,12 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
                   arrangements.";
     let meaning = if has_one_panel(results, 0) { meaning } else { meaning + panels };
     let mut items = Vec::new();
-    if quiet > 0 {
+    if quiet > 0 && undecided > 0 {
+        items.push(format!(
+            "Modes that were surely unstable in no draw: {quiet}. As verdicts are open, no upper limit of their occurrence is known; those of tables leave \
+             open verdicts out."
+        ));
+    } else if quiet > 0 {
         items.push(format!(
             "Modes that were unstable in no draw: {quiet}. Each of them is unstable in at most {:.2}\u{a0}% of the draws{of} (95\u{a0}%).",
             100.0 * upper

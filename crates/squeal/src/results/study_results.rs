@@ -251,19 +251,15 @@ impl Results {
     /// Proportion of the samples solved in a scene in which a mode with this label, or divergence, is unstable.
     fn of_solved(&self, scene: usize, name: ModeLabel) -> Proportion {
         let tally = &self.summary.tally.scenes[scene];
-        // A mode whose verdict is open has no name: it may be any that is not surely unstable in that sample.
-        let or_undecided = |named: Proportion| {
-            Proportion::of_counts(named.hits(), named.ambiguous() + tally.undecided_samples, named.trials())
-        };
         match name {
             ModeLabel::DIVERGENCE => tally.divergence(),
             // A frequency rank is a name that every mode has.
             ModeLabel::UNNAMED if self.labels != ModeNaming::Tracked => Proportion::of_counts(0, 0, tally.solved),
             ModeLabel::UNNAMED => tally.unnamed(),
-            name if self.labels == ModeNaming::Tracked => or_undecided(self.counts(scene).proportion(&name)),
+            name if self.labels == ModeNaming::Tracked => self.counts(scene).proportion(&name),
             name => {
                 let rank = self.rank_of(self.plan.scenes[scene].key.constraints, name);
-                or_undecided(self.counts(scene).proportion(&ModeLabel::of_rank(rank)))
+                self.counts(scene).proportion(&ModeLabel::of_rank(rank))
             }
         }
     }

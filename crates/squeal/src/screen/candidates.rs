@@ -108,17 +108,23 @@ impl Sizes {
     pub const FACTOR: f64 = 1.1;
 
     /// Words for the sizes of some kinds where none is given, for people; nothing where they have none.
-    pub fn in_proportion(kinds: &[ChangeKind]) -> String {
-        let has = |kind: ChangeKind| kinds.contains(&kind);
+    pub fn in_proportion(&self, kinds: &[ChangeKind]) -> String {
+        let has = |kind: ChangeKind, given: Option<f64>| kinds.contains(&kind) && given.is_none();
         let mut said = Vec::new();
-        if has(ChangeKind::Mass) || has(ChangeKind::Spring) {
-            said.push(format!("a mass or spring is {} % of its place's own", 100.0 * Self::PART));
+        let parts = match [has(ChangeKind::Mass, self.mass), has(ChangeKind::Spring, self.spring)] {
+            [true, true] => "a mass or spring",
+            [true, false] => "a mass",
+            [false, true] => "a spring",
+            [false, false] => "",
+        };
+        if !parts.is_empty() {
+            said.push(format!("{parts} is {} % of its place's own", 100.0 * Self::PART));
         }
-        if has(ChangeKind::Dashpot) {
+        if has(ChangeKind::Dashpot, self.dashpot) {
             let percent = 100.0 * Self::DAMPING_RATIO;
             said.push(format!("a dashpot adds {percent} % of critical damping to its direction left to itself"));
         }
-        if has(ChangeKind::Scale) {
+        if has(ChangeKind::Scale, self.factor) {
             said.push(format!("a part is scaled by {} and by 1 over it", Self::FACTOR));
         }
         said.join(", ")
