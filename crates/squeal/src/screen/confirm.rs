@@ -45,7 +45,7 @@ struct Layout {
 }
 
 /// Number of analyses that a scene stands for: members times ranges of speed.
-fn analyses(plan: &Plan, scene: &Scene) -> usize {
+pub(super) fn analyses(plan: &Plan, scene: &Scene) -> usize {
     scene.members.len() * plan.speeds_of(scene.key)
 }
 

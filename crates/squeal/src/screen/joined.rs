@@ -11,6 +11,7 @@ use study::{
     SlidingContacts, Symmetry, UncertainBrake, WholeContact, divergence_doubt,
 };
 
+use super::confirm::analyses;
 use super::modified::modifiable_of;
 use crate::Error;
 
@@ -99,11 +100,11 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
             _ => return refused("sets of constraints", of.labels.constraints.join(", "), constraints.to_owned()),
         };
         // Counts of all analyses of a draw are subtracted from each other.
-        let analyses = |of: &Plan, set: usize| {
+        let in_set = |of: &Plan, set: usize| {
             let scenes = of.scenes.iter().filter(|scene| scene.key.constraints == set);
-            scenes.map(|scene| scene.members.len() * of.speeds_of(scene.key)).sum::<usize>()
+            scenes.map(|scene| analyses(of, scene)).sum::<usize>()
         };
-        let (found, own) = (analyses(of, taken), place(&self.plan).map_or(0, |set| analyses(&self.plan, set)));
+        let (found, own) = (in_set(of, taken), place(&self.plan).map_or(0, |set| in_set(&self.plan, set)));
         if found != own {
             let words = |count: usize| format!("{count} for each draw");
             return refused("arrangements, laws and ranges of speed", words(found), words(own));
@@ -156,7 +157,13 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
         Some((at, part, own))
     }
 
-    /// The part that a set of constraints belongs to, and the set in the part's own plan.
+    /// Modifiable parts of the brake that a scene belongs to, and the scene as its own plan has it.
+    fn of_scene(&self, scene: &Scene) -> Option<(&dyn Modifiable, Scene)> {
+        let (_, part, own) = self.own(scene)?;
+        Some((modifiable_of(part.brake, &part.by_plan).ok()?, own))
+    }
+
+    /// Modifiable parts of the brake that a set of constraints belongs to, and the set in its own plan.
     fn of_set(&self, constraints: usize) -> Option<(&dyn Modifiable, usize)> {
         let part = self.parts.iter().find(|part| part.constraints.0.contains(&constraints))?;
         let own = constraints - part.constraints.0.start + part.constraints.1;
@@ -228,8 +235,7 @@ impl<B: UncertainBrake> UncertainBrake for Joined<'_, B> {
 /// Modifiable parts of the brake that a set of constraints belongs to.
 impl<B: UncertainBrake> Modifiable for Joined<'_, B> {
     fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
-        let of = self.own(scene).and_then(|(_, part, own)| Some((modifiable_of(part.brake, &part.by_plan).ok()?, own)));
-        of.map_or_else(Vec::new, |(of, own)| of.contacts(&own))
+        self.of_scene(scene).map_or_else(Vec::new, |(of, own)| of.contacts(&own))
     }
 
     fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, study::Error> {
@@ -241,8 +247,7 @@ impl<B: UncertainBrake> Modifiable for Joined<'_, B> {
     }
 
     fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
-        let of = self.own(scene).and_then(|(_, part, own)| Some((modifiable_of(part.brake, &part.by_plan).ok()?, own)));
-        of.map_or(0, |(of, own)| of.symmetry_of_member(&own, member))
+        self.of_scene(scene).map_or(0, |(of, own)| of.symmetry_of_member(&own, member))
     }
 
     fn scalable_terms(&self, constraints: usize) -> Vec<String> {
