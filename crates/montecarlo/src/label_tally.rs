@@ -61,10 +61,14 @@ fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
 /// assert_eq!((bell.hits(), bell.ambiguous(), bell.trials()), (2, 1, 4));
 /// assert_eq!(squeal.interval(&"never seen", Confidence::P95).lower, 0.0);
 ///
+/// // One that may be there, or not, for sure is none of those that are; and counts for no lower limit.
+/// squeal.record_with_open(&[vec!["bell"]], &[vec!["drum"]]);
+/// assert_eq!((squeal.proportion(&"drum").hits(), squeal.proportion(&"drum").ambiguous()), (0, 1));
+///
 /// // Something of which nothing is known may be any of them, also one that was never seen.
 /// squeal.record(&[vec!["bell"], vec![]]);
 /// assert_eq!(squeal.proportion(&"bell").ambiguous(), 1);
-/// assert_eq!((squeal.unlabelled(), squeal.proportion(&"never seen").ambiguous()), (1, 1));
+/// assert_eq!((squeal.unlabelled().hits(), squeal.proportion(&"never seen").ambiguous()), (1, 1));
 /// for (label, proportion) in squeal.proportions() {
 ///     let interval = proportion.interval(Confidence::P95);
 ///     println!("{label}: {} of {}, {interval:?}", proportion.hits(), proportion.trials());
@@ -77,6 +81,8 @@ pub struct LabelTally<L: Ord> {
     labels: BTreeMap<L, Hits>,
     /// Trials with a thing without candidates.
     unlabelled: u64,
+    /// Trials in which the only things without candidates are open: it is not known whether they are there.
+    perhaps_unlabelled: u64,
 }
 
 /// Counts of one label.
@@ -90,19 +96,31 @@ struct Hits {
 
 impl<L: Ord> Default for LabelTally<L> {
     fn default() -> Self {
-        Self { trials: 0, labels: BTreeMap::new(), unlabelled: 0 }
+        Self { trials: 0, labels: BTreeMap::new(), unlabelled: 0, perhaps_unlabelled: 0 }
     }
 }
 
 impl<L: Ord + Clone> LabelTally<L> {
     /// Enters one trial, from the candidate labels of each thing found in the trial; see [`occurring_labels`].
     pub fn record<C: AsRef<[L]>>(&mut self, candidates: &[C]) {
+        self.record_with_open(candidates, &[]);
+    }
+
+    /// Enters one trial as [`record`](Self::record) does, with things of which it is `open` whether they are there: no label occurs for certain
+    /// by one of these, and each of their candidates may.
+    pub fn record_with_open<C: AsRef<[L]>>(&mut self, candidates: &[C], open: &[C]) {
         self.trials += 1;
-        let is_unlabelled = candidates.iter().any(|candidates| candidates.as_ref().is_empty());
+        let has_unlabelled = |things: &[C]| things.iter().any(|candidates| candidates.as_ref().is_empty());
+        let (is_unlabelled, may_be) = (has_unlabelled(candidates), has_unlabelled(open));
         self.unlabelled += u64::from(is_unlabelled);
-        for (label, trial) in occurring_labels(candidates) {
+        self.perhaps_unlabelled += u64::from(may_be && !is_unlabelled);
+        let mut occurring = occurring_labels(candidates);
+        for label in open.iter().flat_map(AsRef::as_ref) {
+            occurring.entry(label.clone()).or_insert(Trial::Ambiguous);
+        }
+        for (label, trial) in occurring {
             let hits = self.labels.entry(label).or_default();
-            hits.beside_unlabelled += u64::from(is_unlabelled);
+            hits.beside_unlabelled += u64::from(is_unlabelled || may_be);
             match trial {
                 Trial::Yes => hits.certain += 1,
                 Trial::Ambiguous => hits.ambiguous += 1,
@@ -119,10 +137,10 @@ impl<L: Ord> LabelTally<L> {
         self.trials
     }
 
-    /// The number of trials with a thing without candidates.
+    /// The proportion of trials with a thing without candidates.
     #[must_use]
-    pub fn unlabelled(&self) -> u64 {
-        self.unlabelled
+    pub fn unlabelled(&self) -> Proportion {
+        Proportion::of_counts(self.unlabelled, self.perhaps_unlabelled, self.trials)
     }
 
     /// The proportion of trials with a label; a label that never occurred has no certain hits.
@@ -143,7 +161,7 @@ impl<L: Ord> LabelTally<L> {
     }
 
     fn of_hits(&self, hits: Hits) -> Proportion {
-        let unlabelled = self.unlabelled - hits.beside_unlabelled;
+        let unlabelled = self.unlabelled + self.perhaps_unlabelled - hits.beside_unlabelled;
         Proportion::of_counts(hits.certain, hits.ambiguous + unlabelled, self.trials)
     }
 }
@@ -168,6 +186,7 @@ impl<L: Ord> Merge for LabelTally<L> {
     fn merge(&mut self, later: Self) {
         self.trials += later.trials;
         self.unlabelled += later.unlabelled;
+        self.perhaps_unlabelled += later.perhaps_unlabelled;
         for (label, more) in later.labels {
             let hits = self.labels.entry(label).or_default();
             hits.certain += more.certain;

@@ -15,7 +15,7 @@ use crate::part_manifest::PartManifest;
 use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reasons, write_tables};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 8;
+const TALLY_VERSION: u32 = 9;
 /// Time between two checkpoints; chosen: what is lost at most when a run is killed. Less would write the same file more often.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 

@@ -9,7 +9,7 @@ use tracking::{Path, PathEnd, PathStart, clear_matches};
 
 use super::reference::on_basis;
 use super::scratch::{Memory, timed};
-use super::sector_modes::{SectorModes, UnstableSectorMode};
+use super::sector_modes::{NamedSectorMode, SectorModes};
 use super::{BandMode, CoarsePath, ModeIdentity, ModeLabel, Plan, Reference};
 use crate::Error;
 
@@ -23,7 +23,7 @@ pub(super) struct BandNames<'a> {
 }
 
 impl BandNames<'_> {
-    /// The modes found in one sample, the unstable ones with names. `mass` is its mass matrix; `systems` makes the paths to the reference, where they are
+    /// The modes found in one sample, those that are unstable, or may be, with names. `mass` is its mass matrix; `systems` makes the paths to the reference, where they are
     /// needed.
     ///
     /// # Errors
@@ -41,21 +41,24 @@ impl BandNames<'_> {
         let (real, studied): (Vec<BandMode>, Vec<BandMode>) = studied.partition(|mode| real_count(mode.lambda) > 0);
         let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
         let undecided_real = real.iter().filter(is_open).count() as u32;
-        let undecided = studied.iter().filter(is_open).map(|mode| mode.lambda.im).collect();
         let divergent = real.iter().filter(|mode| margin(mode) > mode.bound).map(|mode| mode.lambda.re).collect();
-        let unstable: Vec<usize> = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
+        let surely = |at: &usize| margin(&studied[*at]) > studied[*at].bound;
+        let mut to_name: Vec<usize> = (0..studied.len()).filter(surely).collect();
+        let unstable = to_name.len();
+        to_name.extend((0..studied.len()).filter(|&at| is_open(&&studied[at])));
         let mode = |&at: &usize| Mode::weighted(mass, studied[at].lambda, studied[at].shape.clone());
-        let (modes, weighted): (Vec<Mode>, Vec<_>) = unstable.iter().map(mode).unzip();
+        let (modes, weighted): (Vec<Mode>, Vec<_>) = to_name.iter().map(mode).unzip();
         let Memory { work, spent, .. } = memory;
         let names = timed(&mut spent.names, || self.names((&modes, &weighted), coarse, system, work))?;
         let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
         let mut by_likeness = by_likeness.into_iter().flatten();
-        let named = unstable.iter().zip(modes).zip(names);
-        let unstable = named.map(|((&index, mode), names)| {
+        let named = to_name.iter().zip(modes).zip(names);
+        let mut named = named.map(|((&index, mode), names)| {
             let (names_by_likeness, residual) = (by_likeness.next(), studied[index].residual);
-            UnstableSectorMode { index, mode, names, names_by_likeness, residual }
+            NamedSectorMode { index, mode, names, names_by_likeness, residual }
         });
-        let unstable = unstable.collect();
+        let unstable = named.by_ref().take(unstable).collect();
+        let undecided = named.collect();
         let oscillatory = studied.iter().map(|mode| mode.lambda).collect();
         let modes = Modes { oscillatory, real: Vec::new(), internal: Vec::new() };
         Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal: 0 })

@@ -33,8 +33,8 @@ pub struct Outcome {
     pub divergence: f64,
     /// Number of eigenvalues whose verdict the error bound leaves open, conjugate pairs once.
     pub undecided: u32,
-    /// Im lambda of the undecided eigenvalues that oscillate, rad/s.
-    pub undecided_omegas: Vec<f64>,
+    /// Modes whose verdict the error bound leaves open: the undecided eigenvalues that oscillate.
+    pub open: Vec<OpenMode>,
     /// Number of the undecided eigenvalues that are real: they may be divergence.
     pub undecided_real: u32,
     /// Number of eigenvalues on the imaginary axis to within rounding of the matrices, conjugate pairs once: they neither grow
@@ -42,6 +42,19 @@ pub struct Outcome {
     pub marginal: u32,
     /// The system was certified to be stable without a spectrum.
     pub is_certified: bool,
+}
+
+/// Mode of a CEA that may be unstable, or not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenMode {
+    /// Frequency rank in this CEA, from 1.
+    pub rank: ModeLabel,
+    /// Im lambda, rad/s.
+    pub omega: f64,
+    /// Candidate names as those of an unstable mode.
+    pub names: Vec<ModeLabel>,
+    /// Names by MAC as those of an unstable mode.
+    pub names_by_likeness: Option<Vec<ModeLabel>>,
 }
 
 /// Unstable mode of a CEA.

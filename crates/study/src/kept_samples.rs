@@ -13,22 +13,23 @@ use super::{ModeLabel, Outcome};
 pub struct KeptSamples {
     /// Unstable samples, ascending in the index.
     pub unstable: Vec<KeptSample>,
-    /// Indices of the samples in which nothing surely is unstable and a verdict is open, ascending. Those of an earlier program have none.
-    #[serde(default)]
-    pub open: Vec<u64>,
+    /// Samples in which nothing surely is unstable and a verdict is open, ascending in the index.
+    pub open: Vec<KeptSample>,
     /// Indices of the samples whose evaluation failed, ascending. Samples whose draw failed are in no list.
     pub failed: Vec<u64>,
 }
 
-/// A sample in which anything is unstable.
+/// A sample in which anything is unstable, or may be.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeptSample {
     /// Index of the sample.
     pub index: u64,
-    /// The largest growth rate of an unstable mode or of a divergence, 1/s.
+    /// The largest growth rate of an unstable mode or of a divergence, 1/s; 0 where nothing surely is unstable.
     pub growth: f64,
     /// The unstable modes, ascending in frequency. Divergence is the last.
     pub modes: Vec<KeptMode>,
+    /// Names that each mode may have whose verdict is open. Divergence is the last.
+    pub may_be: Vec<Vec<ModeLabel>>,
 }
 
 /// An unstable mode of a sample, or its divergence.
@@ -43,7 +44,7 @@ pub struct KeptMode {
 }
 
 impl KeptSample {
-    /// A sample with its outcome; `None` of a stable one.
+    /// A sample with its outcome; `None` of one in which nothing is unstable or may be.
     pub fn new(index: u64, outcome: &Outcome) -> Option<Self> {
         let modes = outcome.unstable.iter().map(|mode| KeptMode {
             names: mode.names.clone(),
@@ -52,8 +53,15 @@ impl KeptSample {
         });
         let names = vec![ModeLabel::DIVERGENCE];
         let divergence = (outcome.divergent > 0).then_some(KeptMode { names, growth: outcome.divergence, omega: 0.0 });
-        let kept = || Self { index, growth: outcome.growth, modes: modes.chain(divergence).collect() };
-        outcome.is_unstable().then(kept)
+        let open = outcome.open.iter().map(|mode| mode.names.clone());
+        let may_diverge = (outcome.undecided_real > 0).then_some(vec![ModeLabel::DIVERGENCE]);
+        let kept = || Self {
+            index,
+            growth: outcome.growth,
+            modes: modes.chain(divergence).collect(),
+            may_be: open.chain(may_diverge).collect(),
+        };
+        (outcome.is_unstable() || outcome.undecided > 0).then(kept)
     }
 }
 
@@ -61,7 +69,7 @@ impl KeptSamples {
     /// Enters a sample; without an outcome one that failed.
     pub(super) fn record(&mut self, index: u64, outcome: Option<&Outcome>) {
         match outcome {
-            Some(outcome) if outcome.may_be_unstable() => self.open.push(index),
+            Some(outcome) if outcome.may_be_unstable() => self.open.extend(KeptSample::new(index, outcome)),
             Some(outcome) => self.unstable.extend(KeptSample::new(index, outcome)),
             None => self.failed.push(index),
         }
@@ -73,17 +81,17 @@ impl KeptSamples {
         self.failed.extend(later.failed);
     }
 
-    /// The unstable sample `index`; `None` if it was stable or failed.
+    /// Sample `index`, in which anything is unstable or may be; `None` if it was stable or failed.
     #[must_use]
     pub fn sample(&self, index: u64) -> Option<&KeptSample> {
-        let at = self.unstable.binary_search_by_key(&index, |sample| sample.index).ok()?;
-        Some(&self.unstable[at])
+        let found = |samples: &'_ Vec<KeptSample>| samples.binary_search_by_key(&index, |sample| sample.index).ok();
+        found(&self.unstable).map(|at| &self.unstable[at]).or_else(|| found(&self.open).map(|at| &self.open[at]))
     }
 
     /// True if nothing surely is unstable in sample `index`, and a verdict is open.
     #[must_use]
     pub fn is_open(&self, index: u64) -> bool {
-        self.open.binary_search(&index).is_ok()
+        self.open.binary_search_by_key(&index, |sample| sample.index).is_ok()
     }
 
     /// True if the evaluation of sample `index` failed.
@@ -96,7 +104,7 @@ impl KeptSamples {
     pub(super) fn may_be_of(&self, samples: &Range<u64>, [unstable, open]: [u64; 2]) -> bool {
         [self.unstable.len() as u64, self.open.len() as u64] == [unstable, open]
             && ascend(self.unstable.iter().map(|sample| sample.index), samples)
-            && ascend(self.open.iter().copied(), samples)
+            && ascend(self.open.iter().map(|sample| sample.index), samples)
             && ascend(self.failed.iter().copied(), samples)
     }
 }
@@ -118,7 +126,7 @@ mod tests {
     #[test]
     fn samples_are_those_of_a_range() {
         let kept = |unstable: &[u64], failed: &[u64]| {
-            let sample = |&index: &u64| KeptSample { index, growth: 1.0, modes: Vec::new() };
+            let sample = |&index: &u64| KeptSample { index, growth: 1.0, modes: Vec::new(), may_be: Vec::new() };
             KeptSamples { unstable: unstable.iter().map(sample).collect(), open: Vec::new(), failed: failed.to_vec() }
         };
         for (start, is_there) in [(0, true), (100, true), (u64::MAX - 50, true)] {
@@ -133,6 +141,7 @@ mod tests {
         assert!(!kept(&[3], &[7, 7]).may_be_of(&(0..10), [1, 0]));
         // One that is open and of which nothing is known.
         assert!(!kept(&[3], &[]).may_be_of(&(0..10), [1, 1]));
-        assert!(KeptSamples { open: vec![5], ..kept(&[3], &[]) }.may_be_of(&(0..10), [1, 1]));
+        let open = kept(&[5], &[]).unstable;
+        assert!(KeptSamples { open, ..kept(&[3], &[]) }.may_be_of(&(0..10), [1, 1]));
     }
 }

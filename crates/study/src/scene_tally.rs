@@ -6,7 +6,7 @@ use montecarlo::{LabelTally, Merge as _, Proportion, QuantileSketch};
 use serde::{Deserialize, Serialize};
 
 use super::third_octave::{InThirdOctave, ThirdOctave};
-use super::unstable_names::candidate_names;
+use super::unstable_names::{candidate_names, open_names};
 use super::{ModeLabel, Outcome};
 
 /// Counts of one scene.
@@ -43,9 +43,9 @@ pub struct SceneTally {
     /// Samples in which any mode of a third octave is unstable, or may be.
     pub third_octaves: BTreeMap<ThirdOctave, InThirdOctave>,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another, or has
-    /// no name and may be any.
+    /// no name and may be any, or where the verdict on this mode is open.
     pub tracked: LabelTally<ModeLabel>,
-    /// Samples in which the mode of a frequency rank is unstable.
+    /// Samples in which the mode of a frequency rank is unstable; ambiguous where the verdict on it is open.
     pub ranked: LabelTally<ModeLabel>,
     /// Net work of each body in one period per `phi^H M phi`, 1/s^2, by name of the mode, over the samples in which it is
     /// unstable and known by name; one sketch for each body of the scene's brake.
@@ -67,7 +67,7 @@ impl SceneTally {
 
     /// Samples with an unstable mode that has no name as a tracked mode.
     pub fn unnamed(&self) -> Proportion {
-        Proportion::of_counts(self.tracked.unlabelled(), 0, self.solved)
+        self.tracked.unlabelled()
     }
 
     pub(crate) fn record(&mut self, outcome: &Outcome) {
@@ -98,8 +98,9 @@ impl SceneTally {
                 families.iter_mut().zip(&work.families).for_each(|(bodies, work)| record_work(bodies, &work.bodies));
             }
         }
-        self.ranked.record(&outcome.unstable.iter().map(|mode| [mode.rank]).collect::<Vec<_>>());
-        self.tracked.record(&candidate_names(&outcome.unstable));
+        let unstable: Vec<_> = outcome.unstable.iter().map(|mode| [mode.rank]).collect();
+        self.ranked.record_with_open(&unstable, &outcome.open.iter().map(|mode| [mode.rank]).collect::<Vec<_>>());
+        self.tracked.record_with_open(&candidate_names(&outcome.unstable), &open_names(&outcome.open));
     }
 
     /// Enters the third octaves in which a mode is unstable, or may be.
@@ -108,7 +109,7 @@ impl SceneTally {
             omegas.filter(|omega| *omega > 0.0).map(ThirdOctave::of_omega).collect()
         };
         let unstable = of(&mut outcome.unstable.iter().map(|mode| mode.lambda.im));
-        let perhaps = of(&mut outcome.undecided_omegas.iter().copied());
+        let perhaps = of(&mut outcome.open.iter().map(|mode| mode.omega));
         for &octave in &unstable {
             self.third_octaves.entry(octave).or_default().unstable += 1;
         }
@@ -165,7 +166,7 @@ mod tests {
     use num_complex::Complex;
 
     use super::*;
-    use crate::UnstableMode;
+    use crate::{OpenMode, UnstableMode};
 
     fn labels(numbers: &[u16]) -> Vec<ModeLabel> {
         numbers.iter().copied().map(ModeLabel::new).collect()
@@ -199,5 +200,33 @@ mod tests {
         let never = tally.tracked.interval(&ModeLabel::new(4), Confidence::P95);
         assert!(never.lower == 0.0 && never.upper > 0.5, "{never:?}");
         assert_eq!(tally.ranked.proportion(&ModeLabel::new(2)).ambiguous(), 0);
+    }
+
+    #[test]
+    fn a_mode_whose_verdict_is_open_is_in_its_own_upper_limit_and_in_that_of_no_other() {
+        let open = |names: &[u16]| OpenMode {
+            rank: ModeLabel::new(7),
+            omega: 100.0,
+            names: labels(names),
+            names_by_likeness: None,
+        };
+        let mut tally = SceneTally::default();
+        let outcome = |of: &[u16]| Outcome {
+            unstable: unstable(&[&[1]]),
+            open: vec![open(of)],
+            undecided: 1,
+            ..Outcome::default()
+        };
+        (0..100).for_each(|_| tally.record(&outcome(&[2])));
+        let counts = |tally: &SceneTally, name: u16| {
+            let proportion = tally.tracked.proportion(&ModeLabel::new(name));
+            (proportion.hits(), proportion.ambiguous())
+        };
+        assert_eq!([1, 2, 3].map(|name| counts(&tally, name)), [(100, 0), (0, 100), (0, 0)]);
+        assert_eq!(tally.ranked.proportion(&ModeLabel::new(7)).ambiguous(), 100);
+        // One that has no name may be any, and is unnamed perhaps.
+        (0..50).for_each(|_| tally.record(&outcome(&[])));
+        assert_eq!([1, 2, 3].map(|name| counts(&tally, name)), [(150, 0), (0, 150), (0, 50)]);
+        assert_eq!((tally.unnamed().hits(), tally.unnamed().ambiguous()), (0, 50));
     }
 }

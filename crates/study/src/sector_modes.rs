@@ -17,20 +17,20 @@ pub(super) struct SectorModes {
     /// Modes of the sector. Where the secular equation found the growing ones, the others are approximations in the right order.
     pub modes: Modes,
     /// Unstable modes, beyond the threshold of the plan, ascending in frequency.
-    pub unstable: Vec<UnstableSectorMode>,
+    pub unstable: Vec<NamedSectorMode>,
     /// Real eigenvalues that surely are beyond the threshold, 1/s, whether of the structure or of an internal state.
     pub divergent: Vec<f64>,
-    /// Im lambda of the oscillating eigenvalues whose verdict the error bound leaves open, rad/s.
-    pub undecided: Vec<f64>,
+    /// Oscillating modes whose verdict the error bound leaves open.
+    pub undecided: Vec<NamedSectorMode>,
     /// Number of real eigenvalues whose verdict is open too.
     pub undecided_real: u32,
     /// Number of eigenvalues on the axis to within rounding of the matrices.
     pub marginal: u32,
 }
 
-/// An unstable mode of one sector.
+/// A mode of one sector that is unstable, or may be.
 #[derive(Debug, Clone)]
-pub(super) struct UnstableSectorMode {
+pub(super) struct NamedSectorMode {
     /// Index of the mode among the oscillating modes of the sector.
     pub index: usize,
     /// Eigenvalue, and shape in the basis of the sector.
@@ -188,9 +188,10 @@ struct ModesWithVerdicts {
     modes: Modes,
     /// Indices of the unstable ones among the oscillating modes.
     unstable: Vec<usize>,
+    /// Indices of those whose verdict is open.
+    undecided: Vec<usize>,
     /// Divergent eigenvalues and counts as in [`SectorModes`].
     divergent: Vec<f64>,
-    undecided: Vec<f64>,
     undecided_real: u32,
     marginal: u32,
 }
@@ -231,7 +232,7 @@ impl ModesWithVerdicts {
                 (Verdict::Unstable, Some(&index)) => judged.unstable.push(index),
                 (Verdict::Unstable, None) => judged.divergent.push(lambda.re),
                 (Verdict::Marginal { .. }, _) => judged.marginal += 1,
-                (Verdict::Undecided { .. }, Some(_)) => judged.undecided.push(lambda.im),
+                (Verdict::Undecided { .. }, Some(&index)) => judged.undecided.push(index),
                 (Verdict::Undecided { .. }, None) => judged.undecided_real += 1,
                 (Verdict::Stable, _) => {}
             }
@@ -239,12 +240,13 @@ impl ModesWithVerdicts {
         Ok(judged)
     }
 
+    /// Eigenvalues of the modes that are to be named: the unstable ones, then those whose verdict is open.
     fn lambdas(&self) -> Vec<Complex<f64>> {
-        self.unstable.iter().map(|&index| self.modes.oscillatory[index]).collect()
+        self.unstable.iter().chain(&self.undecided).map(|&index| self.modes.oscillatory[index]).collect()
     }
 
     fn with_names(self, named: Vec<NamedMode>) -> SectorModes {
-        let mode = |(index, NamedMode { mode, names, names_by_likeness })| UnstableSectorMode {
+        let mode = |(index, NamedMode { mode, names, names_by_likeness })| NamedSectorMode {
             index,
             mode,
             names,
@@ -252,7 +254,9 @@ impl ModesWithVerdicts {
             residual: None,
         };
         let Self { modes, unstable, divergent, undecided, undecided_real, marginal } = self;
-        let unstable = unstable.into_iter().zip(named).map(mode).collect();
+        let mut named = named.into_iter();
+        let unstable = unstable.into_iter().zip(named.by_ref()).map(mode).collect();
+        let undecided = undecided.into_iter().zip(named).map(mode).collect();
         SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal }
     }
 }

@@ -16,6 +16,8 @@ pub struct StudyTally {
     pub scenes: Vec<SceneTally>,
     /// Number of unstable modes and divergences in all arrangements of each panel together, over the samples solved in all of them.
     pub panels: Vec<BoundedMean>,
+    /// Number of open verdicts in all arrangements of each panel together, over the same samples.
+    pub open_verdicts: Vec<u64>,
     /// Difference of the numbers of `panels` for the two panels of each comparison, each times the number of arrangements of the other, so
     /// that it is a whole number.
     pub comparisons: Vec<BoundedMean>,
@@ -50,6 +52,7 @@ impl StudyTally {
         Self {
             scenes: vec![SceneTally::default(); plan.scenes.len()],
             panels: vec![BoundedMean::default(); panels.len()],
+            open_verdicts: vec![0; panels.len()],
             comparisons: vec![BoundedMean::default(); comparisons.len()],
             strengths: vec![BTreeMap::new(); plan.labels.constraints.len() * laws],
             kept: None,
@@ -101,16 +104,18 @@ impl StudyTally {
                 }
             }
         }
-        let sum_of = |panel: &Panel| {
-            let of_scene =
-                |&scene: &usize| outcomes[scene].map(|outcome| weights[scene] * outcome.instabilities() as i32);
+        let sum_of = |panel: &Panel, count: &dyn Fn(&Outcome) -> u32| {
+            let of_scene = |&scene: &usize| outcomes[scene].map(|outcome| weights[scene] * count(outcome) as i32);
             panel.scenes.iter().map(of_scene).sum::<Option<i32>>()
         };
-        let sums: Vec<Option<i32>> = panels.iter().map(sum_of).collect();
+        let sums: Vec<Option<i32>> = panels.iter().map(|panel| sum_of(panel, &Outcome::instabilities)).collect();
         for (mean, sum) in self.panels.iter_mut().zip(&sums) {
             if let Some(sum) = *sum {
                 mean.record(sum);
             }
+        }
+        for (open, panel) in self.open_verdicts.iter_mut().zip(panels) {
+            *open += sum_of(panel, &|outcome| outcome.undecided).unwrap_or(0) as u64;
         }
         for (mean, pair) in self.comparisons.iter_mut().zip(comparisons) {
             if let (Some(more), Some(fewer)) = (sums[pair.more], sums[pair.fewer]) {
@@ -128,6 +133,9 @@ impl Merge for StudyTally {
         }
         for (mine, more) in self.panels.iter_mut().zip(later.panels) {
             mine.merge(more);
+        }
+        for (mine, more) in self.open_verdicts.iter_mut().zip(later.open_verdicts) {
+            *mine += more;
         }
         for (mine, more) in self.comparisons.iter_mut().zip(later.comparisons) {
             mine.merge(more);
@@ -201,6 +209,9 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for TwiceNamedTally {
         let alike = |outcome: &Outcome| {
             let mut outcome = outcome.clone();
             for mode in &mut outcome.unstable {
+                mode.names = mode.names_by_likeness.take().unwrap_or_default();
+            }
+            for mode in &mut outcome.open {
                 mode.names = mode.names_by_likeness.take().unwrap_or_default();
             }
             outcome

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use montecarlo::{Trial, occurring_labels};
 
-use super::{ModeLabel, Outcome, UnstableMode};
+use super::{ModeLabel, OpenMode, Outcome, UnstableMode};
 
 /// Names of unstable modes, from the candidate names of each; the value says whether the name is sure. A mode without a name may be any
 /// of `all`, and is listed as unnamed.
@@ -39,9 +39,12 @@ impl Outcome {
         self.unstable.len() as u32 + self.divergent
     }
 
-    /// Names of all that is unstable, each with whether it is sure; divergence is listed as [`ModeLabel::DIVERGENCE`].
+    /// Names of all that is unstable, or may be, each with whether it is sure; divergence is listed as [`ModeLabel::DIVERGENCE`].
     pub(crate) fn unstable_names(&self, all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
         let mut names = unstable_names(&candidate_names(&self.unstable), all);
+        for (name, _) in unstable_names(&open_names(&self.open), all) {
+            names.entry(name).or_insert(false);
+        }
         if self.divergent > 0 || self.undecided_real > 0 {
             names.insert(ModeLabel::DIVERGENCE, self.divergent > 0);
         }
@@ -50,6 +53,10 @@ impl Outcome {
 }
 
 pub(crate) fn candidate_names(modes: &[UnstableMode]) -> Vec<&[ModeLabel]> {
+    modes.iter().map(|mode| mode.names.as_slice()).collect()
+}
+
+pub(crate) fn open_names(modes: &[OpenMode]) -> Vec<&[ModeLabel]> {
     modes.iter().map(|mode| mode.names.as_slice()).collect()
 }
 

@@ -9,7 +9,7 @@ use cea::{BatchSolver, EigenSolver, QrSolver, Workspace};
 use montecarlo::{Experiment as _, stream};
 use num_complex::Complex;
 use study::estimators::{EstimatorError, OneParameterFamily, friction_points, monte_carlo, scene_occurrences};
-use study::{Outcome, Study, UncertainBrake as _};
+use study::{KeptSample, Outcome, Study, UncertainBrake as _};
 
 /// A lattice with all laws, with the table `[squeal]` of this text.
 fn brake(squeal: &str, changes: &[(&str, &str)]) -> LatticeBrake {
@@ -95,17 +95,24 @@ fn a_mode_on_the_threshold_is_undecided() {
     let outcomes_of_sign = outcomes(&sign, &samples);
     // The growth rate of a mode of the second scene, in which the secular equation finds the modes.
     let grows = |of: &&Outcome| of.unstable.len() == 1 && of.unstable[0].lambda.re > 10.0;
-    let (at, growth) = outcomes_of_sign
+    let (at, mode) = outcomes_of_sign
         .iter()
         .enumerate()
-        .find_map(|(at, of)| Some((at, of.iter().find(grows)?.unstable[0].lambda.re)))
+        .find_map(|(at, of)| Some((at, of.iter().find(grows)?.unstable[0].clone())))
         .unwrap();
+    let growth = mode.lambda.re;
     for (factor, undecided) in [(1.0, 1), (1.0 - 1e-7, 0), (1.0 + 1e-7, 0)] {
         let brake = brake(&format!("growth_above = {:?}", growth * factor), &[]);
         let found = &outcomes(&brake, &samples)[at];
         let of_sample =
             outcomes_of_sign[at].iter().position(|of| grows(&of) && of.unstable[0].lambda.re == growth).unwrap();
         assert_eq!(found[of_sample].undecided, undecided, "{factor}");
+        // What is open is told by name.
+        let open: Vec<_> = found[of_sample].open.iter().map(|open| (open.rank, &open.names)).collect();
+        assert_eq!(open, if undecided == 1 { vec![(mode.rank, &mode.names)] } else { Vec::new() }, "{factor}");
+        let kept = KeptSample::new(0, &found[of_sample]);
+        let may_be: Vec<_> = kept.map(|kept| kept.may_be).into_iter().flatten().collect();
+        assert_eq!(may_be, if undecided == 1 { vec![mode.names.clone()] } else { Vec::new() }, "{factor}");
         assert_eq!(found[of_sample].unstable.len(), usize::from(factor < 1.0), "{factor}");
         assert_eq!(found.iter().map(|of| of.undecided).sum::<u32>(), undecided);
     }

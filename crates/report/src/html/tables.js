@@ -108,8 +108,8 @@ const startTables = () => {
     byId('table-more').replaceChildren(...others.map(of =>
       make('table', {}, make('thead', {}, make('tr', {}, ...headOf(of))), make('tbody', {}, ...bodyOf(of)))));
     const last = first + page.length;
-    const where = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : 'No row';
-    byId('table-rows').textContent = isPaper ? `${where}; ${table.name} has all digits` : where;
+    const where = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : table.header.length ? 'No row' : '';
+    byId('table-rows').textContent = isPaper && where ? `${where}; ${table.name} has all digits` : where;
     byId('table-back').disabled = first === 0;
     byId('table-on').disabled = last >= rows.length;
   };
@@ -121,6 +121,8 @@ const startTables = () => {
   const begin = () => {
     table = data.tables[choice.value];
     byId('table-about').textContent = `${table.about}.`;
+    // A table that is too long for a page has no columns here.
+    byId('table-save').disabled = filter.disabled = !table.header.length;
     select();
     const heads = table.header.map((text, column) => {
       const head = make('th', { scope: 'col' });

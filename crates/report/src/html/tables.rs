@@ -8,14 +8,23 @@ use serde_json::{Value, json};
 
 use crate::Error;
 
-/// Tables of a folder that have rows, for the page; each by its name, with what it is about.
+/// Largest file of a table of which a page has the rows, bytes; chosen: no browser is slow with it. A longer one is read where it stands.
+const MOST_BYTES: u64 = 8_000_000;
+
+/// Tables of a folder that have rows, for the page; each by its name, with what it is about. Of one that is too long for a page that is said, in the
+/// place of its rows.
 ///
 /// # Errors
 /// A table that cannot be read.
 pub(super) fn with_rows(dir: &Path, tables: &[(&str, &str)]) -> Result<Vec<Value>, Error> {
     let mut found = Vec::new();
     for (name, about) in tables {
-        if let Some(table) = read(dir, name)?.filter(|table| !table.rows.is_empty()) {
+        let bytes = std::fs::metadata(dir.join(name)).map_or(0, |file| file.len());
+        if bytes > MOST_BYTES {
+            let about =
+                format!("{about}. With {} MB it is too long for this page: open {name} beside it", bytes / 1_000_000);
+            found.push(on_page(&Table::new(*name, [""; 0], []), name, &about));
+        } else if let Some(table) = read(dir, name)?.filter(|table| !table.rows.is_empty()) {
             found.push(on_page(&table, name, about));
         }
     }

@@ -168,12 +168,15 @@ impl StudyFolder {
     fn enter_samples(&mut self, table: &Table) -> Option<()> {
         let scene = places(table, SCENE)?;
         let [sample, growth, unstable] = places(table, ["sample", "growth", "unstable"])?;
-        self.tells_open = table.columns.get(unstable + 1).is_some_and(|column| column == "open");
-        let first_input = unstable + 1 + usize::from(self.tells_open);
+        // Tables of earlier programs have not both.
+        let has = |at: usize, name: &str| table.columns.get(at).is_some_and(|column| column == name);
+        self.tells_open = has(unstable + 1, "open") && has(unstable + 2, "may_be");
+        let first_input = unstable + 1 + usize::from(has(unstable + 1, "open")) + usize::from(self.tells_open);
         for row in &table.rows {
             let (scene, index) = (scene.map(|at| row[at].clone()), row[sample].parse().ok()?);
             let is_open = self.tells_open && row[unstable + 1] == "1";
-            self.kept.entry(scene.clone()).or_default().enter(index, [&row[growth], &row[unstable]], is_open);
+            let may_be = if self.tells_open { &row[unstable + 2] } else { "" };
+            self.kept.entry(scene.clone()).or_default().enter(index, [&row[growth], &row[unstable], may_be], is_open);
             for (input, cell) in table.columns.iter().zip(row).skip(first_input) {
                 self.draws.entry(input.clone()).or_default().insert((scene.clone(), index), cell.clone());
             }

@@ -22,24 +22,29 @@ pub(super) struct Kept(BTreeMap<u64, Option<Unstable>>);
 struct Unstable {
     /// Modes that are unstable, or may be.
     modes: BTreeMap<String, Trial>,
-    /// A mode without a name is.
+    /// A mode without a name is, or may be.
     has_unnamed: bool,
     /// Nothing surely is, and a verdict is open.
     is_open: bool,
 }
 
 impl Kept {
-    /// Enters a sample by its cells `growth` and `unstable`, and whether its verdict is open.
-    pub fn enter(&mut self, index: u64, [growth, unstable]: [&str; 2], is_open: bool) {
-        let candidates: Vec<Vec<String>> = unstable
-            .split(';')
-            .filter_map(|mode| Some(mode.rsplit_once(':')?.0))
-            .map(|names| if names == "?" { Vec::new() } else { names.split('|').map(str::to_owned).collect() })
-            .collect();
-        let has_unnamed = candidates.iter().any(Vec::is_empty);
+    /// Enters a sample by its cells `growth`, `unstable` and `may_be`, and whether nothing surely is unstable and a verdict is open.
+    pub fn enter(&mut self, index: u64, [growth, unstable, may_be]: [&str; 3], is_open: bool) {
+        let names = |names: &str| -> Vec<String> {
+            if names == "?" { Vec::new() } else { names.split('|').map(str::to_owned).collect() }
+        };
+        let candidates: Vec<Vec<String>> =
+            unstable.split(';').filter_map(|mode| Some(names(mode.rsplit_once(':')?.0))).collect();
+        let open: Vec<Vec<String>> = may_be.split_terminator(';').map(names).collect();
         let mut modes = occurring_labels(&candidates);
+        for name in open.iter().flatten() {
+            modes.entry(name.clone()).or_insert(Trial::Ambiguous);
+        }
+        let is_unnamed = |of: &[Vec<String>]| of.iter().any(Vec::is_empty);
+        let has_unnamed = is_unnamed(&candidates) || is_unnamed(&open);
         if has_unnamed {
-            modes.insert("unnamed".into(), Trial::Yes);
+            modes.insert("unnamed".into(), if is_unnamed(&candidates) { Trial::Yes } else { Trial::Ambiguous });
         }
         // No growth rate is that of a sample whose evaluation failed.
         self.0.insert(index, (!growth.is_empty()).then_some(Unstable { modes, has_unnamed, is_open }));

@@ -25,11 +25,10 @@ pub(super) struct Evaluated {
 }
 
 impl Evaluated {
-    /// The sample with these inputs, and the modes of `kept`, an unstable sample; `None` is one in which nothing surely is unstable, if it `is_undecided` because a
-    /// verdict is.
-    fn new(inputs: Vec<f64>, kept: Option<&KeptSample>, is_undecided: bool) -> Self {
+    /// The sample with these inputs, and the modes of `kept`; `None` is one in which everything surely is stable.
+    fn new(inputs: Vec<f64>, kept: Option<&KeptSample>) -> Self {
         let Some(KeptSample { growth, modes, .. }) = kept else {
-            return Self { inputs, growth: 0.0, modes: Vec::new(), is_open: false, is_undecided };
+            return Self { inputs, growth: 0.0, modes: Vec::new(), is_open: false, is_undecided: false };
         };
         let named: Vec<(ModeLabel, f64)> = modes
             .iter()
@@ -38,7 +37,8 @@ impl Evaluated {
                 _ => None,
             })
             .collect();
-        Self { inputs, growth: *growth, is_open: named.len() < modes.len(), modes: named, is_undecided: false }
+        let (is_open, is_undecided) = (named.len() < modes.len(), modes.is_empty());
+        Self { inputs, growth: *growth, is_open, modes: named, is_undecided }
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) fn of_kept<S>(
 ) -> Vec<Option<Evaluated>> {
     let evaluated = |(sample, index): (&Option<S>, u64)| {
         let sample = sample.as_ref().filter(|_| !kept.has_failed(index))?;
-        Some(Evaluated::new(of.input_values(scene, sample), kept.sample(index), kept.is_open(index)))
+        Some(Evaluated::new(of.input_values(scene, sample), kept.sample(index)))
     };
     drawn.iter().zip(0..).map(evaluated).collect()
 }
@@ -81,7 +81,7 @@ pub(super) fn evaluate<B: UncertainBrake>(
             let sample = sample.as_ref()?;
             let outcome = outcomes.next()?.ok()?;
             let kept = KeptSample::new(index, &outcome);
-            Some(Evaluated::new(of.input_values(of_scene, sample), kept.as_ref(), outcome.undecided > 0))
+            Some(Evaluated::new(of.input_values(of_scene, sample), kept.as_ref()))
         };
         let found: Vec<Option<Evaluated>> = drawn.iter().zip(first..).map(evaluated).collect();
         progress.advance(indices.end - indices.start);

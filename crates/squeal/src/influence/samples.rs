@@ -5,7 +5,9 @@ use std::path::Path;
 
 use montecarlo::Summary;
 use output::Table;
-use study::{DrawnInputs, KeptMode, KeptSample, KeptSamples, Plan, Scene, SceneLabels, StudyTally, UncertainBrake};
+use study::{
+    DrawnInputs, KeptMode, KeptSample, KeptSamples, ModeLabel, Plan, Scene, SceneLabels, StudyTally, UncertainBrake,
+};
 
 use super::report::influence_table;
 use super::{drawn_again, influence_of_kept};
@@ -15,8 +17,9 @@ use crate::Error;
 /// Nothing is evaluated for them.
 ///
 /// A row of `samples.csv` is one sample in one scene: its index, the largest growth rate, 1/s, 0 where nothing is unstable and empty where
-/// the evaluation failed; the unstable modes as `name:growth`, with `;` between, of open names all candidates as in `1|2`; and the values
-/// of what is drawn, empty where the scene does not depend on it. A sample whose draw failed has no row.
+/// the evaluation failed; the unstable modes as `name:growth`, with `;` between, of open names all candidates as in `1|2`; `open`, 1 where nothing surely
+/// is unstable and a verdict is open; `may_be`, the modes whose verdict is open; and the values of what is drawn, empty where the scene does not depend
+/// on it. A sample whose draw failed has no row.
 ///
 /// # Errors
 /// [`Error::Output`].
@@ -58,14 +61,14 @@ pub fn write_kept_samples<B: UncertainBrake>(
         drawn.iter().zip(0..).filter_map(row).collect::<Vec<_>>()
     };
     let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
-    let header = [scene_columns, &["sample", "growth", "unstable", "open"], &columns].concat();
+    let header = [scene_columns, &["sample", "growth", "unstable", "open", "may_be"], &columns].concat();
     let rows = plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene);
     Ok(Table::new("samples", header, rows).write(dir)?)
 }
 
 /// The names that a mode may have.
-fn names_in_words(mode: &KeptMode) -> String {
-    let names: Vec<String> = mode.names.iter().map(ToString::to_string).collect();
+fn names_in_words(names: &[ModeLabel]) -> String {
+    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
     if names.is_empty() { "?".into() } else { names.join("|") }
 }
 
@@ -76,7 +79,12 @@ fn unstable_modes(plan: &Plan, kept: &[KeptSamples]) -> Table {
         let row = |sample: &KeptSample, mode: &KeptMode| {
             let KeptMode { growth, omega, .. } = *mode;
             let numbers = [omega / TAU, growth, -growth / growth.hypot(omega)].map(|number| number.to_string());
-            place.iter().cloned().chain([sample.index.to_string(), names_in_words(mode)]).chain(numbers).collect()
+            place
+                .iter()
+                .cloned()
+                .chain([sample.index.to_string(), names_in_words(&mode.names)])
+                .chain(numbers)
+                .collect()
         };
         kept.unstable
             .iter()
@@ -88,15 +96,14 @@ fn unstable_modes(plan: &Plan, kept: &[KeptSamples]) -> Table {
     Table::new("unstable_modes", header, plan.scenes.iter().zip(kept).flat_map(of_scene))
 }
 
-/// The largest growth rate and the unstable modes of a sample, and whether it is open that anything is.
-fn in_words(kept: &KeptSamples, index: u64) -> [String; 3] {
-    let Some(KeptSample { growth, modes, .. }) = kept.sample(index) else {
-        let [growth, open] = match (kept.has_failed(index), kept.is_open(index)) {
-            (true, _) => ["", ""],
-            (false, is_open) => ["0", if is_open { "1" } else { "0" }],
-        };
-        return [growth.into(), String::new(), open.into()];
+/// The largest growth rate and the unstable modes of a sample, whether it is open that anything is, and what may be.
+fn in_words(kept: &KeptSamples, index: u64) -> [String; 4] {
+    let Some(KeptSample { growth, modes, may_be, .. }) = kept.sample(index) else {
+        let [growth, open] = if kept.has_failed(index) { ["", ""] } else { ["0", "0"] };
+        return [growth, "", open, ""].map(str::to_owned);
     };
-    let modes = modes.iter().map(|mode| format!("{}:{}", names_in_words(mode), mode.growth));
-    [growth.to_string(), modes.collect::<Vec<_>>().join(";"), "0".into()]
+    let join = |modes: Vec<String>| modes.join(";");
+    let unstable = modes.iter().map(|mode| format!("{}:{}", names_in_words(&mode.names), mode.growth)).collect();
+    let open = u8::from(kept.is_open(index)).to_string();
+    [growth.to_string(), join(unstable), open, join(may_be.iter().map(|names| names_in_words(names)).collect())]
 }

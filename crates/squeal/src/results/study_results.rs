@@ -128,6 +128,7 @@ impl Results {
         let kept: Vec<usize> = (0..self.panels.len()).filter(|&at| is_of(at)).collect();
         let mut summary = self.summary.clone();
         summary.tally.panels = kept.iter().map(|&at| self.summary.tally.panels[at]).collect();
+        summary.tally.open_verdicts = kept.iter().map(|&at| self.summary.tally.open_verdicts[at]).collect();
         let place = |panel: usize| kept.binary_search(&panel).ok();
         let compared = |(comparison, mean): (&Comparison, &BoundedMean)| {
             let (more, fewer) = (place(comparison.more)?, place(comparison.fewer)?);
@@ -175,14 +176,14 @@ impl Results {
         self.panels.iter().filter(move |panel| panel.key.constraints == constraints && panel.key.law == law)
     }
 
-    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement. Where an unstable mode has
-    /// no name every mode of the scene may have been unstable, and is listed. Divergence and modes without a name are in
+    /// Occurrences of every mode that is ever unstable in a panel, or may be, by its name, one entry per arrangement. Where an unstable mode
+    /// has no name every mode of the scene may have been unstable, and is listed. Divergence and modes without a name are in
     /// [`other_occurrences`](Self::other_occurrences).
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let seen = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
         let set = panel.key.constraints;
         let mut names: BTreeSet<ModeLabel> = seen.map(|(&rank, _)| self.name(set, rank)).collect();
-        let open = panel.scenes.iter().filter(|&&scene| self.counts(scene).unlabelled() > 0);
+        let open = panel.scenes.iter().filter(|&&scene| has_any(self.counts(scene).unlabelled()));
         names.extend(open.flat_map(|&scene| self.references[scene].all_names()).map(|rank| self.name(set, rank)));
         names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
     }
@@ -192,7 +193,7 @@ impl Results {
     pub fn other_occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let is_seen = |&name: &ModeLabel| {
             let of_solved = panel.scenes.iter().map(|&scene| self.of_solved(scene, name));
-            of_solved.into_iter().any(|found| found.hits() + found.ambiguous() > 0)
+            of_solved.into_iter().any(has_any)
         };
         let seen = [ModeLabel::UNNAMED, ModeLabel::DIVERGENCE].into_iter().filter(is_seen);
         seen.map(|name| (name, self.occurrences_of(panel, name))).collect()
@@ -313,19 +314,24 @@ impl Results {
     }
 
     /// Mean number of unstable modes and divergences in one CEA of a panel. In a sample of which an arrangement failed
-    /// everything may be unstable and nothing surely is.
+    /// everything may be unstable and nothing surely is; a verdict that is open may be one more.
     pub fn mean_unstable(&self, panel: &Panel) -> Option<Estimate> {
         let at = self.panels.iter().position(|p| p.key == panel.key)?;
         let (solved, arrangements) = (&self.summary.tally.panels[at], panel.arrangements as f64);
         solved.mean()?;
-        let most = self.most_unstable(panel) * arrangements;
-        let bounds = Bounds::of_count(most, arrangements);
+        let open = self.summary.tally.open_verdicts[at] as f64 / solved.count() as f64;
+        let greatest = self.most_unstable(panel) * arrangements;
+        let bounds = Bounds::of_count(greatest, arrangements);
         let failed = self.summary.samples.saturating_sub(solved.count());
-        let [least, most] = [0, most as i32].map(|of_failed| solved.and(of_failed, failed));
+        let [least, most] = [0, greatest as i32].map(|of_failed| solved.and(of_failed, failed));
         let [lower, upper] = [least, most].map(|mean| mean.interval(bounds, Confidence::P95));
         let per_analysis = |sum: f64| sum / arrangements;
         let value = per_analysis(least.mean()?);
-        Some(Estimate { value, lower: per_analysis(lower.lower), upper: per_analysis(upper.upper) })
+        Some(Estimate {
+            value,
+            lower: per_analysis(lower.lower),
+            upper: per_analysis((upper.upper + open).min(greatest)),
+        })
     }
 
     /// Number of modes that one CEA of a panel has: no more of them are unstable.
@@ -360,7 +366,13 @@ impl Results {
         let by = arrangements(of.more) * arrangements(of.fewer);
         let value = differences.mean()? / by;
         let limits = CountDifference { differences, failed: failed(differences), more, fewer }.interval(confidence);
-        Some(Estimate { value, lower: limits.lower / by, upper: limits.upper / by })
+        // A verdict that is open may be another one.
+        let open = |panel: usize| {
+            let tally = &self.summary.tally;
+            tally.open_verdicts[panel] as f64 / tally.panels[panel].count().max(1) as f64 / arrangements(panel)
+        };
+        let (lower, upper) = (limits.lower / by - open(of.fewer), limits.upper / by + open(of.more));
+        Some(Estimate { value, lower, upper })
     }
 
     /// Words for a panel in claims and summaries; of a brake without contacts their number is left out.
@@ -374,4 +386,9 @@ impl Results {
         let (constraints, law) = (&labels.constraints[panel.key.constraints], &labels.laws[panel.key.law].name);
         format!("{constraints}, {law}, {contacts}{speed}")
     }
+}
+
+/// True if something is, or may be, in any trial.
+fn has_any(found: Proportion) -> bool {
+    found.hits() + found.ambiguous() > 0
 }

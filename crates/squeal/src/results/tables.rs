@@ -21,31 +21,42 @@ impl Results {
     /// # Errors
     /// Those of following modes from one set of constraints to another.
     pub fn tables(&self, reasons: &[SceneReasons]) -> Result<Vec<Table>, Error> {
-        self.all_tables(&self.links()?, reasons)
+        let mut tables = Vec::new();
+        self.for_each_table(&self.links()?, reasons, |table| {
+            tables.push(table);
+            Ok(())
+        })?;
+        Ok(tables)
     }
 
     fn links(&self) -> Result<Vec<SetLinks>, Error> {
         Ok(set_links(self.plan(), self.origins(), &cea::QrSolver)?)
     }
 
-    fn all_tables(&self, links: &[SetLinks], reasons: &[SceneReasons]) -> Result<Vec<Table>, Error> {
-        let mut tables = modes(self);
-        tables.extend([
-            links_table(self, links),
-            occurrence(self),
-            growth(self)?,
-            panels(self),
-            differences(self),
-            net_work(self)?,
-            family_work(self)?,
-            sensitivities(self.plan(), reasons),
-            failures(self),
-        ]);
-        tables.extend(self.full_checks.as_ref().map(|checks| divergence(self, checks)));
-        if self.plan().measured.is_some() {
-            tables.push(measured::table(self, &self.beside_measured(&self.findings()?)));
+    /// Makes one table after the other: of a large brake all together are much of the memory of a run.
+    fn for_each_table(
+        &self,
+        links: &[SetLinks],
+        reasons: &[SceneReasons],
+        mut each: impl FnMut(Table) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        modes(self).into_iter().try_for_each(&mut each)?;
+        each(links_table(self, links))?;
+        each(occurrence(self))?;
+        each(growth(self)?)?;
+        each(panels(self))?;
+        each(differences(self))?;
+        each(net_work(self)?)?;
+        each(family_work(self)?)?;
+        each(sensitivities(self.plan(), reasons))?;
+        each(failures(self))?;
+        if let Some(checks) = &self.full_checks {
+            each(divergence(self, checks))?;
         }
-        Ok(tables)
+        if self.plan().measured.is_some() {
+            each(measured::table(self, &self.beside_measured(&self.findings()?)))?;
+        }
+        Ok(())
     }
 }
 
@@ -55,9 +66,7 @@ impl Results {
 /// [`Error::Output`]; those of following modes from one set of constraints to another.
 pub fn write_tables(results: &Results, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
     let links = results.links()?;
-    for table in results.all_tables(&links, reasons)? {
-        table.write(dir)?;
-    }
+    results.for_each_table(&links, reasons, |table| Ok(table.write(dir)?))?;
     write_summary(results, &links, reasons, dir)
 }
 

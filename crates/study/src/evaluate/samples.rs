@@ -6,12 +6,12 @@ use cea::{CeaError, Gain, Growing, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 
-use super::{Outcome, Study, UnstableMode};
+use super::{OpenMode, Outcome, Study, UnstableMode};
 use crate::Error;
 use crate::band::BandNames;
 use crate::net_work::work_with;
 use crate::scratch::{Scratch, timed};
-use crate::sector_modes::{SectorModes, SecularAnswer, UnstableSectorMode};
+use crate::sector_modes::{NamedSectorMode, SectorModes, SecularAnswer};
 use crate::secular_equations::growing_modes;
 use crate::{BandMode, ModeLabel, ModeSource, UncertainBrake};
 
@@ -156,7 +156,7 @@ impl<B: UncertainBrake> Study<'_, B> {
         let mass = if wants_work { Some(self.mass(scene, at)?) } else { None };
         let ranks = ranks_together(&of_sectors.iter().map(|of_sector| &of_sector.modes).collect::<Vec<_>>());
         for ((of_sector, ranks), sector) in of_sectors.iter().zip(ranks).zip(brake.sectors.iter()) {
-            for UnstableSectorMode { index, mode, names, names_by_likeness, residual } in &of_sector.unstable {
+            for NamedSectorMode { index, mode, names, names_by_likeness, residual } in &of_sector.unstable {
                 let of_mode = |mass| work_with(mass, brake, at, mode.lambda, &sector.expand(&mode.shape));
                 let work = mass.as_deref().map(of_mode).transpose()?;
                 outcome.growth = outcome.growth.max(mode.lambda.re);
@@ -169,13 +169,18 @@ impl<B: UncertainBrake> Study<'_, B> {
                     residual: *residual,
                 });
             }
+            outcome.open.extend(of_sector.undecided.iter().map(|mode| OpenMode {
+                rank: ModeLabel::of_rank(ranks[mode.index]),
+                omega: mode.mode.lambda.im,
+                names: mode.names.clone(),
+                names_by_likeness: mode.names_by_likeness.clone(),
+            }));
             for &growth in &of_sector.divergent {
                 outcome.divergent += 1;
                 outcome.divergence = outcome.divergence.max(growth);
                 outcome.growth = outcome.growth.max(growth);
             }
             outcome.undecided += of_sector.undecided.len() as u32 + of_sector.undecided_real;
-            outcome.undecided_omegas.extend(&of_sector.undecided);
             outcome.undecided_real += of_sector.undecided_real;
             outcome.marginal += of_sector.marginal;
         }
