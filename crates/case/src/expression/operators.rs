@@ -23,15 +23,16 @@ pub(super) struct Operators;
 
 impl MakeOperators<f64> for Operators {
     fn make<'a>() -> Vec<Operator<'a, f64>> {
-        // The precedence is that of exmex's own operators; operators of equal precedence are evaluated from left to right.
-        let binary =
-            |sign, apply, prio, is_commutative| Operator::make_bin(sign, BinOp { apply, prio, is_commutative });
+        // The precedence is that of exmex's own operators; operators of equal precedence are evaluated from left to right. None is said to
+        // commute: exmex 0.21 then evaluates `2 + 3` of `f(1 + p^2 + 2 + 3)` before the sum in front of it, and applies f to a part of its
+        // argument.
+        let binary = |sign, apply, prio| Operator::make_bin(sign, BinOp { apply, prio, is_commutative: false });
         let signs = [
-            binary("+", |a: f64, b| a + b, 0, true),
-            binary("-", |a, b| a - b, 1, false),
-            binary("*", |a, b| a * b, 2, true),
-            binary("/", |a, b| a / b, 3, false),
-            binary("^", f64::powf, 4, false),
+            binary("+", |a: f64, b| a + b, 0),
+            binary("-", |a, b| a - b, 1),
+            binary("*", |a, b| a * b, 2),
+            binary("/", |a, b| a / b, 3),
+            binary("^", f64::powf, 4),
         ];
         let functions = FUNCTIONS.iter().map(|&(name, apply)| Operator::make_unary(name, apply));
         signs.into_iter().chain(functions).collect()

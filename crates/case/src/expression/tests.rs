@@ -183,3 +183,96 @@ proptest! {
         }
     }
 }
+
+/// Random expressions with their values by the rules of a textbook, from the inside out.
+struct Textbook {
+    state: u64,
+    /// Largest argument of a function so far: rounding of a large one is all of its sine.
+    largest: f64,
+}
+
+impl Textbook {
+    /// A whole number below `end`, by the multiplier of Knuth's MMIX.
+    fn below(&mut self, end: usize) -> usize {
+        self.state = self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.state >> 33) as usize % end
+    }
+
+    fn primary(&mut self, depth: usize) -> (String, f64) {
+        match self.below(if depth == 0 { 2 } else { 4 }) {
+            0 => {
+                let number = (1 + self.below(39)) as f64 / 10.0;
+                (number.to_string(), number)
+            }
+            1 => {
+                let at = 1 + self.below(4);
+                (names()[at].clone(), VALUES[at])
+            }
+            2 => {
+                let (text, value) = self.sum(depth - 1);
+                (format!("({text})"), value)
+            }
+            _ => {
+                let functions: [(&str, fn(f64) -> f64); 5] =
+                    [("sin", f64::sin), ("cos", f64::cos), ("tanh", f64::tanh), ("abs", f64::abs), ("exp", f64::exp)];
+                let (name, apply) = functions[self.below(5)];
+                let (text, value) = self.sum(depth - 1);
+                self.largest = self.largest.max(value.abs());
+                (format!("{name}({text})"), apply(value))
+            }
+        }
+    }
+
+    fn product(&mut self, depth: usize) -> (String, f64) {
+        let (mut text, mut value) = (String::new(), 1.0);
+        for at in 0..1 + self.below(3) {
+            let (of_base, base) = self.primary(depth);
+            let (factor, number) = if self.below(10) < 3 { (of_base + "^2", base.powi(2)) } else { (of_base, base) };
+            match at > 0 && self.below(10) < 3 {
+                true => (text, value) = (text + "/" + &factor, value / number),
+                false => (text, value) = (if at == 0 { factor } else { text + "*" + factor.as_str() }, value * number),
+            }
+        }
+        (text, value)
+    }
+
+    fn sum(&mut self, depth: usize) -> (String, f64) {
+        let (mut text, mut value) = self.product(depth);
+        if self.below(10) < 1 {
+            (text, value) = (format!("-{text}"), -value);
+        }
+        for _ in 0..self.below(4) {
+            let (term, number) = self.product(depth);
+            match self.below(10) < 4 {
+                true => (text, value) = (text + " - " + &term, value - number),
+                false => (text, value) = (text + " + " + &term, value + number),
+            }
+        }
+        (text, value)
+    }
+}
+
+/// A function has all of its argument, whatever numbers stand next to each other in it.
+#[test]
+fn random_expressions_have_the_values_of_a_textbook() {
+    for (text, expected) in [
+        ("exp(0.2 + mu_s^2 + 0.3)", 0.75_f64.exp()),
+        ("sqrt(1 + mu_s^2 + 2)", 3.25_f64.sqrt()),
+        ("2-exp(0.5*(mu_s-0.2)*0.1)", 2.0 - 0.015_f64.exp()),
+        ("exp(1+mu_s*2+3)", 5.0_f64.exp()),
+    ] {
+        assert_relative_eq!(value(text), expected, max_relative = 1e-14);
+    }
+    let (mut textbook, mut compared) = (Textbook { state: 5, largest: 0.0 }, 0);
+    while compared < 5_000 {
+        textbook.largest = 0.0;
+        let (text, expected) = textbook.sum(3);
+        // Long ones are refused, and large numbers cancel.
+        if text.len() > 150 || textbook.largest > 30.0 || !(1e-3..1e3).contains(&expected.abs()) {
+            continue;
+        }
+        let found = value(&text);
+        assert!((found - expected).abs() <= 1e-6 * (1.0 + expected.abs()), "{text}: {found}, {expected}");
+        compared += 1;
+    }
+}
