@@ -81,12 +81,11 @@ pub enum Error {
     },
     /// A reduced brake that is not the whole one.
     #[error(
-        "{}: the reduced brake does not have the modes of the whole one, as summary.md says first; allowed: none missing, none more, no other \
-         verdict",
+        "{}: the reduced brake does not have the modes of the whole one, as is said first; allowed: none missing, none more, no other verdict",
         path.display()
     )]
     NotTheWholeBrake {
-        /// The folder with the results.
+        /// The folder with the results, or the case.
         path: PathBuf,
     },
     /// A file that cannot be read.

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use brakes::Purpose;
-use squeal::parts::completed;
+use squeal::parts::{completed, whole};
 
 use super::cycle::has_motion;
 use super::options::{MachineArgs, number, override_run, samples};
@@ -30,11 +30,17 @@ pub struct MergeArgs {
     #[arg(required = true, value_name = "PART")]
     pub parts: Vec<PathBuf>,
     /// Folder for the results: new, empty, or that of the same study
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[arg(long, value_name = "DIR", required_unless_present = "check")]
+    pub out: Option<PathBuf>,
+    /// Only say what the parts hold and which samples no part has
+    #[arg(long, conflicts_with_all = ["out", "half_width", "cycles", "every_mode", "json"])]
+    pub check: bool,
     /// Also every occurrence to this half width at 95 %, by the cheapest estimator, in estimates.csv
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = number)]
     pub half_width: Option<f64>,
+    /// Also every mode of every sample, stable ones too, in every_mode.csv: a whole spectrum each, for surrogates
+    #[arg(long)]
+    pub every_mode: bool,
     /// Also the motion from each unstable mode of the first K unstable samples of each scene, in cycles_of_draws.csv; docs/cycles.md
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = samples)]
     pub cycles: Option<u64>,
@@ -64,11 +70,15 @@ impl MergeArgs {
             });
         }
         let mut case = self.case.read()?;
+        if self.check {
+            return self.say(out);
+        }
         if let Some(draws) = self.cycles {
             has_motion(&case, "--cycles", &draws.to_string())?;
         }
         // Parts that are not complete are refused before anything large is made.
         let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
+        whole(&parts)?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.
         let samples = parts.iter().map(|part| part.of).max();
         let seed = parts.first().map(|part| part.seed);
@@ -82,13 +92,14 @@ impl MergeArgs {
         override_run(case.header_mut(), samples, seed, self.machine.threads)?;
         let run = RunArgs {
             case: self.case.clone(),
-            out: self.out.clone(),
+            out: self.out.clone().unwrap_or_default(),
             samples: None,
             seed: None,
             half_width: self.half_width.or(case.header().half_width),
             until_half_width: None,
             keep_samples: parts.iter().any(|part| part.identity.contains(" samples=kept")),
             cycles: self.cycles,
+            every_mode: self.every_mode,
             shard: None,
             from: 0,
             json: self.json,
@@ -96,5 +107,42 @@ impl MergeArgs {
         };
         let brake = sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?;
         run.study(&brake, run.half_width, Some((&self.parts, self.mixed)), &Bars, out)
+    }
+    /// Says of each part what it holds.
+    ///
+    /// # Errors
+    /// A part that is not complete, or samples that no part has: the same as a merge of these parts.
+    fn say(&self, out: &mut dyn Write) -> Result<(), Error> {
+        let (mut complete, mut first) = (Vec::new(), None);
+        for part in &self.parts {
+            match completed(part) {
+                Ok(found) => {
+                    let shard =
+                        found.shard.map_or_else(String::new, |shard| format!(", shard {}/{}", shard.number, shard.of));
+                    let (version, rounding) = (&found.version, &found.rounding);
+                    let commit = found.commit.as_deref().unwrap_or("commit not known");
+                    writeln!(
+                        out,
+                        "{}: samples {}..{} of {}{shard}, complete; squeal {version} ({commit}), {rounding}",
+                        part.display(),
+                        found.from,
+                        found.to,
+                        found.of
+                    )
+                    .map_err(Error::StandardOutput)?;
+                    complete.push(found);
+                }
+                Err(error) => {
+                    writeln!(out, "{error}").map_err(Error::StandardOutput)?;
+                    first.get_or_insert(error);
+                }
+            }
+        }
+        match first {
+            // Said above; what lacks is of the complete ones.
+            Some(error) if complete.is_empty() => return Err(error.into()),
+            _ => whole(&complete)?,
+        }
+        writeln!(out, "all samples are there").map_err(Error::StandardOutput)
     }
 }

@@ -55,11 +55,14 @@ pub struct RunArgs {
     /// Keep the samples: samples.csv has what was drawn and what grew, influence.csv which input makes squeal vary
     #[arg(long)]
     pub keep_samples: bool,
+    /// Also every mode of every sample, stable ones too, in every_mode.csv: a whole spectrum each, for surrogates
+    #[arg(long)]
+    pub every_mode: bool,
     /// Also the motion from each unstable mode of the first K unstable samples of each scene, in cycles_of_draws.csv; docs/cycles.md
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = samples)]
     pub cycles: Option<u64>,
     /// Only part I of N of the samples, from 1, into a folder of its own, for `squeal merge`; docs/clusters.md
-    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width", "cycles", "json"])]
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["half_width", "until_half_width", "cycles", "every_mode", "json"])]
     pub shard: Option<(u64, u64)>,
     /// With --shard: the first sample of all parts, where those before it are in parts already
     #[arg(long, value_name = "K", default_value_t = 0, requires = "shard", value_parser = whole_number)]
@@ -99,8 +102,8 @@ impl RunArgs {
             // A part has no report: what draws of the full model say belongs to the whole.
             return self.part(&sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?, out);
         }
-        let found =
-            self.run_brake(&sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?, half_width, out);
+        let brake = sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?;
+        let found = self.run_brake(&brake, half_width, out).and_then(|()| sized::trusted(&brake, &self.out));
         if !self.json && matches!(found, Ok(()) | Err(Error::MostFailed { .. } | Error::NotTheWholeBrake { .. })) {
             let all = begin.elapsed().as_secs_f64();
             writeln!(out, "{all:.2} s in all, with preparation and report").map_err(Error::StandardOutput)?;
@@ -193,6 +196,10 @@ impl RunArgs {
                 estimates =
                     Estimates::run(study, results, half_width, &self.out, dir, &*told.stage("scenes estimated"))?
                         .text();
+            }
+            if self.every_mode {
+                let told = told.stage("samples whose every mode is written");
+                squeal::write_every_mode(study, results.summary.samples, dir, &*told)?;
             }
             let mut motions = None;
             if let Some(draws) = self.cycles {

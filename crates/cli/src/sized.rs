@@ -1,5 +1,7 @@
 //! Brakes of cases whose studies fit into memory; what takes long or much is announced, what takes more than there is refused.
 
+use std::path::Path;
+
 use brakes::case::CaseFile;
 use brakes::{AnyBrake, Prepared, Purpose};
 use output::{bytes_in_words, in_words};
@@ -28,6 +30,14 @@ pub(super) fn brake(
     // Before a long computation; a study says it in its answer too.
     brake.plan().doubts.iter().for_each(|doubt| note(&format!("WARNING: {doubt}")));
     Ok(brake)
+}
+
+/// An error, with which the program ends after its answer, where nothing is known of the errors of a reduced brake.
+pub(super) fn trusted(brake: &AnyBrake, case: &Path) -> Result<(), Error> {
+    let scenes = &brake.plan().scenes;
+    let is_unknown =
+        brake.mode_source().is_some_and(|source| scenes.iter().any(|scene| source.unknown_error(scene).is_some()));
+    if is_unknown { Err(Error::NotTheWholeBrake { path: case.to_owned() }) } else { Ok(()) }
 }
 
 /// The brake of a case, of pieces that are read where they are kept. Its size is counted before anything of it is made, and again after.

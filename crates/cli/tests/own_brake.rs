@@ -193,6 +193,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         until_half_width: None,
         keep_samples: true,
         cycles: None,
+        every_mode: false,
         shard: None,
         from: 0,
         json: false,

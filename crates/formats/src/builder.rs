@@ -100,7 +100,7 @@ impl Builder {
         }
         entries.shrink_to_fit();
         let Head { name, kind, rows, columns, row_labels, column_labels } = head;
-        let (numbered, ended) = (false, true);
+        let (numbered, ended, beside_structural) = (false, true, false);
         Ok(Matrix {
             name,
             kind,
@@ -108,6 +108,7 @@ impl Builder {
             known_by,
             doubt,
             ended,
+            beside_structural,
             numbered,
             rows,
             columns,

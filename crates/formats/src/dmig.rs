@@ -27,9 +27,8 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
         if line.is_empty() {
             continue;
         }
-        let (keyword, wide, fields) = split(line);
-        let continues = keyword.is_empty() || keyword.starts_with('+') || keyword == "*";
-        if continues {
+        let (keyword, wide, fields) = split(line)?;
+        if is_continuation(&keyword) {
             if let Some(entry) = &mut entry {
                 if entry.len() > MOST_FIELDS {
                     return Err(Problem::Limit { what: "fields of one entry", most: MOST_FIELDS as u64 });
@@ -56,14 +55,35 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     all.finish()
 }
 
+/// True for what stands in the first field of a line that continues the one before.
+fn is_continuation(keyword: &str) -> bool {
+    keyword.is_empty() || keyword.starts_with('+') || keyword.starts_with('*')
+}
+
 /// Keyword, whether the fields are long, and the fields of a line: 8 short or 4 long ones.
-fn split(line: &str) -> (String, bool, Vec<String>) {
+///
+/// # Errors
+/// Free fields beyond those and the mark of a continuation: they would be lost.
+fn split(line: &str) -> Result<(String, bool, Vec<String>), Problem> {
     let free = line.contains(',');
     let first: String =
         if free { line.split(',').next().unwrap_or_default().to_owned() } else { line.chars().take(8).collect() };
     let keyword = first.trim().to_uppercase();
     let wide = keyword.ends_with('*') || (keyword.starts_with('*') && !keyword.is_empty());
     let (count, width) = if wide { (4, 16) } else { (8, 8) };
+    let is_mark = |at: usize, field: &str| {
+        field.is_empty() || (at == 0 && !field.starts_with(|c: char| c.is_ascii_digit() || "-.".contains(c)))
+    };
+    let mut beyond = line
+        .split(',')
+        .skip(1 + count)
+        .map(str::trim)
+        .enumerate()
+        .filter(|_| keyword.trim_end_matches('*') == "DMIG" || is_continuation(&keyword));
+    if let Some((_, field)) = beyond.find(|(at, field)| !is_mark(*at, field)) {
+        let allowed = format!("{count} fields in a line, and a continuation line for more");
+        return Err(Problem::field("a field of a line", field, allowed));
+    }
     let mut fields: Vec<String> = if free {
         line.split(',').skip(1).take(count).map(|field| field.trim().to_owned()).collect()
     } else {
@@ -73,7 +93,7 @@ fn split(line: &str) -> (String, bool, Vec<String>) {
     fields.resize(count, String::new());
     // A long continuation may be marked, as in `*ABC`.
     let keyword = if keyword.starts_with('*') { "*".to_owned() } else { keyword };
-    (keyword, wide, fields)
+    Ok((keyword, wide, fields))
 }
 
 /// A matrix whose header was read.

@@ -45,6 +45,8 @@ pub struct Matrix {
     pub(crate) doubt: Option<Doubt>,
     /// The last line of the file has an end, without which its last number may be cut.
     pub(crate) ended: bool,
+    /// The matrix is a stiffness beside which the file has structural damping, which is not read with it.
+    pub(crate) beside_structural: bool,
     /// The matrix is from a list that names its rows by numbers, of which the last may be missing.
     pub(crate) numbered: bool,
     pub(crate) rows: usize,
@@ -82,7 +84,8 @@ impl Matrix {
     /// Oddities in how the matrix is stored, each worth a line to whoever gave the file.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        self.doubt.into_iter().chain((!self.ended).then_some(Doubt::NoEnd)).collect()
+        let beside = self.beside_structural.then_some(Doubt::BesideStructural);
+        self.doubt.into_iter().chain((!self.ended).then_some(Doubt::NoEnd)).chain(beside).collect()
     }
 
     /// Number of rows.

@@ -49,8 +49,13 @@ impl File {
     /// [`FormatsError::Several`]; as [`Matrix::with_symmetry`].
     pub fn take(self, wanted: &Wanted<'_>) -> Result<Matrix, FormatsError> {
         let at = self.place(wanted)?;
+        let others = self.matrices.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, matrix)| &matrix.name);
+        let has_structural = others.chain(self.left_out.iter().map(|(name, _)| name)).any(|name| is_structural(name));
         let mut matrices = self.matrices;
-        matrices.swap_remove(at).with_symmetry(wanted.symmetry, wanted.otherwise)
+        let mut taken = matrices.swap_remove(at).with_symmetry(wanted.symmetry, wanted.otherwise)?;
+        // What dissipates is a matter of the stiffness: a mass or a damping beside it is complete.
+        taken.beside_structural = has_structural && wanted.kind == Some(Kind::Stiffness);
+        Ok(taken)
     }
 
     /// The matrix of this name, as [`File::take`] has it where nothing is said of its symmetry.

@@ -74,6 +74,16 @@ pub enum Doubt {
     Triangle(Symmetry),
     /// The last line has no end: a file that was cut inside its last number looks like that.
     NoEnd,
+    /// The matrix is a stiffness, and the file has a structural damping matrix too.
+    BesideStructural,
+}
+
+impl Doubt {
+    /// True if a word on the symmetry of the matrix settles it.
+    #[must_use]
+    pub fn is_of_symmetry(self) -> bool {
+        matches!(self, Self::Triangle(_))
+    }
 }
 
 impl fmt::Display for Doubt {
@@ -90,6 +100,9 @@ impl fmt::Display for Doubt {
             Self::NoEnd => {
                 f.write_str("its last line has no end, as of a file that was cut inside its last number; a whole file ends with a line end")
             }
+            Self::BesideStructural => f.write_str(
+                "the file has structural damping too, which is NOT in the model: say it as loss_factor of the stiffness, or as viscous damping",
+            ),
         }
     }
 }

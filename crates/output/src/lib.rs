@@ -13,7 +13,7 @@ mod document;
 mod table;
 
 pub use document::{Block, Cell, Cells};
-pub use table::Table;
+pub use table::{LongTable, Table};
 
 use std::borrow::Cow;
 use std::fs;
@@ -192,17 +192,22 @@ where
     R: IntoIterator<Item: AsRef<[u8]>>,
 {
     let mut table = csv::Writer::from_writer(Vec::new());
-    for name in header {
-        table.write_field(harmless(name.as_ref().as_bytes()))?;
-    }
-    table.write_record(None::<&[u8]>)?;
+    write_row(&mut table, header.iter().map(|name| name.as_ref().as_bytes()))?;
     for row in rows {
-        for cell in row {
-            table.write_field(harmless(cell.as_ref()))?;
-        }
-        table.write_record(None::<&[u8]>)?;
+        write_row(&mut table, row)?;
     }
     table.into_inner().map_err(|error| error.into_error().into())
+}
+
+/// Writes a row of a table, in which no text is taken for a formula.
+fn write_row<W: std::io::Write>(
+    table: &mut csv::Writer<W>,
+    row: impl IntoIterator<Item: AsRef<[u8]>>,
+) -> Result<(), csv::Error> {
+    for cell in row {
+        table.write_field(harmless(cell.as_ref()))?;
+    }
+    table.write_record(None::<&[u8]>)
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Tables: one type that files, pages, programs and other languages read.
 
+use std::fs::File;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use crate::{OutputError, csv_bytes, write};
+use crate::{OutputError, csv_bytes, write, write_row};
 
 /// A table of results: one observation a row. Cells are text, numbers in the fewest digits that give them back; an empty cell is nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -96,6 +97,48 @@ impl Table {
     }
 }
 
+/// A table whose rows are written as they come, so that it need not fit into memory. What a process that is killed leaves is not whole: it belongs
+/// into a folder that is published when all is done.
+#[derive(Debug)]
+pub struct LongTable {
+    path: PathBuf,
+    writer: csv::Writer<File>,
+}
+
+impl LongTable {
+    /// A table of this name in a folder, without rows.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn create(dir: &Path, name: &str, columns: &[&str]) -> Result<Self, OutputError> {
+        let path = dir.join(format!("{name}.csv"));
+        let file = File::create(&path).map_err(|source| OutputError::Write { path: path.clone(), source })?;
+        let mut table = Self { path, writer: csv::Writer::from_writer(file) };
+        table.write([columns])?;
+        Ok(table)
+    }
+
+    /// Writes rows at the end.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn write<R: IntoIterator<Item: AsRef<[u8]>>>(
+        &mut self,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<(), OutputError> {
+        let written = rows.into_iter().try_for_each(|row| write_row(&mut self.writer, row));
+        written.map_err(|error| OutputError::Write { path: self.path.clone(), source: error.into() })
+    }
+
+    /// Writes what is still in memory.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn finish(mut self) -> Result<(), OutputError> {
+        self.writer.flush().map_err(|source| OutputError::Write { path: self.path, source })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,5 +161,14 @@ mod tests {
         assert!(table.markdown().starts_with("| mode | hertz | open |\n| --- | --- | --- |\n| a, b | 1.5 |  |\n"));
         assert_eq!(table.column("hertz").unwrap().collect::<Vec<_>>(), ["1.5", "-2e-300"]);
         assert!(table.column("Hz").is_none());
+
+        // Written row by row it has the same bytes.
+        let dir = std::env::temp_dir().join(format!("long-table-{}", std::process::id()));
+        std::fs::create_dir_all(&dir).unwrap();
+        let mut long = LongTable::create(&dir, "modes", &["mode", "hertz", "open"]).unwrap();
+        table.rows.iter().for_each(|row| long.write([row]).unwrap());
+        long.finish().unwrap();
+        assert_eq!(std::fs::read(dir.join("modes.csv")).unwrap(), table.csv().unwrap());
+        std::fs::remove_dir_all(&dir).unwrap();
     }
 }

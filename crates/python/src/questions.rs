@@ -61,6 +61,7 @@ fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half
         until_half_width,
         keep_samples,
         cycles: None,
+        every_mode: false,
         shard: None,
         from: 0,
         json: false,

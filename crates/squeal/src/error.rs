@@ -140,15 +140,25 @@ pub enum Error {
         wanted: String,
     },
     /// A part of a study that is not complete.
-    #[error("{}: {found}; allowed: complete parts; the command that made it goes on", path.display())]
+    #[error("{}: {found}; allowed: complete parts; {command} goes on", path.display())]
     PartIncomplete {
         /// Folder of the part.
         path: PathBuf,
         /// Samples that it has, in words.
         found: String,
+        /// Command that continues it.
+        command: String,
+    },
+    /// Parts of a study that lack samples.
+    #[error("no part has the samples {missing}; allowed: parts that have all samples 0..{samples} once")]
+    PartsMissing {
+        /// Ranges of the samples that are missing, in words.
+        missing: String,
+        /// Number of samples of the study.
+        samples: u64,
     },
     /// A part of a study that was made by another program, or where numbers are rounded otherwise.
-    #[error("{}: {difference}; allowed: parts that agree, or mixed ones where that is asked for", path.display())]
+    #[error("{}: {difference}; allowed: parts of one program and one kind of processor, or --mixed", path.display())]
     PartDiffers {
         /// Folder of the part.
         path: PathBuf,

@@ -40,6 +40,7 @@
 pub mod compare;
 pub mod cycles;
 mod error;
+mod every_mode;
 pub mod folder;
 pub mod influence;
 mod part_manifest;
@@ -51,6 +52,7 @@ pub mod screen;
 pub mod why;
 
 pub use error::Error;
+pub use every_mode::write_every_mode;
 pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
 pub use study::{estimators, fingerprint, identity, memory};
 pub use {

@@ -2,6 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
+/// One of several parts of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// Number of the part, from 1.
+    pub number: u64,
+    /// Number of parts.
+    pub of: u64,
+    /// Global index of the first sample of all parts: those before it are elsewhere.
+    pub from: u64,
+}
+
 /// Manifest of a complete part: its study, its range of samples and what made it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartManifest {
@@ -21,6 +32,9 @@ pub struct PartManifest {
     pub to: u64,
     /// Number of samples of the study.
     pub of: u64,
+    /// Shard that it is; `None` of a part of an earlier program.
+    #[serde(default)]
+    pub shard: Option<Shard>,
     /// Digest of what all samples share: the reference modes and their systems, to the last bit.
     pub prepared: String,
     /// Number of worker threads; `None` is one per core.

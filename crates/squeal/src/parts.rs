@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::io::ErrorKind;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -13,23 +14,14 @@ use study::{Study, StudyTally, UncertainBrake};
 
 use crate::Error;
 use crate::folder::RunFolder;
-pub use crate::part_manifest::PartManifest;
+pub use crate::part_manifest::{PartManifest, Shard};
 use crate::results::{Manifest, VERSION};
 use crate::run::{DrawResults, RunOptions, checkpoint, identity, run_from, sampled, workers};
 
+/// Most missing ranges that a line names; chosen.
+const MOST_NAMED: usize = 20;
 /// Name of the file that is written last: a part that has it is complete.
 const DONE: &str = "shard.json";
-
-/// One of several parts of a study.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shard {
-    /// Number of the part, from 1.
-    pub number: u64,
-    /// Number of parts.
-    pub of: u64,
-    /// Global index of the first sample of all parts: those before it are elsewhere.
-    pub from: u64,
-}
 
 /// Digest of what all samples of a study share.
 fn prepared<B: UncertainBrake>(study: &Study<'_, B>) -> String {
@@ -57,11 +49,11 @@ fn prepared<B: UncertainBrake>(study: &Study<'_, B>) -> String {
 /// As [`run_study`](crate::run_study); a part that has no sample.
 pub fn run_part<B: UncertainBrake>(
     brake: &B,
-    Shard { number, of, from }: Shard,
+    shard: Shard,
     dir: &Path,
     options: RunOptions<'_>,
 ) -> Result<PartManifest, Error> {
-    let plan = brake.plan();
+    let (plan, Shard { number, of, from }) = (brake.plan(), shard);
     // With more parts than samples some would be empty, and nobody would know which.
     let fits = of <= plan.samples.saturating_sub(from);
     let range = part_of(from..plan.samples, number, of).filter(|_| fits).ok_or_else(|| Error::Argument {
@@ -77,7 +69,8 @@ pub fn run_part<B: UncertainBrake>(
     let part = format!("{}..{}/{}", range.start, range.end, plan.samples);
     // What a part rests on is of one program and class of processors, from its first sample to its last.
     let made = format!("{}/{}/{}", VERSION, plan.commit.unwrap_or("-"), rounding_class()).replace(' ', "_");
-    let of_folder = Identity::read(&plan.name, &identity).given("part", part).given("made", made).into_line();
+    let of_folder = Identity::read(&plan.name, &identity).given("part", part).given("shard", format!("{number}/{of}"));
+    let of_folder = of_folder.given("made", made).into_line();
     // A part that is complete is it everywhere.
     let is_it = |done: &PartManifest| {
         done.identity == identity && (done.from..done.to, done.of) == (range.clone(), plan.samples)
@@ -106,6 +99,7 @@ pub fn run_part<B: UncertainBrake>(
         from: range.start,
         to: range.end,
         of: plan.samples,
+        shard: Some(shard),
         prepared: prepared(&study),
         threads: options.threads,
         seconds: start.elapsed().as_secs_f64(),
@@ -139,6 +133,55 @@ pub fn completed(dir: &Path) -> Result<PartManifest, Error> {
     complete(dir)?.ok_or_else(|| incomplete(dir))
 }
 
+/// Samples that no part has, ascending, each range with the shard that it is, as 3/8, where the parts are shards of one number.
+#[must_use]
+pub fn missing(parts: &[PartManifest]) -> Vec<(Range<u64>, Option<String>)> {
+    let samples = parts.iter().map(|part| part.of).max().unwrap_or(0);
+    let mut ranges: Vec<Range<u64>> = parts.iter().map(|part| part.from..part.to).collect();
+    ranges.sort_by_key(|range| range.start);
+    let (mut gaps, mut next) = (Vec::new(), 0);
+    for range in ranges.into_iter().chain(std::iter::once(samples..samples)) {
+        if range.start > next {
+            gaps.push(next..range.start);
+        }
+        next = next.max(range.end);
+    }
+    let numbered = |part: &PartManifest| part.shard.map(|shard| (shard.of, shard.from, part.of));
+    let shards = parts.first().and_then(numbered).filter(|all| parts.iter().all(|part| numbered(part) == Some(*all)));
+    let in_shards = |gap: Range<u64>| -> Vec<(Range<u64>, Option<String>)> {
+        let of_number = |(of, from, samples): (u64, u64, u64)| {
+            (1..=of)
+                .filter_map(move |number| Some((part_of(from..samples, number, of)?, Some(format!("{number}/{of}")))))
+        };
+        let within = |(range, _): &(Range<u64>, Option<String>)| gap.start <= range.start && range.end <= gap.end;
+        let found: Vec<_> = shards.into_iter().flat_map(of_number).filter(within).collect();
+        let is_all = found.iter().map(|(range, _)| range.end - range.start).sum::<u64>() == gap.end - gap.start;
+        if is_all { found } else { vec![(gap, None)] }
+    };
+    gaps.into_iter().flat_map(in_shards).collect()
+}
+
+/// An error where parts lack samples, with all that are missing.
+///
+/// # Errors
+/// [`Error::PartsMissing`].
+pub fn whole(parts: &[PartManifest]) -> Result<(), Error> {
+    let missing = missing(parts);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let words = missing.iter().take(MOST_NAMED).map(|(Range { start, end }, shard)| match shard {
+        Some(shard) => format!("{start}..{end} (shard {shard})"),
+        None => format!("{start}..{end}"),
+    });
+    let mut words: Vec<String> = words.collect();
+    if missing.len() > MOST_NAMED {
+        words.push(format!("{} more ranges", missing.len() - MOST_NAMED));
+    }
+    let samples = parts.iter().map(|part| part.of).max().unwrap_or(0);
+    Err(Error::PartsMissing { missing: words.join(", "), samples })
+}
+
 /// Puts parts of a study together in `dir`, in any order, and finishes it there: every file but the manifest and the lock has the bytes of
 /// one run. The plan has as many samples as all parts together. With `mixed`, parts of other programs and processors pass, and the manifest
 /// says so.
@@ -155,6 +198,7 @@ pub fn merge_parts<B: UncertainBrake, E: From<Error> + Send>(
 ) -> Result<Manifest, E> {
     let identity = identity(brake, options.keeps_samples);
     let manifests = parts.iter().map(|part| checked(part, &identity)).collect::<Result<Vec<_>, _>>()?;
+    whole(&manifests)?;
     let mut begin = |study: &Study<'_, B>, merged: &Checkpoint| {
         if !mixed {
             alike(parts, &manifests, study.plan().commit, &prepared(study))?;
@@ -193,7 +237,8 @@ fn checked(part: &Path, identity: &str) -> Result<PartManifest, Error> {
 
 fn incomplete(part: &Path) -> Error {
     let text = fs::read_to_string(part.join("study.txt")).unwrap_or_default();
-    let range = text.split(" part=").nth(1).and_then(|rest| rest.split('/').next()).unwrap_or_default();
+    let given = |key: &str| text.split_once(key).and_then(|(_, rest)| rest.split_whitespace().next());
+    let range = given(" part=").and_then(|part| part.split('/').next()).unwrap_or_default();
     let state = fs::read_to_string(part.join("checkpoint.json")).unwrap_or_default();
     let state: Option<serde_json::Value> = state.lines().nth(2).and_then(|line| serde_json::from_str(line).ok());
     let found = match (state.and_then(|state| state["samples"].as_u64()), range) {
@@ -201,7 +246,11 @@ fn incomplete(part: &Path) -> Error {
         (None, range) => format!("holds none of its samples {range}"),
         (Some(samples), range) => format!("holds {samples} of its samples {range}"),
     };
-    Error::PartIncomplete { path: part.to_owned(), found }
+    let command = match given(" shard=") {
+        Some(shard) => format!("squeal run CASE --shard {shard} --out {}", part.display()),
+        None => "the command that made it".to_owned(),
+    };
+    Error::PartIncomplete { path: part.to_owned(), found, command }
 }
 
 /// An error unless all parts are of this program, of which `commit` is one, and of processors that round as this one does.

@@ -1,5 +1,6 @@
 //! Study: a brake ready to be sampled, with the data that all samples share.
 
+mod every_mode;
 mod samples;
 
 use std::sync::Arc;
@@ -19,6 +20,8 @@ use super::sector_modes::{SectorEquation, SectorSolver};
 use super::secular_equations::{SecularEquations, anchors, equations};
 use super::{ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
 use crate::Error;
+
+pub use every_mode::SampledMode;
 
 /// Outcome of one complex eigenvalue analysis (CEA) of a study.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -60,7 +60,7 @@ pub use divergence::{divergence_doubt, divergence_of_reduced};
 pub use drawn_inputs::{DrawnInputs, Input, SingleParameter};
 pub use erased::{AnySample, Erased};
 pub use error::Error;
-pub use evaluate::{OpenMode, Outcome, Study, StudyOptions, UnstableMode};
+pub use evaluate::{OpenMode, Outcome, SampledMode, Study, StudyOptions, UnstableMode};
 pub use fingerprint::{fingerprint, hexadecimal};
 pub use full_checks::{DivergenceCounts, FullChecks, wider};
 pub use independent::{Drawn, IndependentBrake};

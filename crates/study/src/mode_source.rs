@@ -106,6 +106,10 @@ pub trait ModeSource: Sync {
         near: Complex<f64>,
     ) -> Result<WholeEigenvalue, Error>;
 
+    /// The shape of a mode of the origin of a set of constraints at some degrees of freedom of the full model, by their names: few enough for a table, and
+    /// the same ones in every study of this model, whatever its reduction.
+    fn whole_shape(&self, constraints: usize, shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)>;
+
     /// Number of samples by the route on which their modes were found since the brake was made, by its name.
     fn routes(&self) -> Vec<(&'static str, u64)>;
 

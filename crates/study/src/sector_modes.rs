@@ -107,6 +107,29 @@ impl SectorSolver<'_> {
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
 
+    /// Modes of this sector in some samples that oscillate and that the plan studies, stable ones too, with their names.
+    pub fn every_mode(&self, systems: &[SecondOrder], memory: &mut Memory) -> Vec<Result<Vec<NamedMode>, CeaError>> {
+        let Memory { spectra, work, spent } = memory;
+        let found: Vec<Result<Vec<Complex<f64>>, CeaError>> = timed(&mut spent.spectra, || {
+            self.eigen_solver.eigenvalues_of_all(systems, work, spectra);
+            let studied = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
+                let spectrum = spectrum.as_ref().map_err(CeaError::clone)?;
+                check_range(system, spectrum)?;
+                let mut oscillatory = Modes::classify(system, spectrum, work)?.oscillatory;
+                oscillatory.retain(|lambda| self.plan.is_studied(*lambda));
+                Ok(oscillatory)
+            };
+            systems.iter().zip(&*spectra).map(studied).collect()
+        });
+        let none = |found: &Result<Vec<Complex<f64>>, CeaError>| found.as_ref().cloned().unwrap_or_default();
+        let lambdas: Vec<Vec<Complex<f64>>> = found.iter().map(none).collect();
+        let asked: Vec<_> = systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
+        let shaped = timed(&mut spent.shapes, || Mode::of_all(&asked, work));
+        let starts: Vec<PathStart<'_>> = systems.iter().map(PathStart::System).collect();
+        let named = self.named(&starts, shaped, memory);
+        found.into_iter().zip(named).map(|(found, named)| found.and(named)).collect()
+    }
+
     /// The modes of this sector in some samples, from the growing modes that its secular equation found; these with names.
     pub fn name_growing(&self, found: &[(Gain, Growing)], memory: &mut Memory) -> Vec<Result<SectorModes, CeaError>> {
         let judged: Vec<ModesWithVerdicts> =

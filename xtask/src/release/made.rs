@@ -35,8 +35,8 @@ mod tests {
     #[test]
     fn the_page_of_refusals_is_that_of_the_errors() {
         let pages = refusals::pages(&crate::root()).unwrap();
-        assert_eq!(pages.each_ref().map(|page| page.fault()), [None, None]);
-        let [page, _] = pages;
+        assert_eq!(pages.each_ref().map(|page| page.fault()), [None, None, None]);
+        let [page, _, _] = pages;
         // A message with fields, one with arguments, one with a function of a field.
         for message in [
             "**`{path}: {field} = {value}; allowed: {allowed}`**",

@@ -1,5 +1,5 @@
 //! `docs/refusals.md`, and the same text for `squeal explain`: every line with which the program refuses something, from the errors of the
-//! crates themselves.
+//! crates themselves. Beside it stands a copy of `docs/case-files.md`, from which the command takes what a field is.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,22 +20,26 @@ code is 2. Exit code 1 means that results are written, but are not to be trusted
 
 This page has all of these lines. `{words}` stand for what is different each time. Search it for words of a line that are no names and no numbers;
 a line that begins with a file and a field is explained best by the field, in [case-files.md](case-files.md). Where one line has another one at
-its end, after a colon, both are here. `squeal explain \"LINE\"` prints what this page says of a line.
+its end, after a colon, both are here. `squeal explain \"LINE\"` prints what this page says of a line and what the other says of its field;
+`squeal explain study.samples` the latter alone.
 
 *Made by `cargo xtask refusals` from the errors of the crates; a test compares it with them.*
 ";
 
-/// The page of the documentation, and its copy within the crate of the program, whose archive has nothing from outside of its folder.
+/// The page of the documentation, and copies within the crate of the program, whose archive has nothing from outside of its folder: of this page
+/// and of that on case files.
 ///
 /// # Errors
 /// A source file that cannot be read, or is not Rust.
-pub(super) fn pages(root: &Path) -> Result<[Made; 2], TaskError> {
+pub(super) fn pages(root: &Path) -> Result<[Made; 3], TaskError> {
     let text = text(root)?;
-    Ok(["docs/refusals.md", "crates/cli/src/refusals.md"].map(|file| Made {
-        path: root.join(file),
-        text: text.clone(),
-        task: "refusals",
-    }))
+    let fields = std::fs::read_to_string(root.join("docs/case-files.md")).map_err(TaskError::Start)?;
+    let pages = [
+        ("docs/refusals.md", text.clone()),
+        ("crates/cli/src/refusals.md", text),
+        ("crates/cli/src/case-files.md", fields),
+    ];
+    Ok(pages.map(|(file, text)| Made { path: root.join(file), text, task: "refusals" }))
 }
 
 fn text(root: &Path) -> Result<String, TaskError> {

@@ -4,7 +4,7 @@ use std::sync::PoisonError;
 
 use cea::Mode;
 use linsys::OperatingPoint;
-use nalgebra::DVectorView;
+use nalgebra::{DVector, DVectorView};
 use num_complex::Complex;
 use reduction::{ReducedModes, RouteCounts};
 use study::{BandMode, Bridge, CoarsePath, FullChecks, ModeResidual, ModeSource, Scene, WholeEigenvalue};
@@ -22,6 +22,8 @@ const LEAST_ERROR: f64 = 1e-5;
 /// Reason why nothing is known of the errors of a reduced brake that has other modes than the whole one.
 const OTHER_MODES: &str =
     "the reduced brake does not have the modes of the whole one, at the medians or at draws of which it was not made";
+/// Most degrees of freedom at which a table has shapes, roughly; chosen: enough to tell modes of a band apart.
+const ROWS_OF_SHAPES: usize = 300;
 /// Factor of the largest residual at draws of which a basis of modes was not made, up to which the distance that was measured there is taken to tell the
 /// error of a mode; chosen.
 const BEYOND_HELD_OUT: f64 = 10.0;
@@ -99,6 +101,14 @@ impl ModeSource for FiniteElementBrake {
         } else {
             None
         }
+    }
+
+    fn whole_shape(&self, constraints: usize, shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)> {
+        // Every so many rows of the model, before any is held: those of another set of constraints too.
+        let every = self.case.dofs.len().div_ceil(ROWS_OF_SHAPES);
+        let lifted = self.origin(constraints).reduced.lift(shape);
+        let rows = self.sets[constraints].dofs.free().iter().zip(lifted.iter());
+        rows.filter(|(row, _)| *row % every == 0).map(|(&row, &u)| (self.case.dofs[row].to_string(), u)).collect()
     }
 
     fn whole_eigenvalue(

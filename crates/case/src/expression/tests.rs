@@ -213,8 +213,13 @@ impl Textbook {
                 (format!("({text})"), value)
             }
             _ => {
-                let functions: [(&str, fn(f64) -> f64); 5] =
-                    [("sin", f64::sin), ("cos", f64::cos), ("tanh", f64::tanh), ("abs", f64::abs), ("exp", f64::exp)];
+                let functions = [
+                    ("sin", f64::sin as fn(f64) -> f64),
+                    ("cos", f64::cos),
+                    ("tanh", f64::tanh),
+                    ("abs", f64::abs),
+                    ("exp", f64::exp),
+                ];
                 let (name, apply) = functions[self.below(5)];
                 let (text, value) = self.sum(depth - 1);
                 self.largest = self.largest.max(value.abs());

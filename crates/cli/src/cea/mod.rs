@@ -50,8 +50,9 @@ impl CeaArgs {
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
-        let text = self.analysis(&sized::brake(case, Purpose::Analysis, self.memory.into(), &self.case.prepared)?)?;
-        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+        let brake = sized::brake(case, Purpose::Analysis, self.memory.into(), &self.case.prepared)?;
+        out.write_all(self.analysis(&brake)?.as_bytes()).map_err(Error::StandardOutput)?;
+        sized::trusted(&brake, &self.case.case)
     }
 
     /// The analysis of the first scene of a brake, which need not be one of a case file, at its medians.

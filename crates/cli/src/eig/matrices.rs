@@ -120,8 +120,7 @@ impl<'a> Given<'a> {
         }
         let given = Self { kind, path, matrix };
         for doubt in given.matrix.doubts() {
-            let option =
-                if doubt == formats::Doubt::NoEnd { String::new() } else { format!(" (--symmetry {kind}=...)") };
+            let option = if doubt.is_of_symmetry() { format!(" (--symmetry {kind}=...)") } else { String::new() };
             note(&format!("{}: {doubt}{option}", path.display()));
         }
         Ok(given)

@@ -503,3 +503,33 @@ fn a_reduced_brake_has_no_modes_that_the_whole_one_does_not_have() {
     }
     assert!(open <= 3, "{open} of 12 are open");
 }
+
+/// Shapes of two reductions of one brake are told at the same rows of it, so that modes are linked by them.
+#[test]
+fn modes_of_two_reductions_are_compared_by_their_shapes_in_the_whole_brake() {
+    let folder = tempfile::tempdir().unwrap();
+    let (m, k) = chain(&mut Random(0x51a9e5), 40);
+    written(folder.path(), "J_MASS1.mtx", &abaqus(&m));
+    written(folder.path(), "J_STIF1.mtx", &abaqus(&k));
+    let files = "mass = \"J_MASS1.mtx\"\nstiffness = \"J_STIF1.mtx\"\nsymmetry = \"whole\"\nrayleigh = { mass = 2.0, stiffness = 0.0 }";
+    let case = case(folder.path(), "finite-elements", files, REDUCTION);
+    let run = |set: &str, out: &str| {
+        let out = folder.path().join(out);
+        let output =
+            squeal().arg("run").arg(&case).args(["--no-cache", "--set", set, "--out"]).arg(&out).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        out
+    };
+    let (first, other) = (run("reduction.training=1", "first"), run("reduction.training=3", "other"));
+    let output = squeal().arg("compare").args([&first, &other]).arg("--json").output().unwrap();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let links = found.to_string();
+    assert!(links.contains("\"shape\""), "{links}");
+    let shapes: Vec<String> = std::fs::read_dir(&first)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("shapes-"))
+        .map(|path| std::fs::read_to_string(path).unwrap())
+        .collect();
+    assert!(!shapes.is_empty() && shapes.iter().all(|text| text.lines().skip(1).all(|row| row.contains(".x,"))));
+}

@@ -103,7 +103,25 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     let refused =
         |parts: &[&str]| said(&merge(&case, &parts.iter().map(|name| place(name)).collect::<Vec<_>>(), &merged));
     let missing = refused(&["one", "three"]);
-    assert!(missing.contains("no part has the samples"), "{missing}");
+    assert!(missing.contains("no part has the samples 13..26 (shard 2/3); allowed"), "{missing}");
+    let missing = refused(&["two"]);
+    assert!(missing.contains("0..13 (shard 1/3), 26..40 (shard 3/3)"), "{missing}");
+    // The same without merging, with a line for each part.
+    let say = |parts: &[&str]| {
+        let output = squeal()
+            .arg("merge")
+            .arg(&case)
+            .args(parts.iter().map(|name| place(name)))
+            .arg("--check")
+            .output()
+            .unwrap();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, listed, missing) = say(&["one", "three", "nothing"]);
+    assert!(code == Some(2) && listed.contains("samples 0..13 of 40, shard 1/3, complete"), "{listed}");
+    assert!(listed.contains("nothing: is no part of a study") && missing.contains("(shard 2/3)"), "{listed}{missing}");
+    let (code, listed, _) = say(&["one", "two", "three"]);
+    assert!(code == Some(0) && listed.ends_with("all samples are there\n"), "{listed}");
     let twice = refused(&["one", "half", "two", "three"]);
     assert!(twice.contains("both have the samples 0.."), "{twice}");
     let other = refused(&["one", "other seed", "three"]);
@@ -128,6 +146,11 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     std::fs::write(&marker, text.replace("made=", "made=0.0.1/")).unwrap();
     assert!(shard(&case, "1/2", &place("half"), &[]).status.success());
     std::fs::remove_file(place("half").join("shard.json")).unwrap();
+    let incomplete = refused(&["half"]);
+    assert!(
+        incomplete.contains("squeal run CASE --shard 1/2 --out ") && incomplete.contains("goes on"),
+        "{incomplete}"
+    );
     let begun = said(&shard(&case, "1/2", &place("half"), &[]));
     assert!(begun.contains("half") && begun.contains("made"), "{begun}");
     // The folder of a part is not that of the study, nor of another part.

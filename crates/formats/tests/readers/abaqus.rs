@@ -1,6 +1,6 @@
 //! Abaqus's `MATRIX INPUT` and substructures.
 
-use formats::{Format, FormatsError, Kind, Options, Stored, Symmetry, Wanted, read, read_bytes};
+use formats::{Doubt, Format, FormatsError, Kind, Options, Stored, Symmetry, Wanted, read, read_bytes};
 
 use crate::{fixture, names};
 
@@ -112,6 +112,14 @@ fn a_substructure_of_another_kind_is_read_or_refused() {
             .unwrap();
     assert_eq!((other.matrices.len(), other.left_out.len()), (1, 2));
     assert!(other.left_out[0].0 == "structural damping" && other.left_out[1].0 == "load", "{:?}", other.left_out);
+    // Beside a stiffness that is said, as is one that is read.
+    let beside = |rest: &str| {
+        let wanted = Wanted { kind: Some(Kind::Stiffness), ..Wanted::default() };
+        element(rest).unwrap().take(&wanted).unwrap().doubts()
+    };
+    let structural = "\n1\n*MATRIX,TYPE=STIFFNESS\n2.0\n*MATRIX,TYPE=STRUCTURAL DAMPING\n1.0\n";
+    assert_eq!(beside(structural), [Doubt::BesideStructural]);
+    assert_eq!(beside("\n1\n*MATRIX,TYPE=STIFFNESS\n2.0\n*MATRIX,TYPE=MASS\n1.0\n"), []);
     assert!(
         element("\n1\n*MATRIX,TYPE=LOAD\n1.0\n")
             .unwrap_err()

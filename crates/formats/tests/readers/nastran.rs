@@ -69,6 +69,10 @@ fn faults_of_dmig_are_named() {
         (header.replace('2', "7"), "type of a DMIG \"7\" is not supported"),
         (format!("{header}{}", column.replace("2 ", "9 ")), "component is 9"),
         (format!("{header}{}", column.replace("1.0", "x")), "\"X\" is not a number"),
+        // What stands beyond the fields of a line, and the mark of its continuation, would be lost.
+        (format!("{header}DMIG,K,1,1,,1,1,5.0,,,2,1,5.0\n"), "a field of a line is 2; allowed: 8 fields in a line"),
+        (format!("{header}DMIG,K,1,1,,1,1,5.0,,7\n"), "a field of a line is 7"),
+        (format!("{header}DMIG*,K,1,1,,1,1,5.0\n"), "allowed: 4 fields in a line"),
         (format!("{header}{}", column.replace("1.0", "1.0     2.0")), "imaginary part"),
         (header.to_owned(), "no matrix that can be read (K: no entries)"),
         ("DMIG    K       0       9       2       0\n".to_owned(), "not a whole number"),

@@ -68,6 +68,8 @@ fn table(Cells { caption, columns, rows }: &Cells) -> String {
             let text = escaped(&cell.text).replace(' ', "\u{a0}").replace("\u{a0}(", " (");
             format!("<td class=\"number\" data-value=\"{value}\">{text}</td>")
         }
+        // What stands for no number has the place of one.
+        None if is_of_numbers(at) => format!("<td class=\"number\">{}</td>", escaped(&cell.text)),
         None => format!("<td>{}</td>", escaped(&cell.text)),
     };
     let row = |cells: &Vec<Cell>| {

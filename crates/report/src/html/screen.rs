@@ -119,5 +119,12 @@ fn answer(screen: &Screen) -> String {
         );
     }
     text += "</ul>\n<p>Of each kind the one with the largest drop that was confirmed, the largest first; limits at 95&nbsp;%.</p>\n";
-    text + &format!("<pre tabindex=\"0\" aria-label=\"What the screening found\">{}</pre>\n", escaped(&screen.text()))
+    let pre = |label: &str, of: &str| {
+        format!("<pre tabindex=\"0\" aria-label=\"{label}\">{}</pre>\n", escaped(of.trim_start()))
+    };
+    let together = screen.together();
+    if !together.is_empty() {
+        text += &pre("All that was confirmed", &together);
+    }
+    text + &pre("What the screening found", &screen.text().replacen(&together, "", 1))
 }

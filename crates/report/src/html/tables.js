@@ -109,7 +109,7 @@ const startTables = () => {
       make('table', {}, make('thead', {}, make('tr', {}, ...headOf(of))), make('tbody', {}, ...bodyOf(of)))));
     const last = first + page.length;
     const where = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : table.header.length ? 'No row' : '';
-    byId('table-rows').textContent = isPaper && where ? `${where}; ${table.name} has all digits` : where;
+    byId('table-rows').textContent = isPaper && where && !table.is_figure ? `${where}; ${table.name} has all digits` : where;
     byId('table-back').disabled = first === 0;
     byId('table-on').disabled = last >= rows.length;
   };

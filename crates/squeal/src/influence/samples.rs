@@ -5,13 +5,12 @@ use std::path::Path;
 
 use montecarlo::Summary;
 use output::Table;
-use study::{
-    DrawnInputs, KeptMode, KeptSample, KeptSamples, ModeLabel, Plan, Scene, SceneLabels, StudyTally, UncertainBrake,
-};
+use study::{DrawnInputs, KeptMode, KeptSample, KeptSamples, Plan, Scene, SceneLabels, StudyTally, UncertainBrake};
 
 use super::report::influence_table;
 use super::{drawn_again, influence_of_kept};
 use crate::Error;
+use crate::every_mode::names_in_words;
 
 /// Writes `samples.csv`, `unstable_modes.csv` and `influence.csv` of a study that has kept its samples, see [`StudyTally::kept`]; of another one nothing.
 /// Nothing is evaluated for them.
@@ -64,12 +63,6 @@ pub fn write_kept_samples<B: UncertainBrake>(
     let header = [scene_columns, &["sample", "growth", "unstable", "open", "may_be"], &columns].concat();
     let rows = plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene);
     Ok(Table::new("samples", header, rows).write(dir)?)
-}
-
-/// The names that a mode may have.
-fn names_in_words(names: &[ModeLabel]) -> String {
-    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-    if names.is_empty() { "?".into() } else { names.join("|") }
 }
 
 /// The table `unstable_modes`: a row for each unstable mode of each kept sample, whose cells are numbers alone.

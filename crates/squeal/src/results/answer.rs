@@ -95,11 +95,14 @@ fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     });
     let no_mode_was = if is_single { "no mode was" } else { "in no panel was any mode" };
     let [surely, sure] = if is_open(results, set) { ["surely ", "any sure "] } else { [""; 2] };
+    // What is listed may be open alone.
+    let is_nothing_sure =
+        found.anything[1].value == 0.0 && found.unstable.iter().all(|(_, range)| range.largest.value == 0.0);
     let words = match (everywhere.as_str(), somewhere.as_str()) {
-        ("", "") if found.unstable.is_empty() && results.has_band_modes => {
+        ("", "") if is_nothing_sure && results.has_band_modes => {
             format!("{no_mode_was} {surely}unstable")
         }
-        ("", "") if found.unstable.is_empty() => {
+        ("", "") if is_nothing_sure => {
             format!("{no_mode_was} {surely}unstable, nor was there {sure}divergence")
         }
         ("", "") if is_single => "no mode squeals in most of the draws, for sure".to_owned(),

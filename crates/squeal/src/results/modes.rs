@@ -1,6 +1,7 @@
 //! The modes of each set of constraints where they have their names: frequencies, shapes, and links to the modes of another set.
 
 use cea::Mode;
+use num_complex::Complex;
 use output::Table;
 use study::{ModeLabel, Reference, SetLinks, origin_of_set};
 
@@ -13,12 +14,19 @@ impl Results {
     /// The modes of a set of constraints at its origin with their names, ascending in frequency.
     pub fn modes_of_set(&self, constraints: usize) -> Vec<(ModeLabel, &Mode)> {
         let Some(origin) = origin_of_set(self.plan(), constraints) else { return Vec::new() };
+        let modes = &self.origins()[origin].modes;
+        self.places_of_set(constraints).into_iter().map(|(name, at)| (name, &modes[at])).collect()
+    }
+
+    /// Names of the modes of a set of constraints at its origin, ascending in frequency, each with its place in the list of that origin.
+    fn places_of_set(&self, constraints: usize) -> Vec<(ModeLabel, usize)> {
+        let Some(origin) = origin_of_set(self.plan(), constraints) else { return Vec::new() };
         let Reference { names, modes, .. } = &self.origins()[origin];
         let name = |at: usize| {
             // Equal modes share their names: each takes one of them, it does not matter which.
             let before = names[..at].iter().filter(|other| **other == names[at]).count();
             let name = names[at].get(before).or(names[at].first())?;
-            Some((self.name(constraints, *name), &modes[at]))
+            Some((self.name(constraints, *name), at))
         };
         (0..modes.len()).filter_map(name).collect()
     }
@@ -52,23 +60,24 @@ pub fn set_letter(constraints: usize) -> String {
 pub(super) fn modes(results: &Results) -> Vec<Table> {
     let (plan, mut rows, mut tables) = (results.plan(), Vec::new(), Vec::new());
     for (constraints, set) in plan.labels.constraints.iter().enumerate() {
-        let (Some(origin), modes) = (origin_of_set(plan, constraints), results.modes_of_set(constraints)) else {
-            continue;
-        };
+        let Some(origin) = origin_of_set(plan, constraints) else { continue };
         let shapes_of_set = format!("shapes-{set}");
         let shape_file = format!("{shapes_of_set}.csv");
         let free = plan.origins[origin].brake.dofs.free();
         let mut shapes = Vec::new();
-        for (name, mode) in modes {
+        for (name, at) in results.places_of_set(constraints) {
+            let mode = &results.origins()[origin].modes[at];
             let label = results.mode_label(constraints, name);
             let damping_ratio = -mode.lambda.re / mode.lambda.norm();
             let numbers = [cea::frequency_hz(mode.lambda), mode.lambda.re, damping_ratio].map(|x| x.to_string());
             rows.push(
                 [set.clone(), name.to_string(), label].into_iter().chain(numbers).chain([shape_file.clone()]).collect(),
             );
-            for (&dof, u) in free.iter().zip(mode.shape.iter()) {
-                shapes.push(vec![name.to_string(), plan.labels.dof(dof), u.re.to_string(), u.im.to_string()]);
-            }
+            let own = || free.iter().zip(mode.shape.iter()).map(|(&dof, &u)| (plan.labels.dof(dof), u)).collect();
+            let whole = results.whole_shapes.as_ref().map(|of_sets| of_sets[constraints][at].clone());
+            let rows =
+                |(dof, u): (String, Complex<f64>)| vec![name.to_string(), dof, u.re.to_string(), u.im.to_string()];
+            shapes.extend(whole.unwrap_or_else(own).into_iter().map(rows));
         }
         tables.push(Table::new(shapes_of_set, ["mode", "dof", "re", "im"], shapes));
     }

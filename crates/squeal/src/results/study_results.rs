@@ -6,9 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use montecarlo::{
     BoundedMean, Bounds, Confidence, CountDifference, CountedSide, LabelTally, Proportion, Summary, quantile,
 };
+use num_complex::Complex;
 use study::{
-    Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally,
-    ThirdOctave, UncertainBrake, origin_of_set,
+    Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, ModeSource, Panel, Plan, Reference, Study,
+    StudyTally, ThirdOctave, UncertainBrake, origin_of_set,
 };
 
 use crate::Error;
@@ -46,6 +47,9 @@ impl ArrangementOccurrence {
     }
 }
 
+/// Shapes by set of constraints and mode, each at some degrees of freedom with their names.
+type WholeShapes = Vec<Vec<Vec<(String, Complex<f64>)>>>;
+
 /// The results of a study.
 pub struct Results {
     plan: Arc<Plan>,
@@ -59,6 +63,8 @@ pub struct Results {
     pub full_checks: Option<FullChecks>,
     /// The brake finds its modes itself, those of a band, and so shows no divergence.
     pub has_band_modes: bool,
+    /// Shapes of the modes of each set of constraints at its origin in the full model of a reduced brake; `None` of another brake.
+    pub(super) whole_shapes: Option<Arc<WholeShapes>>,
     /// Reason why nothing is known of the errors of each scene, where that is so.
     pub unknown_errors: Vec<Option<&'static str>>,
     panels: Vec<Panel>,
@@ -88,8 +94,15 @@ impl Results {
             (plan.mode_labels, source.and_then(|source| source.full_checks()).cloned(), source.is_some());
         let unknown_errors =
             plan.scenes.iter().map(|scene| source.and_then(|source| source.unknown_error(scene))).collect();
+        let of_set = |(set, source): (usize, &dyn ModeSource)| -> Vec<Vec<(String, Complex<f64>)>> {
+            let modes = origin_of_set(&plan, set).map_or(&[][..], |origin| &origins[origin].modes);
+            modes.iter().map(|mode| source.whole_shape(set, &mode.shape)).collect()
+        };
+        let whole_shapes = source
+            .map(|source| Arc::new((0..plan.labels.constraints.len()).map(|set| of_set((set, source))).collect()));
         let notes = Mutex::default();
         Self {
+            whole_shapes,
             labels,
             plan,
             origins,
@@ -113,6 +126,7 @@ impl Results {
             comparisons: self.comparisons.clone(),
             full_checks: self.full_checks.clone(),
             unknown_errors: self.unknown_errors.clone(),
+            whole_shapes: self.whole_shapes.clone(),
             notes: Mutex::default(),
             plan: Arc::clone(&self.plan),
             origins: Arc::clone(&self.origins),

@@ -48,8 +48,8 @@ impl Screen {
         text + &self.remarks()
     }
 
-    /// All that was confirmed in one list, the largest effect first; empty where that is of one kind.
-    fn together(&self) -> String {
+    /// All that was confirmed in one list, the largest effect first, with whether it surely helps or harms; empty where that is of one kind.
+    pub fn together(&self) -> String {
         let confirmed = self.sets.iter().skip(1).filter_map(|set| Some((set, set.confirmed.as_ref()?)));
         let mut ranked: Vec<(&ScreenedSet, &Confirmed)> = confirmed.collect();
         let first = ranked.first().map(|(set, _)| set.kind);

@@ -116,7 +116,7 @@ impl<B: UncertainBrake> Study<'_, B> {
 
     /// Writes the systems of each sector at those of `points` that are `open`, by sector and sample. A sample that cannot be
     /// assembled takes no place: the next is written in its stead.
-    fn assemble(
+    pub(super) fn assemble(
         &self,
         scene: usize,
         points: &[OperatingPoint],

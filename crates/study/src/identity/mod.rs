@@ -176,6 +176,9 @@ pub fn difference(found: &str, wanted: &str) -> String {
     }
     let in_found = |key: &str| parts.iter().find(|part| part.0 == key);
     let in_wanted = |key: &str| wanted.parts.iter().find(|part| part.0 == key);
+    if let (Some((_, _, samples)), None) = (in_found("part"), in_wanted("part")) {
+        return format!("the samples {samples} of the study {name}, a part for squeal merge");
+    }
     let mut differing = Vec::new();
     let seed = |parts: &[(&str, bool, &str)]| parts.iter().find(|part| part.0 == "seed").map(|part| part.2.to_owned());
     let is_other_seed = seed(&parts) != seed(&wanted.parts);

@@ -1,0 +1,64 @@
+//! Every mode of a sample, stable ones too: what a surrogate of the growth of a mode is made from.
+
+use num_complex::Complex;
+
+use super::Study;
+use crate::scratch::{Scratch, timed};
+use crate::{Error, ModeLabel, UncertainBrake};
+
+/// Mode of a sample, stable or not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledMode {
+    /// Candidate names: one, or several near a coalescence, or none.
+    pub names: Vec<ModeLabel>,
+    /// Eigenvalue lambda, rad/s.
+    pub lambda: Complex<f64>,
+}
+
+impl<B: UncertainBrake> Study<'_, B> {
+    /// Modes of some samples in a scene that oscillate and that the plan studies, ascending in frequency. Each takes the whole spectrum of its
+    /// system: nothing is searched and nothing certified.
+    pub fn every_mode(
+        &self,
+        scene: usize,
+        samples: &[&B::Sample],
+        scratch: &mut Scratch,
+    ) -> Vec<Result<Vec<SampledMode>, Error>> {
+        let (plan, solvers) = (self.plan(), self.solvers(scene));
+        let mut modes: Vec<Result<Vec<SampledMode>, Error>> = Vec::with_capacity(samples.len());
+        let (mut points, mut solved) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
+        for (at, point) in self.brake().operating_points(&plan.scenes[scene], samples).into_iter().enumerate() {
+            modes.push(point.map(|point| {
+                points.push(point);
+                solved.push(at);
+                Vec::new()
+            }));
+        }
+        let Scratch { systems, memory } = scratch;
+        let all: Vec<usize> = (0..points.len()).collect();
+        let assembled = timed(&mut memory.spent.assembly, || self.assemble(scene, &points, &all, systems));
+        let mut lanes = Vec::with_capacity(points.len());
+        for (at, made) in solved.into_iter().zip(assembled) {
+            match made {
+                Ok(()) => lanes.push(at),
+                Err(error) => modes[at] = Err(error),
+            }
+        }
+        for (systems, solver) in systems.iter().zip(&solvers) {
+            let found = solver.every_mode(&systems[..lanes.len()], memory);
+            for (&at, found) in lanes.iter().zip(found) {
+                match (&mut modes[at], found) {
+                    (Ok(of_sample), Ok(found)) => of_sample.extend(
+                        found.into_iter().map(|named| SampledMode { names: named.names, lambda: named.mode.lambda }),
+                    ),
+                    (of_sample, Err(error)) => *of_sample = Err(error.into()),
+                    (Err(_), Ok(_)) => {}
+                }
+            }
+        }
+        for modes in modes.iter_mut().flatten() {
+            modes.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        }
+        modes
+    }
+}
