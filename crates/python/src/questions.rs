@@ -366,11 +366,8 @@ fn points(
             return Vec::new();
         }
         let mut work = Workspace::default();
-        let system = |row: &[f64]| {
-            let values: Vec<(usize, f64)> = places.iter().copied().zip(row.iter().copied()).collect();
-            of.system_with(scene, &values)
-        };
-        let systems: Vec<_> = rows.chunks_exact(width).map(system).collect();
+        let values = |row: &[f64]| places.iter().copied().zip(row.iter().copied()).collect();
+        let systems = of.systems_with(scene, &rows.chunks_exact(width).map(values).collect::<Vec<_>>());
         let sound: Vec<SecondOrder> = systems.iter().filter_map(|system| system.as_ref().ok().cloned()).collect();
         let mut spectra = Vec::with_capacity(sound.len());
         BatchSolver.eigenvalues_of_all(&sound, &mut work, &mut spectra);
