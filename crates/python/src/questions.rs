@@ -152,14 +152,14 @@ pub(crate) fn estimate(py: Python<'_>, brake: &Brake) -> PyResult<(f64, f64, f64
     })
 }
 
-/// One analysis of the first scene at the medians, as JSON.
+/// One analysis of the first scene at the medians, with shapes as JSON, or what the program prints.
 #[pyfunction]
-pub(crate) fn cea(py: Python<'_>, brake: &Brake, why: bool) -> PyResult<String> {
+pub(crate) fn cea(py: Python<'_>, brake: &Brake, why: bool, json: bool) -> PyResult<String> {
     let source = brake.source.clone();
     away(py, Ends::LeftBehind, None, move |watch| {
         let brake = source.brake(Purpose::Analysis, None, watch)?;
         let (scene, memory) = (SceneArgs::default(), MemoryArgs::default());
-        CeaArgs { case: CaseArgs::default(), scene, modes: true, why, json: true, memory }.analysis(&brake)
+        CeaArgs { case: CaseArgs::default(), scene, modes: json, why, json, memory }.analysis(&brake)
     })
 }
 

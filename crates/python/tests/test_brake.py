@@ -259,7 +259,7 @@ def nothing(p):
         (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": "a"}), sq.ArgumentError, "real numbers"),
         (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": next(COUNT)}), sq.ArgumentError, "depends on the parameters alone"),
         (lambda: hoffmann(dofs=["\udc80", "y"]), sq.ArgumentError, "text that is Unicode"),
-        (lambda: hoffmann(samples=2**64), sq.ArgumentError, "below 2^64"),
+        (lambda: hoffmann(samples=2**64), sq.ArgumentError, "below 2^63"),
         (lambda: hoffmann(seed="1"), sq.ArgumentError, "seed = '1'"),
         (lambda: sq.Case(3), sq.ArgumentError, "path = 3; allowed: a path"),
         (lambda: sq.read_matrices(b"K.mtx"), sq.ArgumentError, "path = b'K.mtx'; allowed: a path"),
