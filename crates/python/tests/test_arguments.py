@@ -181,6 +181,7 @@ def test_wrong_ranges_of_a_sweep_are_refused(wrong):
         (lambda: sq.run(BRAKE, keep_samples="yes"), "keep_samples", "True or False"),
         (lambda: sq.cea(BRAKE, law=3), "law", "text"),
         (lambda: sq.run(BRAKE, out=""), "out", "a path"),
+        (lambda: sq.eig(np.eye(2), None, K, progress=3), "progress", "None, False"),
     ],
 )
 def test_the_argument_that_is_wrong_is_named(call, argument, part):

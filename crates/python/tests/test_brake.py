@@ -119,10 +119,15 @@ def test_a_callable_is_asked_for_blocks():
         assert np.array_equal(of(ask(b)), of(ask(expected)))
         # The medians, what the report differentiates by, and nothing else is asked for alone.
         assert len(sizes) <= 30 and sum(sizes) >= 500 and sizes.count(1) <= 8, sizes
-    # A screen confirms on blocks too.
-    sizes.clear()
-    sq.screen(b, kinds=["dashpot"], up_to=1, samples=500, progress=False)
-    assert sizes.count(1) <= 10 and max(sizes) >= 50, sizes
+    # A screen confirms on blocks too, changes as well as variants.
+    for options in ({"kinds": ["dashpot"], "up_to": 1}, {"variants": {"other": None}}):
+        sizes.clear()
+        of = [
+            sq.screen(brake, **{**options, **({"variants": {"other": brake}} if "variants" in options else {})}, samples=500, progress=False)
+            for brake in (b, expected)
+        ]
+        assert of[0].ranked.to_pandas().equals(of[1].ranked.to_pandas())
+        assert sizes.count(1) <= 10 and sizes.count(63) >= 7, sizes
 
 
 def test_a_callable_is_asked_by_one_thread_at_a_time():

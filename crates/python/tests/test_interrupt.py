@@ -107,7 +107,8 @@ def test_an_interrupted_callable_is_not_asked_again(ask, seconds, tmp_path):
     ask = ask.format(out=str(tmp_path / "s"))
     late, end = interrupted(SLOW, f"timed(lambda: {ask})", seconds).splitlines()
     _, late, _, after = late.split()
-    assert end == "interrupted" and float(late) < 0.1 and float(after) < 0.6
+    # A tenth of a second where the machine is free; another call would take five.
+    assert end == "interrupted" and float(late) < 0.25 and float(after) < 0.75
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")

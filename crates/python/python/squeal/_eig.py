@@ -263,7 +263,7 @@ def eig(
     `symmetry` says what it is, "whole", or "upper", "lower" or "triangle" to be mirrored; a dict says it of each, as `{"K": "upper"}`.
     """
     borders = _borders(box, band_hz)
-    count, left = flag("count", count), flag("left", left)
+    count, left, told = flag("count", count), flag("left", left), receiver(progress)
     for name, given in (("rightmost", rightmost is not None), ("count", count)):
         if given and borders is None:
             raise refused(name, "given", "with `box` or `band_hz`")
@@ -287,7 +287,7 @@ def eig(
         held = _held(*all_of)
         (re0, re1), (im0, im1) = borders
         m_few, c_few, k_few = (without(matrix, held) for matrix in all_of)
-        found = _squeal.eig_in_box(m_few, c_few, k_few, (re0, re1, im0, im1), count, receiver(progress))
+        found = _squeal.eig_in_box(m_few, c_few, k_few, (re0, re1, im0, im1), count, told)
         discs = tuple(Disc(*disc) for disc in found["discs"])
         coverage = Coverage(borders, discs, found["counted"], found["factorisations"], found["solves"])
     at = np.arange(len(found["eigenvalues"]))
@@ -401,7 +401,7 @@ def check(M: Any, C: Any, K: Any) -> Health:
     return Health(*(MatrixHealth(**found) for found in _squeal.check(m, c, columns("K", K, m[0]))))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Matrix(Frozen):
     """A matrix of a file."""
 
@@ -433,6 +433,9 @@ class Matrix(Frozen):
         import scipy.sparse
 
         return scipy.sparse.csc_array((self.values, (self.rows, self.columns)), shape=self.shape)
+
+    def __repr__(self) -> str:
+        return f"Matrix({self.name!r}, {self.shape[0]} x {self.shape[1]}, {len(self.values)} entries)"
 
 
 @dataclass(frozen=True, eq=False)

@@ -667,7 +667,7 @@ def screen(
     return Screen(Tables([Table(*of) for of in tables]), json.loads(found), text)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Evaluated(Frozen):
     """What a brake is at given points; arrays of one length."""
 
@@ -681,6 +681,9 @@ class Evaluated(Frozen):
     open: npt.NDArray[np.int64]
     #: Indices of points that failed, and why.
     failures: dict[int, str]
+
+    def __repr__(self) -> str:
+        return f"Evaluated({len(self.growth)} points, {len(self.failures)} failed)"
 
 
 def evaluate(
