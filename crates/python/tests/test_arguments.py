@@ -87,7 +87,7 @@ WRONG = [
     None, True, 0, 3, -1, 2**70, 10**400, 1.5, np.nan, np.inf, 1j, "abc", "", "a\nb", "\udc80", "\ud800", "a\0b", b"x", [], [1], ["a"], [None],
     [[1, 0.5], [0.5, 1]], [[1.0], [1.0, 2.0]], (1, 2), ((1, 2), (3, "a")), {}, {"a": 1}, {1: "a"}, {"mu": None}, {"mu": [1.0]}, {"mu": ["a"]},
     {"x": "y"}, set(), object(), object, len, np.eye(3), np.float64(0.5), np.int64(1), np.array("a"), np.array([None, 1]), np.datetime64("2020"),
-    range(2), (number for number in range(2)), pathlib.Path("none"), scipy.sparse.eye_array(3), pyplot, BRAKE, sq.Uniform(0.5, 1.1),
+    range(2), (number for number in range(2)), pathlib.Path("none"), scipy.sparse.eye_array(3), scipy.sparse.coo_array([1.0, 2.0]), scipy.sparse.coo_array([1.0, 2.0]).tocsr(), pyplot, BRAKE, sq.Uniform(0.5, 1.1),
 ]
 #: Arguments that are functions of the user, whose exceptions are passed on.
 FUNCTIONS = {"progress", "coefficients"}

@@ -130,6 +130,8 @@ def _square(argument: str, shape: tuple[int, ...], order: int | None) -> None:
 def _sound(argument: str, given: Any) -> None:
     """Refuses a matrix of scipy.sparse whose parts do not fit each other: SciPy reads and writes beyond them, or drops entries."""
     layout, shape = getattr(given, "format", None), given.shape
+    if len(shape) != 2:
+        raise refused(argument, f"an array of shape {shape}", "a square matrix")
     if layout in ("csr", "csc", "bsr"):
         rows, columns = (size // block for size, block in zip(shape, getattr(given, "blocksize", (1, 1)), strict=True))
         major, minor = (columns, rows) if layout == "csc" else (rows, columns)
@@ -138,7 +140,7 @@ def _sound(argument: str, given: Any) -> None:
         if not fits:
             raise refused(f"{argument}.indptr", "offsets that do not fit the entries", f"{major + 1} that ascend from 0 to at most {count}")
         indices, most = {"indices": given.indices[: offsets[-1]]}, {"indices": minor}
-    elif layout == "coo" and len(shape) == 2:
+    elif layout == "coo":
         indices, most = {"row": given.row, "col": given.col}, {"row": shape[0], "col": shape[1]}
         if not len(given.row) == len(given.col) == len(given.data):
             raise refused(argument, "row, col and data of different lengths", "one of each for an entry")
