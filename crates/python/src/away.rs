@@ -43,6 +43,11 @@ impl Watch {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
+    /// Whether the work is to end.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
     fn stages(&self) -> std::sync::MutexGuard<'_, Vec<Counts>> {
         self.stages.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -98,7 +103,7 @@ impl Progress for Stage<'_> {
     fn end(&self) {}
 
     fn is_cancelled(&self) -> bool {
-        self.watch.cancelled.load(Ordering::Relaxed)
+        self.watch.is_cancelled()
     }
 }
 

@@ -1,12 +1,13 @@
 //! A brake of Python: a case, and where Python gives them, coefficients by a callable and samples of the user's own.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use brakes::case::{CaseFile, ChosenSpeed, MatricesCase, SceneChoice};
 use brakes::{AnyBrake, CaseBrake, MatricesBrake, Purpose};
 use linsys::{OperatingPoint, SecondOrder};
-use montecarlo::{MonteCarloError, StreamRng, index_of};
+use montecarlo::{MonteCarloError, StreamRng, index_of, stream};
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -18,6 +19,10 @@ use squeal_cli::{Error, override_run};
 
 use crate::away::Watch;
 use crate::errors;
+
+/// Draws at which a study asks for single operating points before it samples: as many as it looks for anchors among, the most. A callable
+/// computes them at once.
+const FIRST_DRAWS: u64 = 64;
 
 /// A brake as Python holds it.
 #[pyclass(frozen, module = "squeal._squeal")]
@@ -191,6 +196,12 @@ struct PythonBrake {
     computed: Option<Arc<Computed>>,
     design: Option<Arc<Vec<Vec<f64>>>>,
     watch: Arc<Watch>,
+    /// The operating point at the medians, of a brake with a callable.
+    median: Option<OperatingPoint>,
+    /// Operating points at the first draws, by the bits of these, of a brake with a callable.
+    first: OnceLock<HashMap<Vec<u64>, OperatingPoint>>,
+    /// Held while the callable is asked.
+    asked: Mutex<()>,
 }
 
 impl PythonBrake {
@@ -209,25 +220,57 @@ impl PythonBrake {
             };
             plan.identity = identity.part("design", written).into_line();
         }
-        let mut brake = Self { inner, computed, design, watch };
+        let (first, asked) = (OnceLock::new(), Mutex::new(()));
+        let mut brake = Self { inner, computed, design, watch, median: None, first, asked };
         if brake.computed.is_some() {
             let median = brake.point(&brake.inner.case.medians())?;
             let plan = &mut brake.inner.plan;
             plan.origins.iter_mut().for_each(|origin| origin.naming_point = median.clone());
             plan.configurations.iter_mut().for_each(|of| of.naming_point = median.clone());
+            brake.median = Some(median);
         }
         Ok(brake)
     }
 
+    /// The sample with some values, by the indices of their parameters, and else the medians.
+    fn with_values(&self, values: &[(usize, f64)]) -> Vec<f64> {
+        let mut sample = self.inner.case.medians();
+        for &(place, value) in values {
+            sample[place] = value;
+        }
+        sample
+    }
+
+    /// The operating point at a sample, that of the medians without asking for it again.
     fn point(&self, sample: &Vec<f64>) -> Result<OperatingPoint, squeal::study::Error> {
-        self.points(&[sample]).pop().unwrap_or_else(|| Err(MonteCarloError::Cancelled.into()))
+        match &self.median {
+            Some(median) if *sample == self.inner.case.medians() => Ok(median.clone()),
+            _ => self.points(&[sample]).pop().unwrap_or_else(|| Err(MonteCarloError::Cancelled.into())),
+        }
+    }
+
+    /// The operating points at the first draws, of those that have one.
+    fn first(&self) -> HashMap<Vec<u64>, OperatingPoint> {
+        let seed = self.inner.plan.seed;
+        let draws: Vec<_> = (0..FIRST_DRAWS).filter_map(|index| self.draw(&mut stream(seed, index)).ok()).collect();
+        let points = self.points(&draws.iter().collect::<Vec<_>>());
+        draws.iter().zip(points).filter_map(|(draw, point)| Some((bits(draw), point.ok()?))).collect()
     }
 
     fn points(&self, samples: &[&Vec<f64>]) -> Vec<Result<OperatingPoint, squeal::study::Error>> {
         let own = samples.iter().map(|sample| Ok(self.inner.case.operating_point(sample)?));
         let Some(computed) = &self.computed else { return own.collect() };
-        match Python::attach(|py| computed.values(py, &self.inner.case, samples)) {
-            Ok(columns) => {
+        let cancelled = || samples.iter().map(|_| Err(MonteCarloError::Cancelled.into())).collect();
+        let asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        // Looked at where nothing waits any more: the callable may take long.
+        let values = Python::attach(|py| match self.watch.is_cancelled() {
+            true => Ok(None),
+            false => computed.values(py, &self.inner.case, samples).map(Some),
+        });
+        drop(asked);
+        match values {
+            Ok(None) => cancelled(),
+            Ok(Some(columns)) => {
                 let with = |(at, point): (usize, Result<OperatingPoint, squeal::study::Error>)| {
                     let mut point = point?;
                     for ((_, target), column) in computed.targets.iter().zip(&columns) {
@@ -243,10 +286,15 @@ impl PythonBrake {
             }
             Err(error) => {
                 self.watch.raise(error);
-                samples.iter().map(|_| Err(MonteCarloError::Cancelled.into())).collect()
+                cancelled()
             }
         }
     }
+}
+
+/// The bits of a sample.
+fn bits(sample: &[f64]) -> Vec<u64> {
+    sample.iter().map(|value| value.to_bits()).collect()
 }
 
 impl Computed {
@@ -289,7 +337,11 @@ impl UncertainBrake for PythonBrake {
     }
 
     fn operating_point(&self, _: &Scene, sample: &Vec<f64>) -> Result<OperatingPoint, squeal::study::Error> {
-        self.point(sample)
+        if self.computed.is_none() || *sample == self.inner.case.medians() {
+            return self.point(sample);
+        }
+        let known = self.first.get_or_init(|| self.first()).get(&bits(sample));
+        known.map_or_else(|| self.point(sample), |point| Ok(point.clone()))
     }
 
     fn operating_points(&self, _: &Scene, samples: &[&Vec<f64>]) -> Vec<Result<OperatingPoint, squeal::study::Error>> {
@@ -330,11 +382,18 @@ impl Parametrised for PythonBrake {
     }
 
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::study::Error> {
-        let mut sample = self.median();
-        for &(place, value) in values {
-            sample[place] = value;
-        }
-        self.system(scene, &sample)
+        Ok(self.plan().brake(scene).system.assemble(&self.point(&self.with_values(values))?)?)
+    }
+
+    fn systems_with(
+        &self,
+        scene: &Scene,
+        values: &[Vec<(usize, f64)>],
+    ) -> Vec<Result<SecondOrder, squeal::study::Error>> {
+        let samples: Vec<_> = values.iter().map(|values| self.with_values(values)).collect();
+        let points = self.points(&samples.iter().collect::<Vec<_>>());
+        let system = &self.plan().brake(scene).system;
+        points.into_iter().map(|point| Ok(system.assemble(&point?)?)).collect()
     }
 }
 

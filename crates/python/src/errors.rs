@@ -3,6 +3,7 @@
 use brakes::case::CaseError;
 use cea::CeaError;
 use cea::certified::CertifiedError;
+use formats::FormatsError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use squeal::montecarlo::MonteCarloError;
@@ -60,11 +61,19 @@ fn kind(error: &Error) -> Kind {
         Error::Brake(error) => of_brake(error),
         Error::Cea(error) => of_cea(error),
         Error::System(_) | Error::Sparse(_) | Error::Reduction(_) => ("SolveError", Vec::new()),
-        Error::Read { path: file, .. } => ("FileError", path(file)),
-        Error::Matrix { path: file, .. } => ("FileError", path(file)),
+        Error::Read { path: file, source } => (missing_or(source, "MissingFileError", "FileError"), path(file)),
+        Error::Matrix { path: file, source } => match &**source {
+            FormatsError::Open(source) => (missing_or(source, "MissingFileError", "FileError"), path(file)),
+            _ => ("FileError", path(file)),
+        },
         Error::Output(output::OutputError::Write { path: file, .. }) => ("FolderError", path(file)),
         _ => ("SquealError", Vec::new()),
     }
+}
+
+/// The class of a fault of reading: one of its own for what is not there.
+fn missing_or(source: &std::io::Error, missing: &'static str, other: &'static str) -> &'static str {
+    if source.kind() == std::io::ErrorKind::NotFound { missing } else { other }
 }
 
 fn of_brake(error: &brakes::Error) -> Kind {
@@ -151,7 +160,11 @@ fn of_case(error: &CaseError) -> Kind {
             attributes.extend([("path", path.display().to_string()), ("field", field.clone())]);
             attributes.extend([("value", value.clone()), ("allowed", allowed.clone())]);
         }
-        CaseError::Read { path, .. } | CaseError::Syntax { path, .. } | CaseError::Lattice { path, .. } => {
+        CaseError::Read { path, source } => {
+            let path = vec![("path", path.display().to_string())];
+            return (missing_or(source, "MissingCaseError", "CaseError"), path);
+        }
+        CaseError::Syntax { path, .. } | CaseError::Lattice { path, .. } => {
             attributes.push(("path", path.display().to_string()));
         }
         CaseError::Contact { path, field, .. }

@@ -153,14 +153,14 @@ pub(crate) fn estimate(py: Python<'_>, brake: &Brake) -> PyResult<(f64, f64, f64
     })
 }
 
-/// One analysis of the first scene at the medians, as JSON.
+/// One analysis of the first scene at the medians, with shapes as JSON, or what the program prints.
 #[pyfunction]
-pub(crate) fn cea(py: Python<'_>, brake: &Brake, why: bool) -> PyResult<String> {
+pub(crate) fn cea(py: Python<'_>, brake: &Brake, why: bool, json: bool) -> PyResult<String> {
     let source = brake.source.clone();
     away(py, Ends::LeftBehind, None, move |watch| {
         let brake = source.brake(Purpose::Analysis, None, watch)?;
         let (scene, memory) = (SceneArgs::default(), MemoryArgs::default());
-        CeaArgs { case: CaseArgs::default(), scene, modes: true, why, json: true, memory }.analysis(&brake)
+        CeaArgs { case: CaseArgs::default(), scene, modes: json, why, json, memory }.analysis(&brake)
     })
 }
 
@@ -367,11 +367,8 @@ fn points(
             return Vec::new();
         }
         let mut work = Workspace::default();
-        let system = |row: &[f64]| {
-            let values: Vec<(usize, f64)> = places.iter().copied().zip(row.iter().copied()).collect();
-            of.system_with(scene, &values)
-        };
-        let systems: Vec<_> = rows.chunks_exact(width).map(system).collect();
+        let values = |row: &[f64]| places.iter().copied().zip(row.iter().copied()).collect();
+        let systems = of.systems_with(scene, &rows.chunks_exact(width).map(values).collect::<Vec<_>>());
         let sound: Vec<SecondOrder> = systems.iter().filter_map(|system| system.as_ref().ok().cloned()).collect();
         let mut spectra = Vec::with_capacity(sound.len());
         BatchSolver.eigenvalues_of_all(&sound, &mut work, &mut spectra);

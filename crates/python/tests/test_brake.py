@@ -2,6 +2,7 @@
 
 import itertools
 import pickle
+import time
 
 import numpy as np
 import pandas
@@ -95,6 +96,53 @@ def test_a_callable_is_the_expressions_to_the_bit():
     assert np.array_equal(first["value"], second["value"])
     first, second = (sq.screen(b, kinds=["dashpot"], up_to=1, samples=20, progress=False).ranked for b in brakes)
     assert first.to_pandas().equals(second.to_pandas())
+
+
+def test_a_callable_is_asked_for_blocks():
+    sizes = []
+
+    def told(p):
+        assert not np.any([np.shape(of) != np.shape(p["t"]) for of in p.values()])
+        sizes.append(len(p["t"]))
+        return callable_(p)
+
+    b, expected = damped(**OPEN, coefficients=told), damped(**EXPRESSIONS)
+    rng = np.random.default_rng(2)
+    points = {"t": rng.uniform(0.2, 1.5, 500), "c": rng.uniform(0.5, 2.0, 500)}
+    for ask, of in (
+        (lambda brake: sq.run(brake, samples=500, keep_samples=True, progress=False), lambda r: r.samples["growth"]),
+        (lambda brake: sq.run(brake, design=points, keep_samples=True, progress=False), lambda r: r.samples["growth"]),
+        (lambda brake: sq.evaluate(brake, points), lambda y: y.growth),
+        (lambda brake: sq.evaluate(brake, points, threads=1), lambda y: y.frequency_hz),
+    ):
+        sizes.clear()
+        assert np.array_equal(of(ask(b)), of(ask(expected)))
+        # The medians, what the report differentiates by, and nothing else is asked for alone.
+        assert len(sizes) <= 30 and sum(sizes) >= 500 and sizes.count(1) <= 8, sizes
+    # A screen confirms on blocks too, changes as well as variants.
+    for options in ({"kinds": ["dashpot"], "up_to": 1}, {"variants": {"other": None}}):
+        sizes.clear()
+        of = [
+            sq.screen(brake, **{**options, **({"variants": {"other": brake}} if "variants" in options else {})}, samples=500, progress=False)
+            for brake in (b, expected)
+        ]
+        assert of[0].ranked.to_pandas().equals(of[1].ranked.to_pandas())
+        assert sizes.count(1) <= 10 and sizes.count(63) >= 7, sizes
+
+
+def test_a_callable_is_asked_by_one_thread_at_a_time():
+    inside, most = [0], [0]
+
+    def told(p):
+        inside[0] += 1
+        most[0] = max(most[0], inside[0])
+        time.sleep(0.01)
+        inside[0] -= 1
+        return callable_(p)
+
+    b = damped(**OPEN, coefficients=told)
+    sq.evaluate(b, {"t": np.linspace(0.2, 1.5, 1000)}, threads=4)
+    assert most[0] == 1
 
 
 def test_a_study_of_a_callable_goes_on_and_another_is_refused(tmp_path):
@@ -216,7 +264,7 @@ def nothing(p):
         (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": "a"}), sq.ArgumentError, "real numbers"),
         (lambda: damped(**OPEN, coefficients=lambda p: {"belt.mu": next(COUNT)}), sq.ArgumentError, "depends on the parameters alone"),
         (lambda: hoffmann(dofs=["\udc80", "y"]), sq.ArgumentError, "text that is Unicode"),
-        (lambda: hoffmann(samples=2**64), sq.ArgumentError, "below 2^64"),
+        (lambda: hoffmann(samples=2**64), sq.ArgumentError, "below 2^63"),
         (lambda: hoffmann(seed="1"), sq.ArgumentError, "seed = '1'"),
         (lambda: sq.Case(3), sq.ArgumentError, "path = 3; allowed: a path"),
         (lambda: sq.read_matrices(b"K.mtx"), sq.ArgumentError, "path = b'K.mtx'; allowed: a path"),

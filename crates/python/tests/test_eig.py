@@ -1,5 +1,8 @@
 """Eigenvalues against SciPy, on matrices that are hard, and what is refused."""
 
+import pickle
+import subprocess
+import sys
 import threading
 import time
 
@@ -209,6 +212,72 @@ def test_a_spectrum_is_a_table():
     assert list(table.columns) == list(s.to_structured().dtype.names)
     assert np.array_equal(table["lambda"], s.eigenvalues) and len(str(s).splitlines()) == len(s) + 1
     assert np.array_equal(s.damping_ratios, -s.eigenvalues.real / np.abs(s.eigenvalues))
+
+
+def test_a_spectrum_prints_the_table_of_the_program(tmp_path):
+    import scipy.io
+
+    M, C, K = system()
+    for name, matrix in (("M", M), ("C", C), ("K", K)):
+        scipy.io.mmwrite(tmp_path / f"{name}.mtx", matrix, precision=17)
+    options = [f"--{kind}={tmp_path / name}.mtx" for kind, name in (("mass", "M"), ("damping", "C"), ("stiffness", "K"))]
+    for more, box in (((), {}), (("--box=-1000:1000,0:500",), {"box": ((-1000, 1000), (0, 500)), "progress": False})):
+        s = sq.eig(M, C, K, **box)
+        said = subprocess.run([sys.executable, "-m", "squeal", "eig", *options, *more], capture_output=True, text=True, check=True)
+        assert said.stdout.startswith(str(s) + "\n"), (said.stdout, str(s))
+        assert "\n" not in repr(s) and len(repr(s)) < 100 and f"{len(s)} eigenvalues" in repr(s)
+
+
+def test_a_spectrum_is_not_written_to():
+    M, C, K = system()
+    s = sq.eig(M, C, K, left=True)
+    for of in (s, pickle.loads(pickle.dumps(s))):
+        for name in ("eigenvalues", "bounds", "verdicts", "right", "left", "on_border", "growth", "frequencies_hz", "damping_ratios", "stable"):
+            with pytest.raises(ValueError, match="read-only"):
+                getattr(of, name)[:] = 0
+    (k,) = sq.read_matrices(ROOT / "tests/fixtures/hard/spring5/K.mtx").all
+    for array in (k.values, k.rows, sq.check(M, C, K).mass.empty_rows):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0
+    # What is made of them is the user's own.
+    s.to_structured()["bound"][:] = 0
+    k.tocsc().data[:] = 0
+
+
+def corrupt(layout, change):
+    matrix = scipy.sparse.eye(4, format=layout)
+    change(matrix)
+    return matrix
+
+
+def put(part, at, value):
+    def change(matrix):
+        getattr(matrix, part)[at] = value
+
+    return change
+
+
+@pytest.mark.parametrize("options", [{}, {"box": ((-1, 1), (0, 5)), "progress": False}])
+@pytest.mark.parametrize(
+    ("layout", "change", "argument", "allowed"),
+    [
+        ("csr", put("indices", 1, 77), "K.indices[1]", "0 to 3"),
+        ("csc", put("indices", 2, -1), "K.indices[2]", "0 to 3"),
+        ("bsr", put("indices", 0, 4), "K.indices[0]", "0 to 3"),
+        ("coo", put("row", 3, 4), "K.row[3]", "0 to 3"),
+        ("coo", put("col", 3, 9), "K.col[3]", "0 to 3"),
+        ("csr", put("indptr", 1, 3), "K.indptr", "5 that ascend"),
+        ("csc", put("indptr", 4, 9), "K.indptr", "5 that ascend"),
+        ("csr", put("indptr", 0, 1), "K.indptr", "5 that ascend"),
+        ("csr", lambda matrix: setattr(matrix, "data", matrix.data[:2]), "K.indptr", "5 that ascend"),
+        ("csc", lambda matrix: setattr(matrix, "indptr", matrix.indptr[:3]), "K.indptr", "5 that ascend"),
+    ],
+)
+def test_sparse_matrices_whose_parts_do_not_fit_are_refused(layout, change, argument, allowed, options):
+    for ask in (lambda K: sq.eig(scipy.sparse.eye(4), None, K, **options), lambda K: sq.check(np.eye(4), None, K)):
+        with pytest.raises(sq.ArgumentError) as caught:
+            ask(corrupt(layout, change))
+        assert caught.value.argument == argument and caught.value.allowed.startswith(allowed)
 
 
 NAN_BELOW = np.array([[1.0, 2.0, 0.0], [0.0, 3.0, 0.0], [0.0, np.nan, 4.0]])

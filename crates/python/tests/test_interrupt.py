@@ -67,6 +67,50 @@ def test_an_interrupted_function_ends(cases):
     assert interrupted(prepared, "sq.evaluate(case, points)") == "interrupted"
 
 
+#: A brake whose callable takes half a second, and the time at which it came back last.
+SLOW = """
+returned = [0.0]
+def slow(p):
+    time.sleep(0.5 if prepared else 0.0)
+    returned[0] = time.perf_counter()
+    return {"belt.mu": 0.4 + 0.5 * p["mu"]}
+prepared = False
+terms = [sq.Term("springs", mass=np.eye(2), stiffness=[[2.0, 1.0], [1.0, 2.0]])]
+contacts = [sq.Contact("belt", force={"x": -1.0}, reading={"y": 4 / 3})]
+brake = sq.Brake(terms=terms, contacts=contacts, parameters={"mu": sq.Uniform(0.5, 1.1)}, dofs=["x", "y"], coefficients=slow, samples=500)
+prepared = True
+def timed(ask):
+    try:
+        ask()
+    except KeyboardInterrupt:
+        now = time.perf_counter()
+        # The call that ran at the interrupt has come back, and no other was begun.
+        late = now - max(returned[0], at[0])
+        print("late", late, "after", now - at[0], flush=True)
+        raise
+"""
+
+
+@pytest.mark.parametrize("seconds", [0.2, 0.7, 1.2])
+@pytest.mark.parametrize(
+    "ask",
+    [
+        "sq.run(brake, out={out!r}, progress=False)",
+        "sq.run(brake, threads=1, progress=False)",
+        "sq.evaluate(brake, {{'mu': np.linspace(0.5, 1.1, 1000)}})",
+        "sq.sweep(brake, mu=(0.5, 1.1), progress=False)",
+        "sq.screen(brake, kinds=['dashpot'], up_to=1, progress=False)",
+        "sq.estimate(brake)",
+    ],
+)
+def test_an_interrupted_callable_is_not_asked_again(ask, seconds, tmp_path):
+    ask = ask.format(out=str(tmp_path / "s"))
+    late, end = interrupted(SLOW, f"timed(lambda: {ask})", seconds).splitlines()
+    _, late, _, after = late.split()
+    # A tenth of a second where the machine is free; another call would take five.
+    assert end == "interrupted" and float(late) < 0.25 and float(after) < 0.75
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
 def test_a_forked_process_works_after_a_study(cases):

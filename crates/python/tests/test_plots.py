@@ -54,3 +54,20 @@ def test_studies_sweeps_and_influence_are_shown(cases, ax):
     ax.clear()
     sq.influence(case, samples=200, total=100, law="velocity-dependent", progress=False).plot(ax)
     assert len(ax.get_xticks()) > 1
+
+
+def test_axes_of_modes_that_are_one_have_ticks_of_their_own(cases, ax):
+    r = sq.run(sq.Case(cases / "hoffmann.toml", samples=20), progress=False)
+    assert np.ptp(r.modes["frequency_hz"]) < 1e-9
+    r.plot_modes(ax)
+    ax.figure.canvas.draw()
+    for axis in (ax.xaxis, ax.yaxis):
+        assert axis.get_offset_text().get_text() == ""
+        labels = [label.get_text() for label in axis.get_ticklabels()]
+        assert len(set(labels)) == len(labels) > 1
+    low, high = ax.get_xlim()
+    assert low < r.modes["frequency_hz"].min() and high > r.modes["frequency_hz"].max()
+    # Only these are widened.
+    ax.clear()
+    sq.eig(np.eye(2), 0.05 * np.eye(2), [[2.0, 1.0], [1.0, 9.0]]).plot(ax)
+    assert np.ptp(ax.get_xlim()) < 1.0

@@ -229,6 +229,74 @@ def test_what_is_not_there_is_named(cases, tmp_path):
     assert left.occurrence.rows == r.occurrence.rows
 
 
+def not_written(of):
+    """Whether nothing of arrays, dicts and lists can be written to."""
+    if isinstance(of, np.ndarray):
+        return not of.flags.writeable
+    if isinstance(of, dict):
+        with pytest.raises(TypeError, match="not written to"):
+            of["seed"] = 99
+        with pytest.raises(TypeError, match="not written to"):
+            of.update(seed=99)
+        return all(map(not_written, of.values()))
+    if isinstance(of, list):
+        with pytest.raises(TypeError, match="not written to"):
+            of.append(1)
+        return all(map(not_written, of))
+    return True
+
+
+def test_results_are_not_written_to(cases):
+    case = sq.Case(cases / "hoffmann.toml", samples=100)
+    r, e = sq.run(case, progress=False), sq.cea(case, why=True)
+    w, y = sq.sweep(case, mu=(0.5, 1.1), progress=False), sq.evaluate(case, {"mu": [0.6, 0.9]})
+    for of in (r, e, w, y, *(pickle.loads(pickle.dumps(of)) for of in (r, e, w, y))):
+        for name, part in of.__dict__.items():
+            assert not_written(part), name
+    for again in (r, pickle.loads(pickle.dumps(r))):
+        assert not_written(again.occurrence["unstable"])
+    with pytest.raises(AttributeError):
+        r.tables.occurrence = None
+    # They are plain data to others: JSON, copies, comparison.
+    assert json.loads(json.dumps(r.manifest)) == r.manifest and {**r.manifest, "seed": 99}["seed"] == 99
+    assert r.manifest.copy()["seed"] == 1 and isinstance(r.manifest, dict)
+
+
+def test_results_say_in_a_line_what_they_are_and_print_what_the_program_prints(cases, tmp_path):
+    case = sq.Case(cases / "hoffmann.toml", samples=100)
+    r = sq.run(case, keep_samples=True, out=tmp_path / "s", progress=False)
+    assert "\n" not in repr(r) and len(repr(r)) < 200 + len(str(tmp_path)) and "100 samples" in repr(r)
+    for name in ("growth", "unstable_modes"):
+        same_table(getattr(r, name), tmp_path / "s" / f"{name}.csv")
+    for options in ((), ("--why",)):
+        e = sq.cea(case, why=bool(options))
+        assert str(e) == program("cea", cases / "hoffmann.toml", *options) == str(pickle.loads(pickle.dumps(e)))
+        assert "\n" not in repr(e) and len(repr(e)) < 100
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("occurrence.csv", lambda text: "a,b\n1,2,3\n", "3 values in row 2, and 2 columns"),
+        ("occurrence.csv", lambda text: "a,b\n1,2\n", "no numbers 'samples'"),
+        ("occurrence.csv", lambda text: "", "occurrence.csv is empty"),
+        ("occurrence.csv", lambda text: text.replace(",50,", ",x,"), "no numbers 'samples'"),
+        ("occurrence.csv", lambda text: text[: text.rindex(",")], "row"),
+        ("modes.csv", lambda text: text + "1,2\n", "2 values in row"),
+        ("manifest.json", lambda text: "[1]", "no manifest"),
+        ("manifest.json", lambda text: "{", "manifest|Expecting"),
+        ("manifest.json", lambda text: "[" * 100_000, "."),
+    ],
+)
+def test_a_folder_that_is_damaged_is_refused(name, change, words, cases, tmp_path):
+    sq.run(sq.Case(cases / "hoffmann.toml"), samples=50, out=tmp_path / "s", progress=False)
+    path = tmp_path / "s" / name
+    path.write_text(change(path.read_text()))
+    with pytest.raises(sq.FolderError, match=words) as damaged:
+        sq.load(tmp_path / "s")
+    assert damaged.value.path == str(tmp_path / "s") and damaged.value.allowed == "the folder of a study that has finished"
+
+
 def test_time_and_memory_are_expected(cases):
     e = sq.estimate(sq.Case(cases / "hoffmann.toml"), samples=1000)
     assert e.seconds == e.preparation + e.samples + e.report and e.bytes > 0

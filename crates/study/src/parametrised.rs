@@ -27,6 +27,12 @@ pub trait Parametrised: Sync {
     /// A value that is not allowed; as [`UncertainBrake::operating_point`](crate::UncertainBrake::operating_point).
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error>;
 
+    /// The systems of a scene at several sets of values as of [`Parametrised::system_with`], in their order. A brake that makes several at once
+    /// for less overrides it.
+    fn systems_with(&self, scene: &Scene, values: &[Vec<(usize, f64)>]) -> Vec<Result<SecondOrder, Error>> {
+        values.iter().map(|values| self.system_with(scene, values)).collect()
+    }
+
     /// Contact points that open and close as parameters change, by their names. None, as provided, where systems are smooth in all parameters.
     fn contact_points(&self, _scene: &Scene) -> Vec<String> {
         Vec::new()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,16 +29,65 @@ def path_of(argument: str, given: Any) -> str:
         path = os.fspath(given)
     except TypeError:
         path = None
-    if not isinstance(path, str):
+    if not isinstance(path, str) or not path or "\0" in path:
         raise refused(argument, repr(given), "a path, as text or pathlib.Path")
+    try:
+        os.fsencode(path)
+    except UnicodeEncodeError:
+        raise refused(argument, ascii(path), "a path that the system can have") from None
     return path
 
 
 def number(argument: str, given: Any) -> float:
     """A real number."""
     if not isinstance(given, int | float | np.integer | np.floating) or isinstance(given, bool):
-        raise refused(argument, given, "a number")
-    return float(given)
+        raise refused(argument, given if isinstance(given, np.generic) else repr(given), "a number")
+    try:
+        return float(given)
+    except OverflowError:
+        raise refused(argument, given, "a number that a double has") from None
+
+
+def text(argument: str, given: Any) -> str:
+    """A text, of Unicode."""
+    if not isinstance(given, str):
+        raise refused(argument, repr(given), "text")
+    try:
+        given.encode()
+    except UnicodeEncodeError:
+        raise refused(argument, ascii(given), "text that is Unicode") from None
+    return given
+
+
+def flag(argument: str, given: Any) -> bool:
+    """A truth value."""
+    if not isinstance(given, bool | np.bool_):
+        raise refused(argument, repr(given), "True or False")
+    return bool(given)
+
+
+def listed(argument: str, given: Any, of: str) -> list[Any]:
+    """A list of things that are said what they are of; a text is none, nor is a mapping."""
+    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
+        raise refused(argument, repr(given), f"a list of {of}")
+    try:
+        return list(given)
+    except TypeError:
+        raise refused(argument, repr(given), f"a list of {of}") from None
+
+
+def names(argument: str, given: Any, of: str) -> list[str]:
+    """A list of names."""
+    return [text(argument, name) for name in listed(argument, given, of)]
+
+
+def mapped(argument: str, given: Any, of: str) -> Mapping[str, Any]:
+    """A mapping from names."""
+    if not isinstance(given, Mapping):
+        raise refused(argument, repr(given), f"a dict from names to {of}")
+    for name in given:
+        text(argument, name)
+    return given
 
 
 def _doubles(argument: str, given: Any) -> Floats:
@@ -50,6 +99,8 @@ def _doubles(argument: str, given: Any) -> Floats:
         array = np.asarray(given)
     except ValueError:
         raise refused(argument, "rows of different lengths", "an array of numbers") from None
+    except Exception as error:
+        raise refused(argument, f"{type(given).__name__} that is no array ({error})", "an array of numbers") from None
     if array.dtype.kind not in "fiub":
         raise refused(argument, f"an array of dtype {array.dtype}", "real numbers")
     return np.require(np.asarray(array, dtype=np.float64), requirements="A")
@@ -76,8 +127,35 @@ def _square(argument: str, shape: tuple[int, ...], order: int | None) -> None:
         raise refused(argument, f"an array of shape {shape}", f"{(order, order)}, as M has")
 
 
+def _sound(argument: str, given: Any) -> None:
+    """Refuses a matrix of scipy.sparse whose parts do not fit each other: SciPy reads and writes beyond them, or drops entries."""
+    layout, shape = getattr(given, "format", None), given.shape
+    if len(shape) != 2:
+        raise refused(argument, f"an array of shape {shape}", "a square matrix")
+    if layout in ("csr", "csc", "bsr"):
+        rows, columns = (size // block for size, block in zip(shape, getattr(given, "blocksize", (1, 1)), strict=True))
+        major, minor = (columns, rows) if layout == "csc" else (rows, columns)
+        offsets, count = given.indptr, min(len(given.indices), len(given.data))
+        fits = len(offsets) == major + 1 and offsets[0] == 0 and bool(np.all(offsets[:-1] <= offsets[1:])) and offsets[-1] <= count
+        if not fits:
+            raise refused(f"{argument}.indptr", "offsets that do not fit the entries", f"{major + 1} that ascend from 0 to at most {count}")
+        indices, most = {"indices": given.indices[: offsets[-1]]}, {"indices": minor}
+    elif layout == "coo":
+        indices, most = {"row": given.row, "col": given.col}, {"row": shape[0], "col": shape[1]}
+        if not len(given.row) == len(given.col) == len(given.data):
+            raise refused(argument, "row, col and data of different lengths", "one of each for an entry")
+    else:
+        return
+    for name, of in indices.items():
+        outside = np.flatnonzero((of < 0) | (of >= most[name]))
+        if outside.size:
+            raise refused(f"{argument}.{name}[{outside[0]}]", of[outside[0]], f"0 to {most[name] - 1}")
+
+
 def dense(argument: str, given: Any, order: int | None = None) -> Floats:
     """A square matrix as an array."""
+    if is_sparse(given):
+        _sound(argument, given)
     array = real(argument, given.toarray() if is_sparse(given) else given)
     _square(argument, array.shape, order)
     return array
@@ -86,6 +164,7 @@ def dense(argument: str, given: Any, order: int | None = None) -> Floats:
 def columns(argument: str, given: Any, order: int | None = None) -> Columns:
     """A square matrix in compressed columns."""
     if is_sparse(given):
+        _sound(argument, given)
         _square(argument, given.shape, order)
         csc = given.tocsc(copy=True)
         csc.sum_duplicates()
@@ -110,9 +189,12 @@ def whole(argument: str, given: Any, symmetry: Symmetry) -> Any:
         symmetry = symmetry.get(argument)
     if symmetry is not None and not isinstance(symmetry, str):
         raise refused("symmetry", repr(symmetry), "whole, upper, lower or triangle, or a dict from M, C, K to these")
+    said = None if symmetry is None else text("symmetry", symmetry)
+    if is_sparse(given):
+        _sound(argument, given)
     matrix = given.tocsc() if is_sparse(given) else real(argument, given)
-    listed = matrix if matrix.ndim == 2 else (matrix != 0).any(axis=tuple(range(matrix.ndim - 2)))
-    if not _squeal.is_triangle(argument, columns(argument, listed), symmetry):
+    entries = matrix if matrix.ndim == 2 else (matrix != 0).any(axis=tuple(range(matrix.ndim - 2)))
+    if not _squeal.is_triangle(argument, columns(argument, entries), said):
         return matrix
     if is_sparse(matrix):
         import scipy.sparse

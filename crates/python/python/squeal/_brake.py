@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal, _toml
-from ._arrays import Floats, dense, number, path_of, real
+from ._arrays import Floats, dense, listed, mapped, names as names_of, number, path_of, real, text
 from ._errors import CaseWarning, refused
 from .distributions import Distribution
 
@@ -89,22 +89,23 @@ class Case(AnyBrake):
     ) -> None:
         self.path = path_of("path", path)
         run = (_whole("samples", samples, 1), _whole("seed", seed, 0))
-        settings = [_setting(field, value) for field, value in (set or {}).items()]
+        fields = {} if set is None else mapped("set", set, "values of these fields")
+        settings = [_setting(field, value) for field, value in fields.items()]
         self._make((self.path, settings, None, None, None, *run))
         for note in self._native.notes():
             warnings.warn(note, CaseWarning, stacklevel=2)
 
 
-def _whole(argument: str, given: int | None, least: int) -> int | None:
-    if given is not None and not (isinstance(given, int | np.integer) and least <= given < 2**64):
-        raise refused(argument, repr(given) if isinstance(given, str) else given, f"a whole number, at least {least} and below 2^64")
+def _whole(argument: str, given: int | None, least: int, bits: int = 64) -> int | None:
+    if given is not None and (isinstance(given, bool) or not (isinstance(given, int | np.integer) and least <= given < 2**bits)):
+        raise refused(argument, repr(given), f"a whole number, at least {least} and below 2^{bits}")
     return None if given is None else int(given)
 
 
 def _setting(field: str, value: Any) -> str:
     """A field that is set, as `NAME=VALUE`."""
     try:
-        return f"{field}={_toml.value(value.table() if isinstance(value, Distribution) else value)}"
+        return text("set", f"{field}={_toml.value(value.table() if isinstance(value, Distribution) else value)}")
     except TypeError as error:
         raise refused("set", f"{field!r}: {error}", "numbers, text, lists, distributions") from None
 
@@ -123,7 +124,7 @@ class Term:
     #: Name of its family of forces, where that is not `name`.
     family: str | None = None
     #: Storage of its matrices, "whole", "upper", "lower" or "triangle" to be mirrored: to be said of entries on one side of the diagonal alone.
-    symmetry: str | None = None
+    symmetry: str | Mapping[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -181,23 +182,40 @@ class Brake(AnyBrake):
         samples: int = 1000,
         seed: int = 1,
     ) -> None:
-        for parameter, distribution in (parameters or {}).items():
+        parameters, bodies, constraints = (
+            {} if given is None else mapped(argument, given, of)
+            for argument, given, of in (
+                ("parameters", parameters, "distributions"),
+                ("bodies", bodies, "lists of degrees of freedom"),
+                ("constraints", constraints, "lists of degrees of freedom"),
+            )
+        )
+        terms, contacts = listed("terms", terms, "squeal.Term"), listed("contacts", contacts, "squeal.Contact")
+        for argument, parts, kind in (("terms", terms, Term), ("contacts", contacts, Contact)):
+            for part in parts:
+                if not isinstance(part, kind):
+                    raise refused(argument, repr(part), f"a list of squeal.{kind.__name__}")
+        for parameter, distribution in parameters.items():
             if not isinstance(distribution, Distribution):
                 raise refused(f"parameters[{parameter!r}]", repr(distribution), "a distribution, as squeal.Uniform(0, 1)")
-        study = {"name": name, "samples": _whole("samples", samples, 1), "seed": _whole("seed", seed, 0)}
+        if not terms:
+            raise refused("terms", terms, "one squeal.Term or more")
+        study: dict[str, Any] = {"name": text("name", name)}
+        for argument, given, least in (("samples", samples, 1), ("seed", seed, 0)):
+            # Case files have whole numbers of 63 bits.
+            study[argument] = _whole(argument, least - 1 if given is None else given, least, 63)
         tables: dict[str, Any] = {"study": study, "brake": {"kind": "matrices"}}
         if dofs is not None:
-            tables["brake"]["dofs"] = [str(dof) for dof in dofs]
-        tables["parameters"] = {key: distribution.table() for key, distribution in (parameters or {}).items()}
+            tables["brake"]["dofs"] = names_of("dofs", dofs, "names of degrees of freedom")
+        tables["parameters"] = {key: distribution.table() for key, distribution in parameters.items()}
         tables["terms"] = [_term(term) for term in terms]
         tables["contacts"] = [_contact(contact, coefficients is not None) for contact in contacts]
-        tables["bodies"] = [{"name": key, "dofs": list(of)} for key, of in (bodies or {}).items()]
-        tables["constraints"] = [{"name": key, "fixed": list(of)} for key, of in (constraints or {}).items()]
+        tables["bodies"] = [{"name": key, "dofs": _dofs(f"bodies[{key!r}]", of)} for key, of in bodies.items()]
+        tables["constraints"] = [{"name": key, "fixed": _dofs(f"constraints[{key!r}]", of)} for key, of in constraints.items()]
         squeal = {"growth_above": growth_above, "damping_ratio_below": damping_ratio_below}
-        tables["squeal"] = {key: of for key, of in squeal.items() if of is not None}
+        tables["squeal"] = {key: number(key, of) for key, of in squeal.items() if of is not None}
         if correlation is not None:
-            names, matrix = correlation
-            tables["correlation"] = {"parameters": list(names), "matrix": real("correlation", matrix)}
+            tables["correlation"] = _correlation(correlation)
         #: The brake as a case file.
         self.text = _toml.document({key: table for key, table in tables.items() if table})
         try:
@@ -227,20 +245,80 @@ def _plain(given: Mapping[str, Any]) -> dict[str, Any]:
     return {key: of for key, of in given.items() if of is not None}
 
 
+def _dofs(argument: str, given: Any) -> str | list[str]:
+    """Names of degrees of freedom; a text is one, or a range as "first-last"."""
+    return text(argument, given) if isinstance(given, str) else names_of(argument, given, "names of degrees of freedom")
+
+
+def _correlation(given: Any) -> dict[str, Any]:
+    """A table of a correlation."""
+    allowed = "(names of parameters, matrix)"
+    if not isinstance(given, tuple | list) or len(given) != 2 or isinstance(given[0], str) or not isinstance(given[0], Iterable):
+        raise refused("correlation", repr(given), allowed)
+    of = list(given[0])
+    if not all(isinstance(name, str) for name in of):
+        raise refused("correlation", repr(given), allowed)
+    matrix = real("correlation", given[1])
+    if matrix.shape != (len(of), len(of)):
+        raise refused("correlation", f"a matrix of shape {matrix.shape}", f"{(len(of), len(of))}, a row for each of its parameters")
+    return {"parameters": of, "matrix": matrix}
+
+
+def _formula(argument: str, given: Any) -> Formula:
+    """A number or an expression."""
+    if isinstance(given, str):
+        return text(argument, given)
+    if isinstance(given, bool) or not isinstance(given, int | float | np.integer | np.floating):
+        raise refused(argument, repr(given), "a number or an expression")
+    as_double = number(argument, given)
+    return given if isinstance(given, int | float) else as_double
+
+
+def _if_given(check: Callable[[str, Any], Any], argument: str, given: Any) -> Any:
+    """What a check makes of an argument, None of one that is not given."""
+    return None if given is None else check(argument, given)
+
+
+def _storage(argument: str, given: Any) -> Any:
+    """How matrices are stored: a word on all of them, or one on each."""
+    words, matrices = ("whole", "upper", "lower", "triangle"), ("mass", "damping", "stiffness")
+    given_words = given.items() if isinstance(given, Mapping) else [(None, given)]
+    for matrix, word in given_words:
+        if not isinstance(word, str) or word not in words or matrix not in (None, *matrices):
+            raise refused(argument, repr(given), f"{', '.join(words)}, or a dict from {', '.join(matrices)} to these")
+    return given
+
+
 def _term(term: Term) -> dict[str, Any]:
+    text("terms: name", term.name)
+    at = f"terms {term.name!r}"
     matrices = {key: getattr(term, key) for key in ("mass", "damping", "stiffness")}
-    orders = {key: dense(f"terms {term.name!r}.{key}", of) for key, of in matrices.items() if of is not None}
-    of = {"name": term.name, "family": term.family, "coefficient": term.coefficient, "symmetry": term.symmetry}
+    orders = {key: dense(f"{at}.{key}", of) for key, of in matrices.items() if of is not None}
+    of = {
+        "name": term.name,
+        "family": _if_given(text, f"{at}.family", term.family),
+        "coefficient": _if_given(_formula, f"{at}.coefficient", term.coefficient),
+        "symmetry": _if_given(_storage, f"{at}.symmetry", term.symmetry),
+    }
     return _plain(of | orders)
 
 
 def _contact(contact: Contact, is_open: bool) -> dict[str, Any]:
-    lag = contact.lag and {"decay": contact.lag.decay, "drive": contact.lag.drive, "force": contact.lag.force}
+    text("contacts: name", contact.name)
+    at = f"contacts {contact.name!r}"
+    if contact.lag is not None and not isinstance(contact.lag, Lag):
+        raise refused(f"{at}.lag", repr(contact.lag), "squeal.Lag(decay, drive, force)")
+    lag = contact.lag and {key: _formula(f"{at}.lag.{key}", getattr(contact.lag, key)) for key in ("decay", "drive", "force")}
     force, reading = (
-        {str(dof): number(f"contacts {contact.name!r}.{key}[{dof!r}]", part) for dof, part in (given or {}).items()}
-        for key, given in (("force", contact.force), ("reading", contact.reading))
+        {dof: number(f"{at}.{key}[{dof!r}]", part) for dof, part in mapped(f"{at}.{key}", given, "numbers").items()}
+        for key, given in (("force", contact.force), ("reading", {} if contact.reading is None else contact.reading))
     )
-    of = {"mu": contact.mu, "slope": contact.slope, "lag": lag, "family": contact.family}
+    of = {
+        "mu": _if_given(_formula, f"{at}.mu", contact.mu),
+        "slope": _if_given(_formula, f"{at}.slope", contact.slope),
+        "lag": lag,
+        "family": _if_given(text, f"{at}.family", contact.family),
+    }
     if is_open and contact.mu is None and contact.slope is None and contact.lag is None:
         of["mu"] = 0.0  # Computed, as `_check_computed` sees to.
     return _plain({"name": contact.name, "force": force, "reading": reading or None, **of})
@@ -267,7 +345,7 @@ def computed(callable_: Coefficients, given: dict[str, Floats], names: list[str]
 
 def _checked(found: object, names: list[str], length: int) -> list[Floats]:
     if not isinstance(found, Mapping) or set(found) != set(names):
-        keys = sorted(found) if isinstance(found, Mapping) else type(found).__name__
+        keys = sorted(map(str, found)) if isinstance(found, Mapping) else type(found).__name__
         raise refused("coefficients", f"a callable that returns {keys}", f"{sorted(names)}, as at the medians")
     columns = []
     for name in names:
@@ -297,10 +375,18 @@ def table_of(points: Any, argument: str) -> tuple[list[str], Floats]:
     return names, np.ascontiguousarray(np.stack(arrays, axis=1))
 
 
+def native_of(brake: Any) -> _squeal.Brake:
+    """What a brake is to the native module."""
+    if not isinstance(brake, AnyBrake):
+        raise refused("brake", repr(brake), "a brake: squeal.Case of the path of a case file, or squeal.Brake of arrays")
+    return brake._native
+
+
 def with_design(brake: AnyBrake, design: Any) -> tuple[_squeal.Brake, int]:
     """The brake whose samples are the rows of a design, and their number."""
     names, rows = table_of(design, "design")
-    known = [name for name, _, _ in brake._native.parameters()]
+    native = native_of(brake)
+    known = [name for name, _, _ in native.parameters()]
     if sorted(names) != sorted(known):
         raise refused("design", f"the columns {names}", f"one for each parameter: {known}")
-    return brake._native.with_design(rows[:, [names.index(name) for name in known]]), len(rows)
+    return native.with_design(rows[:, [names.index(name) for name in known]]), len(rows)

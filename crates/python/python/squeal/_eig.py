@@ -13,8 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Columns, Floats, Symmetry, columns, dense, is_sparse, none_of, number, path_of, real, whole, without
+from ._arrays import Columns, Floats, Symmetry, columns, dense, flag, is_sparse, none_of, number, path_of, real, text, whole, without
 from ._errors import CaseWarning, FailureWarning, refused
+from ._frozen import Frozen, frozen
 from ._progress import Progress, receiver
 
 if TYPE_CHECKING:
@@ -84,8 +85,8 @@ class Coverage:
     solves: int
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Frozen):
     """Eigenvalues, each with what is known of its error; arrays of one length k, by frequency."""
 
     #: Eigenvalues lambda, rad/s, (k,).
@@ -123,12 +124,12 @@ class Spectrum:
     @property
     def frequencies_hz(self) -> Floats:
         """Im lambda / 2 pi, Hz."""
-        return np.asarray(self.eigenvalues.imag / TAU)
+        return _kept(self.eigenvalues.imag / TAU)
 
     @property
     def growth(self) -> Floats:
         """Re lambda, 1/s."""
-        return np.asarray(self.eigenvalues.real)
+        return _kept(self.eigenvalues.real)
 
     @property
     def damping_ratios(self) -> Floats:
@@ -136,17 +137,17 @@ class Spectrum:
         size = np.abs(self.eigenvalues)
         ratios = np.full(len(self), np.nan)
         np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)
-        return ratios
+        return _kept(ratios)
 
     @property
     def unstable(self) -> npt.NDArray[np.bool_]:
         """Which are unstable, as a mask."""
-        return np.asarray(self.verdicts == Verdict.UNSTABLE)
+        return _kept(self.verdicts == Verdict.UNSTABLE)
 
     @property
     def stable(self) -> npt.NDArray[np.bool_]:
         """Which are stable, as a mask."""
-        return np.asarray(self.verdicts == Verdict.STABLE)
+        return _kept(self.verdicts == Verdict.STABLE)
 
     def to_structured(self) -> npt.NDArray[np.void]:
         """One record for each eigenvalue."""
@@ -180,12 +181,35 @@ class Spectrum:
         return spectrum(self.frequencies_hz[shown], self.damping_ratios[shown], self.unstable[shown], ax)
 
     def __str__(self) -> str:
-        lines = [f"{'no.':>4} {'Hz':>14} {'Re 1/s':>14} {'damping':>12} {'bound':>9}  verdict"]
-        rows = zip(self.frequencies_hz, self.growth, self.damping_ratios, self.bounds, self.verdicts, strict=True)
-        for at, (hertz, growth, damping, bound, verdict) in enumerate(rows, 1):
-            said = Verdict(verdict).name.lower()
-            lines.append(f"{at:>4} {hertz:>14.6f} {growth:>14.6e} {damping:>12.6f} {bound:>9.1e}  {said}")
+        """The table of `squeal eig`."""
+        titles = ("Re lambda, rad/s", "Im lambda, rad/s", "f, Hz", "damping", "backward", "condition")
+        lines = [_ROW.format("no.", *titles, "verdict")]
+        for at, value in enumerate(self.eigenvalues):
+            said = Verdict(self.verdicts[at]).name.lower() + (", on the border" if self.on_border[at] else "")
+            damping = self.damping_ratios[at] if value != 0 else 0.0
+            errors = (_decimal(of[at], 1) for of in (self.backward_errors, self.conditions))
+            parts = (_decimal(value.real, 16), _decimal(value.imag, 16), f"{self.frequencies_hz[at]:.6f}", _decimal(damping, 4))
+            lines.append(_ROW.format(at + 1, *parts, *errors, said))
         return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return f"Spectrum({len(self)} eigenvalues, {self.unstable.sum()} unstable, route {self.route!r})"
+
+
+#: A line of the table of `squeal eig`.
+_ROW = "{:>5} {:>24} {:>24} {:>14} {:>12} {:>9} {:>9}  {}"
+
+
+def _decimal(value: float, digits: int) -> str:
+    """A number with an exponent, as the program prints it."""
+    mantissa, _, exponent = f"{value:.{digits}e}".partition("e")
+    return f"{mantissa}e{int(exponent)}" if exponent else mantissa.replace("nan", "NaN")
+
+
+def _kept(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """An array that is not written to."""
+    made: npt.NDArray[Any] = frozen(np.asarray(array))
+    return made
 
 
 Box = tuple[tuple[float, float], tuple[float, float]]
@@ -239,11 +263,12 @@ def eig(
     `symmetry` says what it is, "whole", or "upper", "lower" or "triangle" to be mirrored; a dict says it of each, as `{"K": "upper"}`.
     """
     borders = _borders(box, band_hz)
+    count, left, told = flag("count", count), flag("left", left), receiver(progress)
     for name, given in (("rightmost", rightmost is not None), ("count", count)):
         if given and borders is None:
             raise refused(name, "given", "with `box` or `band_hz`")
     if rightmost is not None and not (isinstance(rightmost, int | np.integer) and rightmost >= 1):
-        raise refused("rightmost", rightmost, "a whole number, at least 1")
+        raise refused("rightmost", repr(rightmost), "a whole number, at least 1")
     if borders is None:
         for name, matrix in (("M", M), ("C", C), ("K", K)):
             if is_sparse(matrix) and max(matrix.shape) > _MADE_DENSE:
@@ -262,7 +287,7 @@ def eig(
         held = _held(*all_of)
         (re0, re1), (im0, im1) = borders
         m_few, c_few, k_few = (without(matrix, held) for matrix in all_of)
-        found = _squeal.eig_in_box(m_few, c_few, k_few, (re0, re1, im0, im1), count, receiver(progress))
+        found = _squeal.eig_in_box(m_few, c_few, k_few, (re0, re1, im0, im1), count, told)
         discs = tuple(Disc(*disc) for disc in found["discs"])
         coverage = Coverage(borders, discs, found["counted"], found["factorisations"], found["solves"])
     at = np.arange(len(found["eigenvalues"]))
@@ -335,12 +360,12 @@ def eigvals(M: Any, C: Any, K: Any, *, symmetry: Symmetry = None, threads: int |
 def workers(threads: int | None) -> int | None:
     """A number of worker threads that is allowed."""
     if threads is not None and not (isinstance(threads, int | np.integer) and 1 <= threads <= 1024):
-        raise refused("threads", threads, "1 to 1024, or None for one a core")
+        raise refused("threads", repr(threads), "1 to 1024, or None for one a core")
     return None if threads is None else int(threads)
 
 
 @dataclass(frozen=True, eq=False)
-class MatrixHealth:
+class MatrixHealth(Frozen):
     """What a matrix is, as far as it matters for a model."""
 
     #: Entries that are not zero.
@@ -376,8 +401,8 @@ def check(M: Any, C: Any, K: Any) -> Health:
     return Health(*(MatrixHealth(**found) for found in _squeal.check(m, c, columns("K", K, m[0]))))
 
 
-@dataclass(frozen=True, eq=False)
-class Matrix:
+@dataclass(frozen=True, eq=False, repr=False)
+class Matrix(Frozen):
     """A matrix of a file."""
 
     #: Name in the file.
@@ -408,6 +433,9 @@ class Matrix:
         import scipy.sparse
 
         return scipy.sparse.csc_array((self.values, (self.rows, self.columns)), shape=self.shape)
+
+    def __repr__(self) -> str:
+        return f"Matrix({self.name!r}, {self.shape[0]} x {self.shape[1]}, {len(self.values)} entries)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -445,7 +473,8 @@ def read_matrices(path: str | os.PathLike[str], *, symmetry: str | None = None) 
     By the name in the file, or by "mass", "damping", "stiffness" where it says so. `symmetry`, "whole", "upper", "lower" or "triangle", says how
     matrices are stored of which the file does not say it; without it a list on one side of the diagonal is refused.
     """
-    found, left_out = _squeal.read_matrices(path_of("path", path), symmetry)
+    said = None if symmetry is None else text("symmetry", symmetry)
+    found, left_out = _squeal.read_matrices(path_of("path", path), said)
     matrices = []
     for parts in found:
         for doubt in parts.pop("doubts"):

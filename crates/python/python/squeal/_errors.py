@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 
+#: Most letters of a value in a line; chosen: arrays and data frames would be pages.
+_LONGEST = 300
+
+
 class SquealError(Exception):
     """What is wrong, in one line; the attributes that do not apply are None."""
 
@@ -14,7 +18,7 @@ class SquealError(Exception):
     argument: str | None
     #: Value that was found.
     value: str | None
-    #: Values that are allowed, in words.
+    #: Values that are allowed, in words: where nothing else says them those of the line.
     allowed: str | None
 
     def __init__(
@@ -29,7 +33,8 @@ class SquealError(Exception):
     ) -> None:
         super().__init__(text)
         self.path, self.field, self.argument = path, field, argument
-        self.value, self.allowed = value, allowed
+        _, is_said, said = text.rpartition("; allowed: ")
+        self.value, self.allowed = value, said if allowed is None and is_said else allowed
 
 
 class ArgumentError(SquealError, ValueError):
@@ -45,7 +50,19 @@ class FileError(SquealError, ValueError):
 
 
 class FolderError(SquealError, OSError):
-    """A folder of another study, one in use, damaged, or that cannot be written: `path`."""
+    """A folder of another study, one in use, damaged, or that cannot be written: `path`, None where it is several of them, as parts with a gap."""
+
+
+class MissingCaseError(CaseError, FileNotFoundError):
+    """A case file that is not there: `path`."""
+
+
+class MissingFileError(FileError, FileNotFoundError):
+    """A file that is not there: `path`."""
+
+
+class MissingFolderError(FolderError, FileNotFoundError):
+    """A folder, or a file in it, that is not there: `path`."""
 
 
 class SolveError(SquealError):
@@ -70,4 +87,6 @@ class FailureWarning(UserWarning):
 
 def refused(argument: str, value: object, allowed: str) -> ArgumentError:
     """The exception for a value of an argument that is not allowed."""
-    return ArgumentError(f"{argument} = {value}; allowed: {allowed}", argument=argument, value=str(value), allowed=allowed)
+    said = " ".join(str(value).split())
+    said = said if len(said) <= _LONGEST else f"{said[:_LONGEST]} .."
+    return ArgumentError(f"{argument} = {said}; allowed: {allowed}", argument=argument, value=said, allowed=allowed)

@@ -34,5 +34,5 @@ def receiver(progress: Progress) -> Callable[[str, int, int], object] | None:
     if progress is False:
         return None
     if not callable(progress):
-        raise refused("progress", progress, "None, False or a function of (stage, done, total)")
+        raise refused("progress", repr(progress), "None, False or a function of (stage, done, total)")
     return progress

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import pathlib
@@ -10,7 +11,7 @@ import shutil
 import tempfile
 import warnings
 import weakref
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +19,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal
-from ._arrays import Floats, number, path_of
-from ._brake import AnyBrake, _whole, table_of, with_design
+from ._arrays import Floats, flag, listed, mapped, names as names_of, number, path_of, text as text_of
+from ._brake import AnyBrake, _whole, native_of, table_of, with_design
 from ._eig import workers
-from ._errors import FailureWarning, FolderError, refused
+from ._errors import FailureWarning, FolderError, MissingFolderError, refused
+from ._frozen import Frozen
 from ._progress import Progress, receiver
 from ._tables import Table, Tables
 
@@ -47,8 +49,8 @@ class _Owned:
         weakref.finalize(self, shutil.rmtree, self.name, ignore_errors=True)
 
 
-@dataclass(frozen=True, eq=False)
-class Results:
+@dataclass(frozen=True, eq=False, repr=False)
+class Results(Frozen):
     """What a study has found: the files of its folder."""
 
     #: The folder; one that the results own and take with them where the study was run without `out`: give `out` where they leave the process.
@@ -102,6 +104,16 @@ class Results:
         return self.tables["sensitivities"]
 
     @property
+    def growth(self) -> Table:
+        """How fast each mode grows where it is unstable."""
+        return self.tables["growth"]
+
+    @property
+    def unstable_modes(self) -> Table:
+        """Which modes grow in each sample, in a row each; only with `keep_samples`."""
+        return _optional(self.tables, "unstable_modes", "results of `run` with keep_samples=True")
+
+    @property
     def failures(self) -> Table:
         """Samples that could not be evaluated."""
         return self.tables["failures"]
@@ -124,10 +136,14 @@ class Results:
     def save(self, folder: Folder) -> None:
         """Write all files into a new or empty folder: those that the program writes, which it can continue."""
         to = pathlib.Path(path_of("folder", folder))
-        if to.exists() and (not to.is_dir() or any(to.iterdir())):
+        try:
+            is_taken = to.exists() and (not to.is_dir() or any(to.iterdir()))
+        except OSError as error:
+            raise FolderError(f"{to}: {error}; allowed: a folder that can be written", path=str(to)) from None
+        if is_taken:
             raise FolderError(f"{to}: is not empty; allowed: a new or empty folder", path=str(to))
         if not self.folder.is_dir():
-            raise FolderError(f"{self.folder}: is gone; allowed: `run` with `out` where results leave the process", path=str(self.folder))
+            raise MissingFolderError(f"{self.folder}: is gone; allowed: `run` with `out` where results leave the process", path=str(self.folder))
         try:
             to.parent.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(dir=to.parent, prefix=f".{to.name}.") as made:
@@ -152,16 +168,25 @@ class Results:
     def __str__(self) -> str:
         return self.text
 
+    def __repr__(self) -> str:
+        return f"Results({str(self.folder)!r}, {self.manifest.get('samples')} samples, {len(self.tables)} tables)"
+
 
 def _read(folder: pathlib.Path, text: str | None, owned: _Owned | None) -> Results:
     try:
         manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+        if not isinstance(manifest, dict):
+            raise ValueError("manifest.json is no manifest")
         tables = Tables([Table.read(path) for path in sorted(folder.glob("*.csv"))])
         said = (folder / "summary.md").read_text(encoding="utf-8") if text is None else text
         if "occurrence" not in tables:
             raise FileNotFoundError("occurrence.csv is not there")
-    except (OSError, ValueError) as error:
-        raise FolderError(f"{folder}: {error}; allowed: the folder of a study that has finished", path=str(folder)) from None
+        for column in ("samples", "unstable", "occurrence", "lower", "upper"):
+            if column not in tables["occurrence"] or tables["occurrence"][column].dtype.kind not in "if":
+                raise ValueError(f"occurrence.csv has no numbers {column!r}")
+    except (OSError, ValueError, RecursionError) as error:
+        kind = MissingFolderError if isinstance(error, FileNotFoundError) else FolderError
+        raise kind(f"{folder}: {error}; allowed: the folder of a study that has finished", path=str(folder)) from None
     return Results(folder, tables, manifest, said, owned)
 
 
@@ -179,6 +204,10 @@ def _in_folder(out: Folder | None) -> tuple[pathlib.Path, _Owned | None]:
 
 def _number(argument: str, given: float | None) -> float | None:
     return None if given is None else number(argument, given)
+
+
+def _text(argument: str, given: str | None) -> str | None:
+    return None if given is None else text_of(argument, given)
 
 
 def _of_run(folder: pathlib.Path, ran: tuple[str, str | None], owned: _Owned | None) -> Results:
@@ -209,7 +238,7 @@ def run(
     this folder, as that of `squeal run`: an interrupt leaves what there is, and the same call goes on. `progress` is None for a bar
     where standard error is a terminal, False, or a function of (stage, done, total).
     """
-    native = brake._native
+    native, keep_samples = native_of(brake), flag("keep_samples", keep_samples)
     if design is not None:
         given = {"samples": samples, "half_width": half_width, "until_half_width": until_half_width}
         for name in (name for name, of in given.items() if of is not None):
@@ -258,8 +287,9 @@ def shard(
     for name, given in (("number", number), ("of", of), ("first", first)):
         if given is None:
             raise refused(name, None, "a whole number")
+    keep_samples = flag("keep_samples", keep_samples)
     part = tuple(_whole(name, given, 0) for name, given in (("number", number), ("of", of), ("first", first)))
-    native = brake._native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
+    native = native_of(brake).with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
     found = _squeal.shard(native, part, path_of("out", out), keep_samples, workers(threads), receiver(progress))  # type: ignore[arg-type]
     begin, end, evaluations, failures = found
     return Part(pathlib.Path(out), range(begin, end), evaluations, failures)
@@ -279,14 +309,14 @@ def merge(
 
     `mixed` lets parts of other programs, and of processors that round differently, pass.
     """
-    if isinstance(parts, str | os.PathLike | Part):
-        raise refused("parts", repr(parts), "a list of folders of `shard` or `squeal run --shard`")
-    folders = [path_of("parts", part.folder if isinstance(part, Part) else part) for part in parts]
+    native, mixed = native_of(brake), flag("mixed", mixed)
+    given = listed("parts", parts, "folders of `shard` or `squeal run --shard`")
+    folders = [path_of("parts", part.folder if isinstance(part, Part) else part) for part in given]
     if not folders:
         raise refused("parts", "none", "folders of `shard` or `squeal run --shard`")
     folder, owned = _in_folder(out)
     ran = _squeal.merge(
-        brake._native, (folders, mixed), os.fspath(folder), _number("half_width", half_width), workers(threads), receiver(progress)
+        native, (folders, mixed), os.fspath(folder), _number("half_width", half_width), workers(threads), receiver(progress)
     )
     return _of_run(folder, ran, owned)
 
@@ -312,7 +342,7 @@ class Expected:
 
 def estimate(brake: AnyBrake, *, samples: int | None = None) -> Expected:
     """Time and memory that the study of a brake takes; some of its samples are timed."""
-    return Expected(*_squeal.estimate(brake._native.with_run(_whole("samples", samples, 1), None)))
+    return Expected(*_squeal.estimate(native_of(brake).with_run(_whole("samples", samples, 1), None)))
 
 
 def _only(
@@ -323,14 +353,15 @@ def _only(
     speed: float | None,
     drawn: tuple[str | None] | None = None,
 ) -> _squeal.Brake:
-    if contact is not None and (isinstance(contact, str) or not isinstance(contact, Iterable)):
-        raise refused("contact", repr(contact), "a list of numbers of contacts, from 1")
-    numbers = None if contact is None else [_whole("contact", number, 1) or 0 for number in contact]
-    return brake._native.only((law, numbers, constraints), _number("speed", speed), drawn and drawn[0], drawn is not None)
+    native = native_of(brake)
+    given = None if contact is None else listed("contact", contact, "numbers of contacts, from 1")
+    numbers = None if given is None else [_whole("contact", -1 if number is None else number, 1) or 0 for number in given]
+    scene = (_text("law", law), numbers, _text("constraints", constraints))
+    return native.only(scene, _number("speed", speed), drawn and _text("speed_range", drawn[0]), drawn is not None)
 
 
-@dataclass(frozen=True, eq=False)
-class Analysis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Analysis(Frozen):
     """One complex eigenvalue analysis at median parameters; arrays of one length, a place for each oscillating mode."""
 
     #: Eigenvalues with Im lambda > 0, rad/s.
@@ -348,15 +379,32 @@ class Analysis:
     #: Why unstable modes grow, one entry for each mode, None for the others; only with `why`.
     why: tuple[dict[str, Any] | None, ...]
     #: All of it, as `squeal cea --json` says it.
-    json: dict[str, Any] = field(repr=False)
+    json: dict[str, Any]
+    #: What was asked: the brake, and whether reasons were.
+    _asked: tuple[_squeal.Brake, bool] | None = None
 
     @property
     def unstable(self) -> npt.NDArray[np.bool_]:
         """Which grow, as a mask."""
         return np.array([verdict.lower() == "unstable" for verdict in self.verdicts], dtype=bool)
 
+    @functools.cached_property
+    def text(self) -> str:
+        """What `squeal cea` prints; asked for when it is wanted first."""
+        return "" if self._asked is None else _squeal.cea(*self._asked, False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For other processes, which do not have the brake."""
+        return {**self.__dict__, "text": self.text, "_asked": None}
+
     def __len__(self) -> int:
         return len(self.eigenvalues)
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"Analysis({len(self)} modes, {self.unstable.sum()} unstable)"
 
 
 def cea(
@@ -369,7 +417,8 @@ def cea(
     why: bool = False,
 ) -> Analysis:
     """One analysis of a brake at its medians, in the scene that the arguments choose; the first that it has where they do not."""
-    found = json.loads(_squeal.cea(_only(brake, law, contact, constraints, speed), why))
+    native, why = _only(brake, law, contact, constraints, speed), flag("why", why)
+    found = json.loads(_squeal.cea(native, why, True))
     modes = found["modes"]
     eigenvalues = np.array([complex(mode["re"], mode["im"]) for mode in modes])
     shapes = np.array([[complex(*u) for u in mode["shape"]] for mode in modes]).T
@@ -383,11 +432,12 @@ def cea(
         work={family: np.array([mode[f"{family}_work"] for mode in modes]) for family in families},
         why=tuple(mode.get("why") for mode in modes),
         json=found,
+        _asked=(native, why),
     )
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(Frozen):
     """What is found over one parameter, or two."""
 
     #: Names of the parameters.
@@ -450,15 +500,16 @@ def sweep(
     **ranges: tuple[float, float],
 ) -> Sweep:
     """Sweep one parameter or two, all others at their medians: `sweep(brake, mu=(0, 1.3))`, or by a dict from name to (from, to)."""
-    for name in (over or {}).keys() & ranges.keys():
-        raise refused(name, ranges[name], f"one range; `over` has {(over or {})[name]}")
-    parameters = {**(over or {}), **ranges}
+    first = {} if over is None else mapped("over", over, "(from, to)")
+    for name in first.keys() & ranges.keys():
+        raise refused(name, ranges[name], f"one range; `over` has {first[name]}")
+    parameters = {**first, **ranges}
     listed = []
     for name, ends in parameters.items():
         try:
             begin, end = (number(name, of) for of in ends)
         except (TypeError, ValueError):
-            raise refused(name, ends, "(from, to)") from None
+            raise refused(name, repr(ends), "(from, to)") from None
         listed.append((name, begin, end))
     native = _only(brake, law, contact, constraints, speed)
     tables, found, text = _squeal.sweep(native, listed, workers(threads), receiver(progress))
@@ -466,7 +517,7 @@ def sweep(
 
 
 @dataclass(frozen=True, eq=False)
-class Influence:
+class Influence(Frozen):
     """Which input makes squeal vary: Sobol' indices."""
 
     #: The table of `squeal influence`.
@@ -505,7 +556,7 @@ def influence(
     """First-order indices of each input from draws of the study, in one scene; with `total` also total ones, from so many points."""
     for name, given in (("samples", samples), ("total", total)):
         if given is not None and not (isinstance(given, int | np.integer) and 100 <= given <= 1_000_000):
-            raise refused(name, given, "100 to 1000000")
+            raise refused(name, repr(given), "100 to 1000000")
     native = _only(brake, law, contact, constraints, speed, (speed_range,)).with_run(samples, _whole("seed", seed, 0))
     draws = min(max(native.header()[1], 100), 1_000_000)
     table, failures, evaluations, text = _squeal.influence(native, draws, total, workers(threads), receiver(progress))
@@ -513,7 +564,7 @@ def influence(
 
 
 @dataclass(frozen=True, eq=False)
-class Screen:
+class Screen(Frozen):
     """What helps, ranked and confirmed."""
 
     #: `screen` and `screen_differences`: the tables of `squeal screen`.
@@ -584,17 +635,17 @@ def screen(
     `variants` are other brakes by their names, as `{"shim": case.set(...)}`, which are confirmed on the same draws and ranked with the rest. Beside them
     no kind of changes is searched unless `kinds` says so.
     """
-    if isinstance(kinds, str):
-        raise refused("kinds", repr(kinds), "a list of kinds of changes")
+    kinds = None if kinds is None else names_of("kinds", kinds, "kinds of changes")
+    constraints, criterion = _text("constraints", constraints), text_of("criterion", criterion)
     for name, given, least, most in (("up_to", up_to, 1, 20), ("draws", draws, 1, 10_000), ("confirm", confirm, 0, 65_535)):
         if not (isinstance(given, int | np.integer) and least <= given <= most):
-            raise refused(name, given, f"{least} to {most}")
+            raise refused(name, repr(given), f"{least} to {most}")
     given_sizes = (("mass", mass, 0), ("spring", spring, 0), ("dashpot", dashpot, 0), ("factor", factor, 1))
     sizes = [_number(name, given) for name, given, _ in given_sizes]
     for (name, _, above), size in zip(given_sizes, sizes, strict=True):
         if size is not None and not (np.isfinite(size) and size > above):
             raise refused(name, size, f"a number > {above}")
-    native = brake._native.with_run(_whole("samples", samples, 2), _whole("seed", seed, 0))
+    native = native_of(brake).with_run(_whole("samples", samples, 2), _whole("seed", seed, 0))
     _, count, _, sets = native.header()
     if count < 2:
         raise refused("samples", count, "2 or more, for an interval")
@@ -604,7 +655,7 @@ def screen(
     if kinds is None and named:
         kinds = []
     screening = (
-        None if kinds is None else list(kinds),
+        kinds,
         up_to,
         (sizes[0], sizes[1], sizes[2], sizes[3]),
         draws,
@@ -616,8 +667,8 @@ def screen(
     return Screen(Tables([Table(*of) for of in tables]), json.loads(found), text)
 
 
-@dataclass(frozen=True, eq=False)
-class Evaluated:
+@dataclass(frozen=True, eq=False, repr=False)
+class Evaluated(Frozen):
     """What a brake is at given points; arrays of one length."""
 
     #: Largest Re lambda of all eigenvalues, 1/s, below zero where all decay; NaN where the point failed.
@@ -630,6 +681,9 @@ class Evaluated:
     open: npt.NDArray[np.int64]
     #: Indices of points that failed, and why.
     failures: dict[int, str]
+
+    def __repr__(self) -> str:
+        return f"Evaluated({len(self.growth)} points, {len(self.failures)} failed)"
 
 
 def evaluate(

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ._frozen import frozen
+
 if TYPE_CHECKING:
     import pandas
 
@@ -23,7 +25,7 @@ _TEXT = frozenset(
 
 #: Such columns of the tables whose other columns have the names of parameters, which may be any.
 _BESIDE_PARAMETERS = {
-    "samples": frozenset("constraints law speed arrangement unstable".split()),
+    "samples": frozenset("constraints law speed arrangement unstable may_be".split()),
     **dict.fromkeys(
         ("branches", "onsets", "coalescences", "boundary", "regions"), frozenset("mode other_mode direction curve brake".split())
     ),
@@ -58,8 +60,12 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         before = [columns[:at].count(column) for at, column in enumerate(columns)]
         names = [f"{column}.{count}" if count else column for column, count in zip(columns, before, strict=True)]
         self._columns = {column: _column(column in text, [row[at] for row in rows]) for at, column in enumerate(names)}
-        for array in self._columns.values():
-            array.flags.writeable = False
+        frozen(list(self._columns.values()))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """After it went to another process its arrays are not written to either."""
+        self.__dict__.update(state)
+        frozen(list(self._columns.values()))
 
     # Arrays are not compared as a whole: a table is itself alone.
     __eq__ = object.__eq__
@@ -67,9 +73,17 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 
     @classmethod
     def read(cls, path: pathlib.Path) -> Table:
-        """The table of a CSV file."""
-        with path.open(encoding="utf-8", newline="") as file:
-            columns, *rows = csv.reader(file)
+        """The table of a CSV file; a `ValueError` says where it is damaged."""
+        try:
+            with path.open(encoding="utf-8", newline="") as file:
+                columns, *rows = list(csv.reader(file)) or [[]]
+        except csv.Error as error:
+            raise ValueError(f"{path.name} is no table ({error})") from None
+        if not columns:
+            raise ValueError(f"{path.name} is empty")
+        for line, row in enumerate(rows, 2):
+            if len(row) != len(columns):
+                raise ValueError(f"{path.name} has {len(row)} values in row {line}, and {len(columns)} columns")
         return cls(path.stem, columns, rows)
 
     def __getitem__(self, column: str) -> npt.NDArray[Any]:
@@ -105,6 +119,8 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 class Tables(Mapping[str, Table]):
     """Tables by their names."""
 
+    __slots__ = ("_tables",)
+
     def __init__(self, tables: Sequence[Table]) -> None:
         self._tables = {table.name: table for table in tables}
 
@@ -116,3 +132,6 @@ class Tables(Mapping[str, Table]):
 
     def __len__(self) -> int:
         return len(self._tables)
+
+    def __repr__(self) -> str:
+        return f"Tables({', '.join(self._tables)})"

@@ -16,7 +16,8 @@ def value(of: Any) -> str:
     if isinstance(of, str):
         return json.dumps(of, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(of, int | np.integer):
-        return str(int(of))
+        # TOML has the whole numbers of 64 bits.
+        return str(int(of)) if -(2**63) <= of < 2**63 else repr(_double(int(of)))
     if isinstance(of, float | np.floating):
         return repr(float(of))
     if isinstance(of, Mapping):
@@ -26,6 +27,13 @@ def value(of: Any) -> str:
     if isinstance(of, list | tuple):
         return "[" + ", ".join(map(value, of)) + "]"
     raise TypeError(f"{type(of).__name__} has no form in TOML")
+
+
+def _double(of: int) -> float:
+    try:
+        return float(of)
+    except OverflowError:
+        raise TypeError("a whole number beyond all doubles has no form in TOML") from None
 
 
 def document(tables: Mapping[str, Any]) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from ._arrays import real
+from ._arrays import number, real, text
+from ._errors import refused
 
 
 @dataclass(frozen=True)
@@ -16,10 +17,21 @@ class Distribution:
     #: Name in case files.
     kind: ClassVar[str] = ""
 
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            given = getattr(self, field.name)
+            if field.type == "str":
+                text(field.name, given)
+            elif "Sequence" in str(field.type):
+                if real(field.name, given).ndim != 1:
+                    raise refused(field.name, repr(given), "a list of numbers")
+            elif given is not None or "None" not in str(field.type):
+                number(field.name, given)
+
     def table(self) -> dict[str, Any]:
         """The table of a case file."""
         given = {field.name.rstrip("_"): getattr(self, field.name) for field in fields(self)}
-        plain = {name: value if isinstance(value, str | float | int) else list(value) for name, value in given.items() if value is not None}
+        plain = {name: list(value) if isinstance(value, Iterable) and not isinstance(value, str) else value for name, value in given.items() if value is not None}
         return {"distribution": self.kind, **plain}
 
 

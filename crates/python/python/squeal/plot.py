@@ -17,16 +17,29 @@ if TYPE_CHECKING:
 
 #: Colours of what is unstable and of the rest.
 UNSTABLE, REST = "tab:red", "0.45"
+#: Least range of an axis, as a part of its largest number; chosen: ticks have a few digits.
+_LEAST_RANGE = 1e-4
 
 
 def axes(ax: Axes | None) -> Axes:
     """Axes that were given, or new ones."""
     if ax is not None:
+        if not hasattr(ax, "set_xlabel"):
+            raise refused("ax", repr(ax), "axes of matplotlib")
         return ax
     import matplotlib.pyplot
 
     made: Axes = matplotlib.pyplot.subplots()[1]
     return made
+
+
+def _plain_ticks(ax: Axes) -> None:
+    """Ticks with their own numbers, and ranges in which these differ: of modes that are one but for rounding there would be none."""
+    for low, high, set_range in ((*ax.get_xlim(), ax.set_xlim), (*ax.get_ylim(), ax.set_ylim)):
+        middle, least = (low + high) / 2, _LEAST_RANGE * max(abs(low), abs(high))
+        if high - low < least:
+            set_range(middle - least / 2, middle + least / 2)
+    ax.ticklabel_format(useOffset=False)
 
 
 def spectrum(frequencies_hz: Floats, damping_ratios: Floats, unstable: npt.NDArray[np.bool_], ax: Axes | None) -> Axes:
@@ -38,6 +51,7 @@ def spectrum(frequencies_hz: Floats, damping_ratios: Floats, unstable: npt.NDArr
     ax.set_xlabel("frequency, Hz")
     ax.set_ylabel("damping ratio")
     ax.legend()
+    _plain_ticks(ax)
     return ax
 
 
@@ -48,6 +62,8 @@ def occurrence(table: Table, ax: Axes | None, chosen: Mapping[str, str | int]) -
     for column, wanted in chosen.items():
         if column not in table:
             raise refused(column, wanted, f"the columns {', '.join(table.columns)}")
+        if not isinstance(wanted, str | int | float | np.integer | np.floating):
+            raise refused(column, repr(wanted), "a value of this column")
         mask &= table[column] == wanted
     if not mask.any():
         raise refused("occurrence", dict(chosen), "values that the table has")
@@ -71,6 +87,7 @@ def modes(table: Table, ax: Axes | None) -> Axes:
     ax.set_xlabel("frequency, Hz")
     ax.set_ylabel("damping ratio")
     ax.legend()
+    _plain_ticks(ax)
     return ax
 
 

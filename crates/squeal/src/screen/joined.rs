@@ -202,6 +202,14 @@ impl<B: UncertainBrake> UncertainBrake for Joined<'_, B> {
         part.brake.operating_point(&own, sample.get(at).ok_or(study::Error::OtherSample)?)
     }
 
+    fn operating_points(&self, scene: &Scene, samples: &[&Self::Sample]) -> Vec<Result<OperatingPoint, study::Error>> {
+        let part = self.own(scene).and_then(|(at, part, own)| {
+            let samples = samples.iter().map(|sample| sample.get(at)).collect::<Option<Vec<_>>>()?;
+            Some(part.brake.operating_points(&own, &samples))
+        });
+        part.unwrap_or_else(|| samples.iter().map(|_| Err(study::Error::OtherSample)).collect())
+    }
+
     /// `None`: inputs belong to one of the brakes.
     fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<Self::Sample>> {
         None

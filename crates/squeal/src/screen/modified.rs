@@ -257,6 +257,12 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         Ok(changed.point(self.inner.operating_point(&self.inner_scene(scene), sample)?))
     }
 
+    fn operating_points(&self, scene: &Scene, samples: &[&B::Sample]) -> Vec<Result<OperatingPoint, study::Error>> {
+        let changed = &self.from[scene.configuration].changed;
+        let unchanged = self.inner.operating_points(&self.inner_scene(scene), samples);
+        unchanged.into_iter().map(|point| Ok(changed.point(point?))).collect()
+    }
+
     /// `None`: scenes here are not those of the inner brake, to which its inputs belong.
     fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<B::Sample>> {
         None

@@ -106,12 +106,12 @@ impl<'a> Probes<'a> {
                     }
                     None => Vec::new(),
                 };
-                let points = samples.iter().map(|sample| brake.operating_point(scene, sample));
+                let points = brake.operating_points(scene, &samples.iter().collect::<Vec<_>>());
                 probes.push(Probe {
                     configuration: plan.configuration(scene),
                     contacts: modifiable.contacts(scene),
                     symmetry: symmetries.get(modifiable.symmetry_of_member(scene, at)).map(inverse),
-                    points: points.collect::<Result<_, study::Error>>()?,
+                    points: points.into_iter().collect::<Result<_, study::Error>>()?,
                     motions,
                     weight: (plan.speeds_of(*key) * members.len()) as f64 / taken as f64,
                 });
