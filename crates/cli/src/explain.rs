@@ -27,9 +27,9 @@ const OF_COMMAND_LINE: [&str; 5] = [
 
 /// Explain a line with which something was refused, or a field of a case: what is wrong, and what each part of the line says.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
-  squeal explain \"error: brake.toml: study.samples = 0; allowed: >= 1\"
-  squeal explain reduction.residual")]
+#[command(
+    after_help = "Example: squeal explain \"error: brake.toml: cannot be read: No such file or directory\"; squeal explain reduction.residual"
+)]
 pub struct ExplainArgs {
     /// The line as it was printed, in quotation marks, words of it, or a field as TABLE.KEY
     #[arg(required = true, value_name = "LINE")]
