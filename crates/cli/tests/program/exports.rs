@@ -518,8 +518,13 @@ fn modes_of_two_reductions_are_compared_by_their_shapes_in_the_whole_brake() {
     let case = case(folder.path(), "finite-elements", files, REDUCTION);
     let run = |set: &str, out: &str| {
         let out = folder.path().join(out);
-        let output =
-            squeal().arg("run").arg(&case).args(["--no-cache", "--set", set, "--out"]).arg(&out).output().unwrap();
+        let output = squeal()
+            .arg("run")
+            .arg(&case)
+            .args(["--no-cache", "--keep-samples", "--every-mode", "--set", set, "--out"])
+            .arg(&out)
+            .output()
+            .unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         out
     };
@@ -534,6 +539,39 @@ fn modes_of_two_reductions_are_compared_by_their_shapes_in_the_whole_brake() {
         .filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("shapes-"))
         .map(|path| std::fs::read_to_string(path).unwrap())
         .collect();
+    // All of them grow, so that both tables have the same modes.
+    every_unstable_mode_is_among_all(&first, true);
+    let out = folder.path().join("lattice");
+    let lattice = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/two-by-two.toml");
+    let more = ["--samples", "6", "--keep-samples", "--every-mode", "--out"];
+    let output = squeal().arg("run").arg(lattice).args(more).arg(&out).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    every_unstable_mode_is_among_all(&out, false);
     let is_named = |row: &str| row.split(',').nth(1).unwrap().contains('.');
     assert!(!shapes.is_empty() && shapes.iter().all(|text| text.lines().skip(1).all(is_named)), "{shapes:?}");
+}
+
+/// Every row of `unstable_modes.csv` has one of `every_mode.csv` with the same names, whose numbers are the same up to the solvers' rounding; the others
+/// do not grow.
+fn every_unstable_mode_is_among_all(folder: &Path, do_all_grow: bool) {
+    let rows = |name: &str| -> Vec<(String, [f64; 2])> {
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        let row = |line: &str| {
+            let mut cells = line.rsplitn(4, ',');
+            let _damping_ratio = cells.next().unwrap();
+            let [growth, hz] = [(); 2].map(|()| cells.next().unwrap().parse().unwrap());
+            (cells.next().unwrap().to_owned(), [hz, growth])
+        };
+        text.lines().skip(1).map(row).collect()
+    };
+    let (mut all, unstable) = (rows("every_mode.csv"), rows("unstable_modes.csv"));
+    assert!(unstable.len() > 3 && (all.len() > unstable.len() || do_all_grow), "{} {}", all.len(), unstable.len());
+    for (key, [hz, growth]) in unstable {
+        let is_it = |(other, [of_hz, of_growth]): &(String, [f64; 2])| {
+            *other == key && (of_hz - hz).abs() <= 1e-7 * hz && (of_growth - growth).abs() <= 1e-7 * hz
+        };
+        let at = all.iter().position(is_it).unwrap_or_else(|| panic!("{key} {hz} {growth}"));
+        all.swap_remove(at);
+    }
+    assert!(all.iter().all(|(_, [_, growth])| *growth <= 0.0), "{all:?}");
 }
