@@ -91,6 +91,7 @@ fn of_study(error: &squeal::Error) -> Kind {
     match error {
         Of::Study(error) => of_inner(error),
         Of::Sweep(error) => of_sweep(error),
+        Of::PartsMissing { .. } => ("FolderError", Vec::new()),
         Of::OtherStudy { path, .. }
         | Of::PartIncomplete { path, .. }
         | Of::PartDiffers { path, .. }
