@@ -108,6 +108,7 @@ impl MergeArgs {
         let brake = sized::brake(case, Purpose::Study, self.machine, &self.case.prepared)?;
         run.study(&brake, run.half_width, Some((&self.parts, self.mixed)), &Bars, out)
     }
+
     /// Says of each part what it holds.
     ///
     /// # Errors
@@ -138,10 +139,10 @@ impl MergeArgs {
                 }
             }
         }
-        match first {
-            // Said above; what lacks is of the complete ones.
-            Some(error) if complete.is_empty() => return Err(error.into()),
-            _ => whole(&complete)?,
+        whole(&complete)?;
+        // A merge refuses a part that is not complete, whatever the others have.
+        if let Some(error) = first {
+            return Err(error.into());
         }
         writeln!(out, "all samples are there").map_err(Error::StandardOutput)
     }

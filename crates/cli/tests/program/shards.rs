@@ -120,6 +120,11 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     let (code, listed, missing) = say(&["one", "three", "nothing"]);
     assert!(code == Some(2) && listed.contains("samples 0..13 of 40, shard 1/3, complete"), "{listed}");
     assert!(listed.contains("nothing: is no part of a study") && missing.contains("(shard 2/3)"), "{listed}{missing}");
+    let (code, listed, refused_part) = say(&["one", "two", "three", "nothing"]);
+    assert!(
+        code == Some(2) && refused_part.contains("is no part of a study") && !listed.contains("all samples"),
+        "{listed}"
+    );
     let (code, listed, _) = say(&["one", "two", "three"]);
     assert!(code == Some(0) && listed.ends_with("all samples are there\n"), "{listed}");
     let twice = refused(&["one", "half", "two", "three"]);
