@@ -52,7 +52,7 @@ impl ExplainArgs {
     }
 }
 
-/// What there is to say of a line; `None` where that is nothing.
+/// Explanation of a line, or of a field; `None` of what is neither.
 fn explained(line: &str) -> Option<String> {
     let line = line.trim().trim_start_matches("error: ");
     let fields = fields(line);
@@ -168,7 +168,7 @@ fn matching(line: &str) -> (Option<OwnMessage<'_>>, Vec<Refusal>) {
     (None, refusals().into_iter().filter(|refusal| refusal.has_words(&words)).collect())
 }
 
-/// What the page on case files says of a field, such as `study.samples` or `terms "lining".loss_factor`; nothing of what is none.
+/// Rows of the page on case files for a field, such as `study.samples` or `terms "lining".loss_factor`; empty for what is none.
 fn fields(field: &str) -> String {
     let is_name = |c: char| c.is_alphanumeric() || "._-\" []@".contains(c);
     let Some((path, key)) = field.rsplit_once('.').filter(|_| field.chars().all(is_name)) else { return String::new() };

@@ -74,13 +74,9 @@ fn split(line: &str) -> Result<(String, bool, Vec<String>), Problem> {
     let is_mark = |at: usize, field: &str| {
         field.is_empty() || (at == 0 && !field.starts_with(|c: char| c.is_ascii_digit() || "-.".contains(c)))
     };
-    let mut beyond = line
-        .split(',')
-        .skip(1 + count)
-        .map(str::trim)
-        .enumerate()
-        .filter(|_| keyword.trim_end_matches('*') == "DMIG" || is_continuation(&keyword));
-    if let Some((_, field)) = beyond.find(|(at, field)| !is_mark(*at, field)) {
+    let is_entry = keyword.trim_end_matches('*') == "DMIG" || is_continuation(&keyword);
+    let mut beyond = line.split(',').skip(1 + count).map(str::trim).enumerate();
+    if let Some((_, field)) = beyond.find(|(at, field)| is_entry && !is_mark(*at, field)) {
         let allowed = format!("{count} fields in a line, and a continuation line for more");
         return Err(Problem::field("a field of a line", field, allowed));
     }

@@ -61,7 +61,7 @@ fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
 /// assert_eq!((bell.hits(), bell.ambiguous(), bell.trials()), (2, 1, 4));
 /// assert_eq!(squeal.interval(&"never seen", Confidence::P95).lower, 0.0);
 ///
-/// // One that may be there, or not, for sure is none of those that are; and counts for no lower limit.
+/// // A mode of which it is open whether it squeals at all is in its upper limit alone.
 /// squeal.record_with_open(&[vec!["bell"]], &[vec!["drum"]]);
 /// assert_eq!((squeal.proportion(&"drum").hits(), squeal.proportion(&"drum").ambiguous()), (0, 1));
 ///

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use montecarlo::{Progress, stream};
+use num_complex::Complex;
 use output::LongTable;
 use rayon::prelude::*;
 use study::{ModeLabel, SampledMode, SceneLabels, Scratch, Study, UncertainBrake};
@@ -15,10 +16,15 @@ const BLOCK: u64 = 32;
 /// Number of blocks whose rows are in memory at once, for each thread; chosen.
 const BLOCKS_PER_THREAD: usize = 4;
 
-/// Name of a mode in a table: all candidates of an open name, as in 1|2, `?` without one.
-pub(crate) fn names_in_words(names: &[ModeLabel]) -> String {
-    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-    if names.is_empty() { "?".into() } else { names.join("|") }
+/// Columns of a table of the modes of samples.
+pub(crate) fn mode_columns() -> Vec<&'static str> {
+    [SceneLabels::SCENE_COLUMNS, &["sample", "mode", "frequency_hz", "growth_rate", "damping_ratio"]].concat()
+}
+
+/// Row of a mode of a sample, by the cells of its scene.
+pub(crate) fn mode_row(scene: &[String], sample: u64, names: &[ModeLabel], lambda: Complex<f64>) -> Vec<String> {
+    let numbers = [lambda.im / TAU, lambda.re, -lambda.re / lambda.norm()].map(|number| number.to_string());
+    scene.iter().cloned().chain([sample.to_string(), ModeLabel::candidates(names)]).chain(numbers).collect()
 }
 
 /// Writes `every_mode.csv` of the first `samples` samples of a study into `dir`: a row for each mode of each sample in each scene, those that are stable
@@ -34,9 +40,7 @@ pub fn write_every_mode<B: UncertainBrake>(
     progress: &dyn Progress,
 ) -> Result<(), Error> {
     let plan = study.plan();
-    let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
-    let own = ["sample", "mode", "frequency_hz", "growth_rate", "damping_ratio"];
-    let mut table = LongTable::create(dir, "every_mode", &[scene_columns, &own].concat())?;
+    let mut table = LongTable::create(dir, "every_mode", &mode_columns())?;
     progress.begin(plan.scenes.len() as u64 * samples, 0);
     let blocks: Vec<u64> = (0..samples.div_ceil(BLOCK)).collect();
     for (scene, of_scene) in plan.scenes.iter().enumerate() {
@@ -49,13 +53,9 @@ pub fn write_every_mode<B: UncertainBrake>(
             let all: Vec<&B::Sample> = drawn.iter().map(|(_, sample)| sample).collect();
             let modes = study.every_mode(scene, &all, &mut Scratch::default());
             progress.advance(indices.end - indices.start);
-            let row = |index: u64, SampledMode { names, lambda }: SampledMode| {
-                let numbers = [lambda.im / TAU, lambda.re, -lambda.re / lambda.norm()].map(|number| number.to_string());
-                place.iter().cloned().chain([index.to_string(), names_in_words(&names)]).chain(numbers).collect()
-            };
             let of_sample = |((index, _), modes): (&(u64, B::Sample), Result<Vec<SampledMode>, _>)| {
-                let modes = modes.into_iter().flatten();
-                modes.map(|mode| row(*index, mode)).collect::<Vec<_>>()
+                let row = |SampledMode { names, lambda }: SampledMode| mode_row(&place, *index, &names, lambda);
+                modes.into_iter().flatten().map(row).collect::<Vec<_>>()
             };
             Ok(drawn.iter().zip(modes).flat_map(of_sample).collect())
         };

@@ -23,8 +23,8 @@ pub(super) struct BandNames<'a> {
 }
 
 impl BandNames<'_> {
-    /// The modes found in one sample, those that are unstable, or may be, with names. `mass` is its mass matrix; `systems` makes the paths to the reference, where they are
-    /// needed.
+    /// The modes found in one sample, those that are unstable, or may be, with names. `mass` is its mass matrix; `coarse` and `system` make the
+    /// paths to the reference, where they are needed.
     ///
     /// # Errors
     /// A system that cannot be made; those of the solver.

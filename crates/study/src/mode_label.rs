@@ -38,6 +38,13 @@ impl ModeLabel {
         Self(rank as u16)
     }
 
+    /// Candidates for the name of a mode as tables have them: `16`, of an open name all as in `16|20`, `?` without one.
+    #[must_use]
+    pub fn candidates(names: &[Self]) -> String {
+        let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+        if names.is_empty() { "?".into() } else { names.join("|") }
+    }
+
     /// Number of the label.
     #[must_use]
     pub const fn number(self) -> u16 {

@@ -99,7 +99,13 @@ impl SceneLabels {
         [constraints.clone(), law.clone(), self.speed(key.speed).to_owned()]
     }
 
-    /// Values of [`SceneLabels::MODE_COLUMNS`] but the last, the mode, for a scene, by the first of its arrangements.
+    /// Columns that say which scene: [`SceneLabels::MODE_COLUMNS`] but the mode.
+    pub const SCENE_COLUMNS: &[&str] = match Self::MODE_COLUMNS.split_last() {
+        Some((_, columns)) => columns,
+        None => &[],
+    };
+
+    /// Values of [`SceneLabels::SCENE_COLUMNS`] for a scene, by the first of its arrangements.
     pub fn scene_columns(&self, scene: &Scene) -> Vec<String> {
         let PanelLabel { in_contact, arrangements } = &self.panels[scene.key.panel];
         let mut columns = self.key_columns(scene.key).to_vec();

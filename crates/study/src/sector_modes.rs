@@ -100,10 +100,7 @@ impl SectorSolver<'_> {
         });
         let lambdas: Vec<Vec<Complex<f64>>> =
             judged.iter().map(|judged| judged.as_ref().map(ModesWithVerdicts::lambdas).unwrap_or_default()).collect();
-        let asked: Vec<_> = systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
-        let shaped = timed(&mut spent.shapes, || Mode::of_all(&asked, work));
-        let starts: Vec<PathStart<'_>> = systems.iter().map(PathStart::System).collect();
-        let named = self.named(&starts, shaped, memory);
+        let named = self.named_of_systems(systems, &lambdas, memory);
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
 
@@ -121,13 +118,24 @@ impl SectorSolver<'_> {
             };
             systems.iter().zip(&*spectra).map(studied).collect()
         });
-        let none = |found: &Result<Vec<Complex<f64>>, CeaError>| found.as_ref().cloned().unwrap_or_default();
-        let lambdas: Vec<Vec<Complex<f64>>> = found.iter().map(none).collect();
+        let lambdas: Vec<Vec<Complex<f64>>> =
+            found.iter().map(|found| found.as_ref().cloned().unwrap_or_default()).collect();
+        let named = self.named_of_systems(systems, &lambdas, memory);
+        found.into_iter().zip(named).map(|(found, named)| found.and(named)).collect()
+    }
+
+    /// The modes at given eigenvalues of some systems, with their names.
+    fn named_of_systems(
+        &self,
+        systems: &[SecondOrder],
+        lambdas: &[Vec<Complex<f64>>],
+        memory: &mut Memory,
+    ) -> Vec<Result<Vec<NamedMode>, CeaError>> {
+        let Memory { work, spent, .. } = memory;
         let asked: Vec<_> = systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
         let shaped = timed(&mut spent.shapes, || Mode::of_all(&asked, work));
         let starts: Vec<PathStart<'_>> = systems.iter().map(PathStart::System).collect();
-        let named = self.named(&starts, shaped, memory);
-        found.into_iter().zip(named).map(|(found, named)| found.and(named)).collect()
+        self.named(&starts, shaped, memory)
     }
 
     /// The modes of this sector in some samples, from the growing modes that its secular equation found; these with names.

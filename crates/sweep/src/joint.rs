@@ -2,12 +2,12 @@
 
 use linsys::SecondOrder;
 use num_complex::Complex;
-use study::UncertainBrake;
+use study::{ModeLabel, UncertainBrake};
 
 use super::change::{ChangeOf, Place};
 use super::divergence::DIVERGENCE;
 use super::family::Part;
-use super::names::{Names, in_words};
+use super::names::Names;
 use super::opening::{Jump, Opening};
 use super::openings::OpeningAt;
 use super::results::Sweep;
@@ -85,7 +85,7 @@ impl<B: UncertainBrake> Joint<'_, B> {
         };
         for link in self.sure() {
             let [from, to] = self.lambdas(link);
-            let mode = in_words(&self.names[link.0]);
+            let mode = ModeLabel::candidates(&self.names[link.0]);
             if studied(&link) && !smooth.contains(&link) {
                 jumps.push(Jump { mode: mode.clone(), omega: [from.im, to.im], growth: [from.re, to.re] });
             }
@@ -148,7 +148,7 @@ impl<B: UncertainBrake> Joint<'_, B> {
                 growth: jump.map_or(lambda.re, |[before, _]| before),
                 starts,
                 of: ChangeOf::Flutter,
-                mode: in_words(&mode),
+                mode: ModeLabel::candidates(&mode),
                 unstable: 0,
                 moved: None,
                 is_reduced: part.relative_error() > 0.0,

@@ -71,11 +71,3 @@ pub(super) fn carry(names: &mut [Names], ambiguities: &[Ambiguity], known_at: f6
         share(&ambiguity.after, &ambiguity.before);
     }
 }
-
-/// Candidates in words: "16", "16|20", or "?".
-pub(super) fn in_words(names: &[ModeLabel]) -> String {
-    if names.is_empty() {
-        return "?".into();
-    }
-    names.iter().map(ToString::to_string).collect::<Vec<_>>().join("|")
-}

@@ -6,7 +6,7 @@ use montecarlo::Progress;
 use nalgebra::{Vector2, vector};
 use num_complex::Complex;
 use rayon::prelude::*;
-use study::UncertainBrake;
+use study::{ModeLabel, UncertainBrake};
 use tracking::{Branches, follow_branch};
 
 use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, KnownPoint, Tracer, passes};
@@ -15,7 +15,7 @@ use super::changes::Changes;
 use super::curve_point::{CurvePoint, PointOf};
 use super::divergence::{DIVERGENCE, EXCHANGE};
 use super::family::{DIFFERENCE, Evaluations, Line, Part, SHORTEST_STEP};
-use super::names::{Names, in_words};
+use super::names::Names;
 use crate::Error;
 
 /// Number of equal steps of a line at which unstable modes are counted; chosen.
@@ -134,7 +134,7 @@ pub(super) fn of_part<B: UncertainBrake>(
         } else {
             let (names, evaluations) = name(part, &starts[named_at]);
             map.evaluations += evaluations;
-            in_words(&names)
+            ModeLabel::candidates(&names)
         };
         map.curves.push((curve(part, &points, ends, mode), points.iter().map(|p| [p.at.x, p.at.y]).collect()));
     }

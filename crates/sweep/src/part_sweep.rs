@@ -1,7 +1,7 @@
 //! A sweep over one parameter of one part of a brake: a sector, or all of it, over the range or a piece of it on which its systems are smooth.
 
 use num_complex::Complex;
-use study::UncertainBrake;
+use study::{ModeLabel, UncertainBrake};
 use tracking::{Ambiguity, BranchPoint, Branches, KeptSpectra, Onset, RootLocus, root_locus_in_steps};
 
 use super::change::{Along, Change, ChangeOf};
@@ -9,7 +9,7 @@ use super::changes::Changes;
 use super::coalescence::{Candidate, Coalescence, FARTHEST, add, candidates, settle};
 use super::divergence::DIVERGENCE;
 use super::family::{DIFFERENCE, Evaluations, Line, MakeSystem, Part, SHORTEST_LOCUS_STEP};
-use super::names::{Names, carry, in_words, names_at};
+use super::names::{Names, carry, names_at};
 use super::parameter::SweptParameter;
 use super::results::{NamedBranch, Sweep};
 use super::sweep_onset::{SweepOnset, WholeOnset};
@@ -111,7 +111,7 @@ pub(super) fn of_part<'a, B: UncertainBrake>(
         let mode = match of {
             ChangeOf::Divergence => DIVERGENCE.to_owned(),
             ChangeOf::Flutter | ChangeOf::Band | ChangeOf::Exchange => {
-                in_words(&names_of_change(&locus, &names, &change))
+                ModeLabel::candidates(&names_of_change(&locus, &names, &change))
             }
         };
         found.push(SweepOnset {
@@ -271,7 +271,7 @@ fn coalescences<B: Branches<Error = Error>>(
         if found.iter().any(same) {
             continue;
         }
-        let modes = candidate.branches.map(|branch| in_words(&names[branch]));
+        let modes = candidate.branches.map(|branch| ModeLabel::candidates(&names[branch]));
         let coalescence = Coalescence {
             at: at.re,
             distance: at.im.abs(),

@@ -7,7 +7,9 @@ use tracking::{Ambiguity, BranchPoint};
 use super::changes::{GrowingBeside, Marginal};
 use super::coalescence::Coalescence;
 use super::family::Evaluations;
-use super::names::{Names, in_words};
+use study::ModeLabel;
+
+use super::names::Names;
 use super::opening::Opening;
 use super::parameter::SweptParameter;
 use super::sweep_onset::SweepOnset;
@@ -154,7 +156,7 @@ impl NamedBranch {
         let point = |(part, point): (f64, BranchPoint)| {
             (parameter.at(part), BranchPoint { rate: point.rate / parameter.slope(part), ..point })
         };
-        Self { mode: in_words(names), points: branch.points.into_iter().map(point).collect() }
+        Self { mode: ModeLabel::candidates(names), points: branch.points.into_iter().map(point).collect() }
     }
 
     /// The branch between two of its points, `step` and the next: the cubic with their derivatives, at the fraction `part` of

@@ -126,5 +126,5 @@ fn answer(screen: &Screen) -> String {
     if !together.is_empty() {
         text += &pre("All that was confirmed", &together);
     }
-    text + &pre("What the screening found", &screen.text().replacen(&together, "", 1))
+    text + &pre("What the screening found", &screen.text_around().concat())
 }

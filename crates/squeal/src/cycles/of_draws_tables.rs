@@ -6,7 +6,7 @@ use std::path::Path;
 
 use montecarlo::{Confidence, Interval, clopper_pearson, quantile, rank_correlation};
 use output::Table;
-use study::{Plan, SceneLabels};
+use study::{ModeLabel, Plan, SceneLabels};
 
 use crate::Error;
 
@@ -138,12 +138,6 @@ fn text(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-/// Names that a mode may have.
-fn names(motion: &DrawnMotion) -> String {
-    let names: Vec<String> = motion.names.iter().map(ToString::to_string).collect();
-    if names.is_empty() { "?".into() } else { names.join("|") }
-}
-
 /// Agreement of the order of modes by growth with that of their motions by loudness, draw by draw.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Order {
@@ -189,7 +183,7 @@ impl SceneDraws {
     fn by_mode(&self) -> BTreeMap<String, Vec<(&DrawnMotion, &DrawnFate)>> {
         let mut modes: BTreeMap<String, Vec<(&DrawnMotion, &DrawnFate)>> = BTreeMap::new();
         for (motion, fate) in self.draws.iter().flat_map(|draw| fates(&draw.motions)) {
-            modes.entry(names(motion)).or_default().push((motion, fate));
+            modes.entry(ModeLabel::candidates(&motion.names)).or_default().push((motion, fate));
         }
         modes
     }
@@ -208,7 +202,7 @@ fn once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
 
 /// The columns that say which scene.
 fn scene_header() -> Vec<String> {
-    SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1].iter().map(ToString::to_string).collect()
+    SceneLabels::SCENE_COLUMNS.iter().map(ToString::to_string).collect()
 }
 
 impl CyclesOfDraws {
@@ -251,7 +245,11 @@ impl CyclesOfDraws {
                         DrawnFate::NotPeriodic { spread, .. } => ("", None, Some(*spread)),
                         DrawnFate::Rest | DrawnFate::Unbounded => ("", None, None),
                     };
-                    row.extend([draw.sample.to_string(), names(motion), motion.growth.to_string()]);
+                    row.extend([
+                        draw.sample.to_string(),
+                        ModeLabel::candidates(&motion.names),
+                        motion.growth.to_string(),
+                    ]);
                     row.extend([(motion.omega / TAU).to_string(), fate.kind().to_owned(), reason.to_owned()]);
                     row.extend([cycle_hz(fate), multiplier, fate.loudness(), spread].map(text));
                     let measured = fate.measured();

@@ -1,16 +1,18 @@
 //! The samples that a study has kept, as tables: what was drawn and what grew, and which input makes squeal vary.
 
-use std::f64::consts::TAU;
 use std::path::Path;
 
 use montecarlo::Summary;
+use num_complex::Complex;
 use output::Table;
-use study::{DrawnInputs, KeptMode, KeptSample, KeptSamples, Plan, Scene, SceneLabels, StudyTally, UncertainBrake};
+use study::{
+    DrawnInputs, KeptMode, KeptSample, KeptSamples, ModeLabel, Plan, Scene, SceneLabels, StudyTally, UncertainBrake,
+};
 
 use super::report::influence_table;
 use super::{drawn_again, influence_of_kept};
 use crate::Error;
-use crate::every_mode::names_in_words;
+use crate::every_mode::{mode_columns, mode_row};
 
 /// Writes `samples.csv`, `unstable_modes.csv` and `influence.csv` of a study that has kept its samples, see [`StudyTally::kept`]; of another one nothing.
 /// Nothing is evaluated for them.
@@ -59,8 +61,7 @@ pub fn write_kept_samples<B: UncertainBrake>(
         };
         drawn.iter().zip(0..).filter_map(row).collect::<Vec<_>>()
     };
-    let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
-    let header = [scene_columns, &["sample", "growth", "unstable", "open", "may_be"], &columns].concat();
+    let header = [SceneLabels::SCENE_COLUMNS, &["sample", "growth", "unstable", "open", "may_be"], &columns].concat();
     let rows = plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene);
     Ok(Table::new("samples", header, rows).write(dir)?)
 }
@@ -70,23 +71,14 @@ fn unstable_modes(plan: &Plan, kept: &[KeptSamples]) -> Table {
     let of_scene = |(scene, kept): (&Scene, &KeptSamples)| -> Vec<Vec<String>> {
         let place = plan.labels.scene_columns(scene);
         let row = |sample: &KeptSample, mode: &KeptMode| {
-            let KeptMode { growth, omega, .. } = *mode;
-            let numbers = [omega / TAU, growth, -growth / growth.hypot(omega)].map(|number| number.to_string());
-            place
-                .iter()
-                .cloned()
-                .chain([sample.index.to_string(), names_in_words(&mode.names)])
-                .chain(numbers)
-                .collect()
+            mode_row(&place, sample.index, &mode.names, Complex::new(mode.growth, mode.omega))
         };
         kept.unstable
             .iter()
             .flat_map(|sample| sample.modes.iter().map(|mode| row(sample, mode)).collect::<Vec<_>>())
             .collect()
     };
-    let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
-    let header = [scene_columns, &["sample", "mode", "frequency_hz", "growth_rate", "damping_ratio"]].concat();
-    Table::new("unstable_modes", header, plan.scenes.iter().zip(kept).flat_map(of_scene))
+    Table::new("unstable_modes", mode_columns(), plan.scenes.iter().zip(kept).flat_map(of_scene))
 }
 
 /// The largest growth rate and the unstable modes of a sample, whether it is open that anything is, and what may be.
@@ -96,7 +88,7 @@ fn in_words(kept: &KeptSamples, index: u64) -> [String; 4] {
         return [growth, "", open, ""].map(str::to_owned);
     };
     let join = |modes: Vec<String>| modes.join(";");
-    let unstable = modes.iter().map(|mode| format!("{}:{}", names_in_words(&mode.names), mode.growth)).collect();
+    let unstable = modes.iter().map(|mode| format!("{}:{}", ModeLabel::candidates(&mode.names), mode.growth)).collect();
     let open = u8::from(kept.is_open(index)).to_string();
-    [growth.to_string(), join(unstable), open, join(may_be.iter().map(|names| names_in_words(names)).collect())]
+    [growth.to_string(), join(unstable), open, join(may_be.iter().map(|names| ModeLabel::candidates(names)).collect())]
 }

@@ -128,11 +128,7 @@ fn of_label(label: ModeLabel) -> String {
 
 /// The names of the modes that grow, as in a table.
 fn joined(modes: &[Vec<ModeLabel>]) -> String {
-    let names = |names: &Vec<ModeLabel>| match &names[..] {
-        [] => "?".to_owned(),
-        names => names.iter().map(ToString::to_string).collect::<Vec<_>>().join("|"),
-    };
-    modes.iter().map(names).collect::<Vec<_>>().join(";")
+    modes.iter().map(|names| ModeLabel::candidates(names)).collect::<Vec<_>>().join(";")
 }
 
 fn of_point_modes(modes: &[Vec<ModeLabel>]) -> String {
@@ -176,7 +172,6 @@ pub fn rare_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = (&'a Scen
 
 /// The table `design_points` of some scenes: a row for each likely squealing brake and each of its inputs.
 pub fn design_points_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Rare)>) -> Table {
-    let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
     let own = [
         "brake",
         "mode",
@@ -212,5 +207,5 @@ pub fn design_points_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = 
         };
         rare.design_points.iter().enumerate().flat_map(of_point).collect::<Vec<_>>()
     });
-    Table::new("design_points", [scene_columns, &own].concat(), rows)
+    Table::new("design_points", [SceneLabels::SCENE_COLUMNS, &own].concat(), rows)
 }

@@ -128,7 +128,7 @@ pub(super) fn sensitivities(plan: &Plan, reasons: &[SceneReasons]) -> Table {
             }
         };
         for (names, why) in modes {
-            let mode = in_words(names);
+            let mode = ModeLabel::candidates(names);
             if !why.is_simple {
                 rows.push(without(&mode, Some(why), "none", "equal to another eigenvalue within rounding"));
             }
@@ -190,14 +190,9 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
         let (hz, growth) = (hertz(frequency_hz(why.lambda)), why.lambda.re);
         text += &format!(
             "- {described}: mode {} at {hz} Hz, growth {} 1/s: {change}\n",
-            in_words(names),
+            ModeLabel::candidates(names),
             significant(growth, 4)
         );
     }
     text
-}
-
-/// The candidates for a name, as in 1|2.
-fn in_words(names: &[ModeLabel]) -> String {
-    names.iter().map(ToString::to_string).collect::<Vec<_>>().join("|")
 }

@@ -6,7 +6,7 @@ use linsys::DofMap;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use study::{Scene, Study, UncertainBrake};
+use study::{ModeLabel, Scene, Study, UncertainBrake};
 
 /// A mode that is unstable at the medians, of the brake as it is.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -41,10 +41,9 @@ pub(super) fn growing_modes<B: UncertainBrake>(study: &Study<'_, B>, constraints
         let (scene, reference) = (&plan.scenes[place], &study.references()[place]);
         for (mode, names) in reference.modes.iter().zip(&reference.names) {
             if plan.threshold.margin(mode.lambda) > 0.0 && plan.is_studied(mode.lambda) {
-                let names: Vec<String> = names.iter().map(ToString::to_string).collect();
                 found.push(GrowingMode {
                     scene: plan.describe(scene),
-                    mode: if names.is_empty() { "?".into() } else { names.join("|") },
+                    mode: ModeLabel::candidates(names),
                     lambda: mode.lambda,
                     dofs: plan.brake(scene).dofs.clone(),
                     shape: mode.shape.clone(),

@@ -12,6 +12,12 @@ const MOST_PRINTED: usize = 5;
 impl Screen {
     /// Results in words, for people.
     pub fn text(&self) -> String {
+        let [before, after] = self.text_around();
+        before + &self.together() + &after
+    }
+
+    /// Results in words but [`Screen::together`]: what stands before it, and after it.
+    pub fn text_around(&self) -> [String; 2] {
         let mut text = self.said_first()
             + &self.as_it_is().map_or_else(String::new, |now| {
                 format!(
@@ -40,12 +46,11 @@ impl Screen {
                 text += &format!("{} more, of no larger predicted drop\n", predicted.len() - MOST_PRINTED);
             }
         }
-        text += &self.together();
-        text += "\n";
+        let mut after = String::from("\n");
         for set in of_case {
-            text += &self.against(set);
+            after += &self.against(set);
         }
-        text + &self.remarks()
+        [text, after + &self.remarks()]
     }
 
     /// All that was confirmed in one list, the largest effect first, with whether it surely helps or harms; empty where that is of one kind.

@@ -3,6 +3,7 @@
 use num_complex::Complex;
 
 use super::Study;
+use super::samples::samples_together;
 use crate::scratch::{Scratch, timed};
 use crate::{Error, ModeLabel, UncertainBrake};
 
@@ -19,6 +20,18 @@ impl<B: UncertainBrake> Study<'_, B> {
     /// Modes of some samples in a scene that oscillate and that the plan studies, ascending in frequency. Each takes the whole spectrum of its
     /// system: nothing is searched and nothing certified.
     pub fn every_mode(
+        &self,
+        scene: usize,
+        samples: &[&B::Sample],
+        scratch: &mut Scratch,
+    ) -> Vec<Result<Vec<SampledMode>, Error>> {
+        let order = self.plan().brake(&self.plan().scenes[scene]).system.order();
+        let blocks = samples.chunks(samples_together(order));
+        blocks.flat_map(|block| self.every_mode_of_block(scene, block, scratch)).collect()
+    }
+
+    /// Modes of samples whose matrices are in memory together.
+    fn every_mode_of_block(
         &self,
         scene: usize,
         samples: &[&B::Sample],

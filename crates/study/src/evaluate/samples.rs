@@ -19,7 +19,7 @@ use crate::{BandMode, ModeLabel, ModeSource, UncertainBrake};
 const BYTES_TOGETHER: usize = 16_000_000;
 
 /// Number of samples of a block solved together by spectra: a multiple of the lanes of the solver, on which no result depends.
-fn samples_together(order: usize) -> usize {
+pub(super) fn samples_together(order: usize) -> usize {
     let bytes = 3 * size_of::<f64>() * order * order;
     (BYTES_TOGETHER / bytes.max(1)).next_multiple_of(8).max(8)
 }
