@@ -10,6 +10,7 @@ use serde::Deserialize;
 use study::Units;
 
 use super::CaseError;
+use crate::ExpressionError;
 
 /// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
 /// larger ones an interval has no information.
@@ -178,6 +179,12 @@ impl Check<'_> {
     pub fn contact<E: Into<contact::ContactError>>(&self, field: &str) -> impl Fn(E) -> CaseError + use<E> {
         let (path, field) = (self.path.to_owned(), field.to_owned());
         move |source| CaseError::Contact { path: path.clone(), field: field.clone(), source: Box::new(source.into()) }
+    }
+
+    /// The error for an expression without a value.
+    pub fn expression(&self, field: &str) -> impl Fn(ExpressionError) -> CaseError + use<> {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        move |source| CaseError::Expression { path: path.clone(), field: field.clone(), source: Box::new(source) }
     }
 
     /// Collects a sentence.

@@ -59,12 +59,7 @@ impl<'a> Formulas<'a> {
             Formula::Number(value) => self.check.finite(field, value)?.to_string(),
             Formula::Text(text) => text,
         };
-        let named = |source| CaseError::Expression {
-            path: self.check.path.to_owned(),
-            field: field.to_owned(),
-            source: Box::new(source),
-        };
-        let expression = Expression::parse(&text, &self.parameters).map_err(named)?;
+        let expression = Expression::parse(&text, &self.parameters).map_err(self.check.expression(field))?;
         for parameter in expression.parameters() {
             self.used[parameter] = true;
         }

@@ -34,9 +34,7 @@ impl Structure<'_> {
     /// # Errors
     /// An expression without a value there.
     pub fn value(&self, field: String, expression: &Expression) -> Result<f64, CaseError> {
-        let path = self.check.path.to_owned();
-        let named = |source| CaseError::Expression { path, field, source: Box::new(source) };
-        expression.value(&self.medians).map_err(named)
+        expression.value(&self.medians).map_err(self.check.expression(&field))
     }
 
     /// The coefficient of each term at the medians.

@@ -28,12 +28,7 @@ impl Places {
     ) -> Result<Self, CaseError> {
         let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
         let value = |term: &Term, own: &Expression, values: &[f64]| {
-            let named = |source| CaseError::Expression {
-                path: check.path.to_owned(),
-                field: field("terms", &term.name, "coefficient"),
-                source: Box::new(source),
-            };
-            own.value(values).map_err(named)
+            own.value(values).map_err(check.expression(&field("terms", &term.name, "coefficient")))
         };
         let at = |values: &[f64]| {
             terms.iter().zip(coefficients).map(|(term, own)| value(term, own, values)).collect::<Result<Vec<_>, _>>()

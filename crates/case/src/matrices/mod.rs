@@ -137,13 +137,10 @@ impl MatricesCase {
     /// # Errors
     /// An expression whose value is not a finite number, or a state that does not decay, named by its field.
     pub fn operating_point(&self, values: &[f64]) -> Result<OperatingPoint, CaseError> {
+        let check = Check::new(&self.header.path);
+        // Called for each draw: a name is made where there is an error alone.
         let evaluated = |expression: &Expression, field: &dyn Fn() -> String| {
-            let named = |source| CaseError::Expression {
-                path: self.header.path.clone(),
-                field: field(),
-                source: Box::new(source),
-            };
-            expression.value(values).map_err(named)
+            expression.value(values).map_err(|source| check.expression(&field())(source))
         };
         let terms = self.system.terms().iter().zip(&self.coefficients);
         let coefficients =
@@ -157,7 +154,7 @@ impl MatricesCase {
                 if decay <= 0.0 {
                     // Such a state would grow without bound, and no mode would show it.
                     let (field, allowed) = (field("contacts", &channel.name, "lag.decay"), "a rate > 0, in 1/s");
-                    return Err(Check::new(&self.header.path).value(&field, decay, allowed));
+                    return Err(check.value(&field, decay, allowed));
                 }
                 Ok(Lag { decay, drive: of_contact(drive, "lag.drive")?, force: of_contact(force, "lag.force")? })
             };

@@ -50,11 +50,7 @@ impl MatricesCase {
             .map_err(|_| check.value(&of("mu"), gain.mu, "a number >= 0, so that friction acts against the sliding"))?;
         let number = |key: &str, expression: &Option<Expression>, why: &str| -> Result<f64, CaseError> {
             let Some(expression) = expression else { return Err(check.value(&of(key), "missing", why)) };
-            let value = expression.value(values).map_err(|source| CaseError::Expression {
-                path: self.header.path.clone(),
-                field: of(key),
-                source: Box::new(source),
-            })?;
+            let value = expression.value(values).map_err(check.expression(&of(key)))?;
             if value > 0.0 { Ok(value) } else { Err(check.value(&of(key), value, "a number > 0")) }
         };
         let load = number("load", &given.load, "the normal force in steady sliding, N, at which the contact opens")?;

@@ -90,6 +90,7 @@ impl MatricesCase {
             dofs: dofs.into_names(),
             parameters,
         };
+        case.check_contacts(&check)?;
         case.header.notes = check.notes();
         // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;
@@ -98,6 +99,41 @@ impl MatricesCase {
 }
 
 impl MatricesCase {
+    /// An error where a load, speed or stiffness of a contact is no number > 0 at the medians; a note of each coefficient of friction that is negative
+    /// there, or where one parameter is at an end of what it is drawn from.
+    fn check_contacts(&self, check: &Check<'_>) -> Result<(), CaseError> {
+        let medians = self.medians();
+        let ends = self.parameters.iter().enumerate().flat_map(|(at, parameter)| {
+            let end = |part: f64| (at, parameter.distribution.quantile(part));
+            [end(CUT), end(1.0 - CUT)]
+        });
+        let ends: Vec<(usize, f64)> = ends.filter(|&(at, value)| value != medians[at]).collect();
+        for (channel, gain) in self.system.channels().iter().zip(&self.gains) {
+            for (key, given) in [("load", &gain.load), ("speed", &gain.speed), ("stiffness", &gain.stiffness)] {
+                let Some(expression) = given else { continue };
+                let key = field("contacts", &channel.name, key);
+                let value = expression.value(&medians).map_err(check.expression(&key))?;
+                if value <= 0.0 {
+                    return Err(check.value(&key, value, "a number > 0"));
+                }
+            }
+            let key = field("contacts", &channel.name, "mu");
+            let at = |changed: Option<&(usize, f64)>| {
+                let mut values = medians.clone();
+                changed.into_iter().for_each(|&(at, value)| values[at] = value);
+                // Where it has no value the operating point says so.
+                gain.mu.value(&values).unwrap_or(0.0)
+            };
+            let place = match (at(None) < 0.0, ends.iter().find(|&end| at(Some(end)) < 0.0)) {
+                (true, _) => format!("{} at the medians", at(None)),
+                (false, Some(end)) => format!("{} at {} = {}", at(Some(end)), self.parameters[end.0].name, end.1),
+                (false, None) => continue,
+            };
+            check.note(format!("{key} is {place}: negative friction drives the sliding; the other direction turns the sign of force"));
+        }
+        Ok(())
+    }
+
     /// An error unless the mass at the medians is symmetric and positive definite on the degrees of freedom that each set of constraints
     /// leaves free.
     fn check_mass(&self) -> Result<(), CaseError> {

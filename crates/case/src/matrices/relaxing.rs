@@ -85,11 +85,7 @@ impl MatricesCase {
         for Branch { term, ratio, rate, field, directions } in &self.branches {
             let value = |expression: &Expression, key: &str, is_allowed: fn(f64) -> bool, allowed: &str| {
                 let field = format!("{field}.{key}");
-                let value = expression.value(values).map_err(|source| CaseError::Expression {
-                    path: self.header.path.clone(),
-                    field: field.clone(),
-                    source: Box::new(source),
-                })?;
+                let value = expression.value(values).map_err(|source| check.expression(&field)(source))?;
                 if is_allowed(value) { Ok(value) } else { Err(check.value(&field, value, allowed)) }
             };
             let ratio = value(ratio, "ratio", |ratio| ratio >= 0.0, "a number >= 0")?;

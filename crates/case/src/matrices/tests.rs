@@ -411,3 +411,26 @@ fn values_with_a_probability_of_their_own_are_not_correlated_and_are_drawn_alone
         assert!(parse(&correlated(&with(distribution))).is_ok(), "{distribution}");
     }
 }
+
+#[test]
+fn friction_that_drives_the_sliding_is_said() {
+    let notes = |text: &str| parse(text).unwrap().header.notes;
+    assert_eq!(notes(PAD), [""; 0]);
+    // Of every draw, and of some alone.
+    let of_all = notes(&PAD.replace("mu = \"mu\"", "mu = \"-mu\""));
+    assert!(of_all.len() == 1 && of_all[0].contains("contacts \"pad\".mu is -0.4 at the medians"), "{of_all:?}");
+    let of_some = notes(&PAD.replace("mu = \"mu\"", "mu = \"mu - 0.3\""));
+    assert!(of_some.len() == 1 && of_some[0].contains("at mu = 0.20"), "{of_some:?}");
+}
+
+#[test]
+fn loads_speeds_and_springs_of_contacts_are_positive() {
+    for key in ["load", "speed", "stiffness"] {
+        let with = |value: &str| parse(&PAD.replace("slope = -0.1", &format!("slope = -0.1\n{key} = {value}")));
+        assert!(with("1.0").is_ok());
+        for value in ["0.0", "-1.0", "\"mu - 1\""] {
+            let error = with(value).unwrap_err().to_string();
+            assert!(error.contains(&format!("contacts \"pad\".{key} = ")) && error.contains("a number > 0"), "{error}");
+        }
+    }
+}

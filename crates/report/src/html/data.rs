@@ -16,7 +16,7 @@ use crate::Error;
 const TABLES: [(&str, &str); 14] = [
     (
         "divergence.csv",
-        "Draws of the whole brake in which something grows faster than it oscillates: of all, by law and by panel",
+        "Draws of the whole brake in which something grows faster than it oscillates",
     ),
     ("modes.csv", "The modes of each set of constraints where they have their names"),
     (
@@ -24,7 +24,7 @@ const TABLES: [(&str, &str); 14] = [
         "How fast unstable modes grow, at which frequency and damping ratio, over the draws in which they do",
     ),
     ("measured.csv", "Measured frequencies with the modes next to them, and modes that were not measured"),
-    ("panels.csv", "Unstable modes per analysis in each panel"),
+    ("panels.csv", "Unstable modes per analysis"),
     (
         "differences.csv",
         "Differences of two panels on the same samples: positive where the second has fewer unstable modes",
@@ -47,7 +47,10 @@ pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>, dir: &Path) -
     let labels = &results.plan().labels;
     let mut tables = vec![by_panel(results)?];
     if let Some(table) = read(dir, "occurrence.csv")? {
-        let about = "How often each mode is unstable in each arrangement";
+        let about = match results.has_one_arrangement() {
+            true => "How often each mode is unstable",
+            false => "How often each mode is unstable in each arrangement",
+        };
         let key = SceneLabels::MODE_COLUMNS.len() - 2;
         let grouped = grouped_on_page(&table, "occurrence.csv", about, key);
         tables.push(grouped.unwrap_or_else(|| on_page(&table, "occurrence.csv", about)));
@@ -105,7 +108,10 @@ fn by_panel(results: &Results) -> Result<Value, Error> {
         "arrangements",
         "ever_unstable",
     ];
-    let about = "The figure above: each mode in each panel, the median over its arrangements";
+    let about = match results.has_one_arrangement() {
+        true => "The figure above: each mode",
+        false => "The figure above: each mode in each panel, the median over its arrangements",
+    };
     let mut table = on_page(&Table::new("occurrence_by_panel", header, rows), "occurrence_by_panel.csv", about);
     // There is no such file.
     table["is_figure"] = json!(true);

@@ -6,13 +6,11 @@ use squeal::study::{ModeIdentity, ModeNaming, Plan, StudySource};
 use super::text::escaped;
 
 /// Assumptions of every study.
-const ASSUMPTIONS: [&str; 7] = [
+const ASSUMPTIONS: [&str; 6] = [
     "The brake is linear about steady sliding. An unstable mode grows at first; amplitude and loudness of the squeal that follows do not \
      follow from that: squeal cycle, and squeal run --cycles, compute them.",
     "A mode is unstable where its eigenvalue surely has a positive real part, beyond its error bound; an undecided one counts as stable, and so \
      does one on the imaginary axis. A real eigenvalue that is positive, divergence, is instability as well.",
-    "Every arrangement of contacts, law, speed range and set of constraints is evaluated with the same draws, so that differences are \
-     not blurred by chance.",
     "Intervals are at 95 % for each number by itself and not for all at once: of 100 of them about five do not enclose the truth.",
     "Intervals say what chance in the draws leaves open. That distributions, springs or dampers may be other than the case file says is \
      not in them.",
@@ -20,6 +18,10 @@ const ASSUMPTIONS: [&str; 7] = [
     "The picture of a moving mode is made of rounded numbers: displacements to a 32767th of the mode's largest, places of the nodes of a \
      mesh to a 32767th of half its largest side. Tables, and the files of shapes beside the page, have all digits.",
 ];
+
+/// The assumption of a study of several arrangements, laws, speed ranges or sets of constraints.
+const SAME_DRAWS: &str = "Every arrangement of contacts, law, speed range and set of constraints is evaluated with the same draws, so that \
+                          differences are not blurred by chance.";
 
 /// Assumptions, counts, versions and case of a study, as HTML.
 pub(super) fn of_study(results: &Results) -> String {
@@ -58,18 +60,18 @@ pub(super) fn of_study(results: &Results) -> String {
         ("Eigenvalues on the imaginary axis", manifest.marginal.to_string()),
         ("Failures", manifest.failures.to_string()),
     ];
-    facts.retain(|(_, value)| !value.is_empty());
+    facts.retain(|(name, value)| !value.is_empty() && (*name != "Arrangements" || !results.has_one_arrangement()));
     if !plan.threshold.is_axis() {
         facts.insert(0, ("Counts as unstable", format!("a mode with {}", plan.threshold)));
     }
-    assumptions()
+    assumptions(plan.scenes.len() > 1)
         + &described(&facts)
         + &program(plan)
         + &case(plan.source_file.as_ref(), manifest.source.case_sha256.as_deref())
 }
 
-fn assumptions() -> String {
-    let items: String = ASSUMPTIONS.iter().map(|text| format!("<li>{}</li>\n", escaped(text))).collect();
+fn assumptions(has_several_scenes: bool) -> String {
+    let items: String = ASSUMPTIONS.iter().chain(has_several_scenes.then_some(&SAME_DRAWS)).map(|text| format!("<li>{}</li>\n", escaped(text))).collect();
     format!("<h3>Assumptions</h3>\n<ul>\n{items}</ul>\n<h3>Counts</h3>\n")
 }
 

@@ -42,6 +42,17 @@ use crate::pictures::damping;
 /// Name of the page of a study, a sweep, a screening or a comparison, in the folder of its other results.
 const FILE: &str = "report.html";
 
+/// The figure of occurrences, with what its marks are: arrangements are told where there are several.
+fn occurrence_section(results: &Results) -> String {
+    let marks = if results.has_one_arrangement() {
+        "A row for each mode. A mark is its occurrence, the dark bar its 95&nbsp;% limits."
+    } else {
+        "A row for each mode, a figure for each number of contacts. A mark is the median over the arrangements of contacts, the dark bar \
+         its 95&nbsp;% limits, the pale bar reaches from the arrangement with least to that with most."
+    };
+    include_str!("study.html").replace("MARKS", marks)
+}
+
 /// The figures of damping ratio against frequency; empty where no set of constraints has modes.
 fn damping_section(results: &Results) -> Result<String, Error> {
     let figures = damping(results)?;
@@ -70,7 +81,7 @@ pub fn write_page(
     let page = Page {
         title: results.plan().name.clone(),
         answer: answer::answer(results, motions)?,
-        figures: [include_str!("study.html"), &damping_section(results)?, shapes::SECTION].concat(),
+        figures: [&occurrence_section(results), &*damping_section(results)?, shapes::SECTION].concat(),
         facts: facts::of_study(results),
         data: data::of_study(results, geometry, dir)?,
     };

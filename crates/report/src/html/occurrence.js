@@ -6,20 +6,19 @@ const plotX = part => PLOT.left + Number(part) * (PLOT.width - PLOT.left - PLOT.
 const SHAPES = ['M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z', 'M-3.6-3.6h7.2v7.2h-7.2z', 'M0-5l4.7 8.2h-9.4z', 'M0-5l5 5l-5 5l-5-5z'];
 const markOf = series => draw('path', { d: SHAPES[series % SHAPES.length], class: 'spot' });
 
-// What stands beside a mark.
-const inWords = row => {
-  const place = [row.law, row.in_contact === '0' ? '' : `${row.in_contact} in contact`, row.speed === 'all' ? '' : `${row.speed} speed`];
+// What stands beside a mark; where there is one number of contacts and one law, neither is named.
+const inWords = (row, several) => {
+  const place = [several.laws ? row.law : '', several.numbers ? `${row.in_contact} in contact` : '', row.speed === 'all' ? '' : `${row.speed} speed`];
   const all = `${row.arrangements} arrangements: ${rounded(row.least_of_arrangements)} to ${rounded(row.largest_of_arrangements)}`;
   const [unstable, atMedians] = [row.unstable_hz, row.frequency_hz === '' ? '' : `${Number(row.frequency_hz).toPrecision(7)} Hz at the medians`];
   const hertz = unstable === '' ? atMedians || 'not oscillating' : [`${unstable} Hz where unstable`, atMedians].filter(Boolean).join(', ');
   const what = { divergence: 'Divergence, not oscillating', unnamed: 'Modes without a name' }[row.mode] ?? `Mode ${row.mode}, ${hertz}`;
-  return `${what}\n` +
-    `${place.filter(Boolean).join(', ')}\n` +
-    `Unstable in ${percent(row.median_occurrence)} % of the samples\n` +
+  return [what, place.filter(Boolean).join(', ')].filter(Boolean).join('\n') +
+    `\nUnstable in ${percent(row.median_occurrence)} % of the samples\n` +
     `95 %: ${percent(row.lower)} % to ${percent(row.upper)} %` + (row.arrangements === '1' ? '' : `\n${all}`);
 };
 
-const plotOf = (title, rows, speeds) => {
+const plotOf = (title, rows, speeds, several) => {
   const modes = [...new Set(rows.map(row => row.mode))];
   const pitch = speeds.length * PLOT.line + PLOT.gap;
   const bottom = PLOT.top + modes.length * pitch;
@@ -46,7 +45,7 @@ const plotOf = (title, rows, speeds) => {
       bar(row.least_of_arrangements, row.largest_of_arrangements, 'range'), bar(row.lower, row.upper, 'limits'), mark);
     point.dataset.x = x;
     point.dataset.key = [row.constraints, row.law, row.speed, row.in_contact, row.mode].join('\n');
-    withTip(point, inWords(row));
+    withTip(point, inWords(row, several));
     picture.append(point);
   });
   // One stop of the Tab key for each figure; the arrow keys move inside it.
@@ -70,6 +69,9 @@ const startOccurrence = () => {
   const every = table.rows.map(row => Object.fromEntries(table.header.map((name, i) => [name, row[i]])));
   fill(set, data.sets.map(name => [name, name]));
   fill(law, data.laws.map((name, i) => [name, data.law_titles[i] || name]));
+  const several = { laws: data.laws.length > 1, numbers: new Set(every.map(row => row.in_contact)).size > 1 };
+  set.parentElement.hidden = data.sets.length < 2;
+  law.parentElement.hidden = !several.laws;
   const redraw = () => {
     hideTip();
     const rows = every.filter(row => row.constraints === set.value && row.law === law.value);
@@ -77,8 +79,8 @@ const startOccurrence = () => {
     const shown = rows.filter(row => all.checked || ever.has(row.mode));
     const speeds = [...new Set(rows.map(row => row.speed))];
     const numbers = [...new Set(shown.map(row => row.in_contact))];
-    const title = number => (number === '0' ? 'One configuration' : `${number} in contact`);
-    const plots = numbers.map(number => plotOf(title(number), shown.filter(row => row.in_contact === number), speeds));
+    const title = number => (several.numbers ? `${number} in contact` : 'All draws');
+    const plots = numbers.map(number => plotOf(title(number), shown.filter(row => row.in_contact === number), speeds, several));
     byId('occurrence-plots').replaceChildren(...(plots.length ? plots : [make('p', {}, 'No mode is ever unstable here.')]));
     const described = name => (data.speeds.find(speed => speed[0] === name) ?? [name, 'any speed'])[1];
     byId('occurrence-key').replaceChildren(...speeds.map((speed, i) =>

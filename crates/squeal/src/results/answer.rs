@@ -36,7 +36,7 @@ impl Results {
             .collect();
         if !bands.is_empty() {
             answer.push(Block::Heading("In which bands".into()));
-            answer.push(Block::Paragraph(lights(has_one_arrangement(self))));
+            answer.push(Block::Paragraph(lights(self.has_one_arrangement())));
             answer.extend(bands);
         }
         let beside = self.beside_measured(&findings);
@@ -185,7 +185,7 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
         OpenCounts::new(results);
     let quiet: usize = findings.iter().map(|found| found.stable.len()).sum();
     let upper = findings.iter().map(|found| found.stable_upper).fold(0.0, f64::max);
-    let [each, of] = match has_one_arrangement(results) {
+    let [each, of] = match results.has_one_arrangement() {
         true => ["", ""],
         false => [" for each arrangement of contacts, friction law and speed range", " of an arrangement"],
     };
@@ -309,10 +309,12 @@ fn has_one_panel(results: &Results, set: usize) -> bool {
     results.panels().iter().filter(|panel| panel.key.constraints == set).count() == 1
 }
 
-/// True if each set of constraints has one panel with one arrangement, so that nothing need be said of arrangements.
-fn has_one_arrangement(results: &Results) -> bool {
-    let mut sets = 0..results.plan().labels.constraints.len();
-    results.panels().iter().all(|panel| panel.arrangements == 1) && sets.all(|set| has_one_panel(results, set))
+impl Results {
+    /// True if each set of constraints has one panel with one arrangement, so that nothing need be said of either.
+    pub fn has_one_arrangement(&self) -> bool {
+        let mut sets = 0..self.plan().labels.constraints.len();
+        self.panels().iter().all(|panel| panel.arrangements == 1) && sets.all(|set| has_one_panel(self, set))
+    }
 }
 
 fn followed(results: &Results, link: &SetLinks, sets: &[SetFindings<'_>]) -> Block {

@@ -30,9 +30,9 @@ impl Results {
         Ok(Results::new(study, summary))
     }
 
-    /// Text of the unstable modes of each panel: with its frequency where it is unstable and its occurrence, the median over the
-    /// arrangements of the panel where there are several; unstable modes without a name; divergence. Failures and open verdicts come
-    /// first.
+    /// Text of the unstable modes of each panel, which is named where there are several: with its frequency where it is unstable and its
+    /// occurrence, the median over the arrangements of the panel where there are several; unstable modes without a name; divergence.
+    /// Failures and open verdicts come first.
     ///
     /// # Errors
     /// None for the results of a study.
@@ -41,11 +41,15 @@ impl Results {
         if !self.plan().threshold.is_axis() {
             let _ = writeln!(text, "unstable: with {}", self.plan().threshold);
         }
+        let is_single = self.panels().len() == 1;
+        let margin = if is_single { "" } else { "  " };
         for panel in self.panels() {
-            let _ = writeln!(text, "{}:", self.describe(panel));
+            if !is_single {
+                let _ = writeln!(text, "{}:", self.describe(panel));
+            }
             let (modes, others) = (self.occurrences(panel), self.other_occurrences(panel));
             if modes.is_empty() && others.is_empty() {
-                let _ = writeln!(text, "  {}", self.nothing_unstable(panel));
+                let _ = writeln!(text, "{margin}{}", self.nothing_unstable(panel));
             }
             let line = |what: String, of: &[ArrangementOccurrence]| -> Result<String, Error> {
                 let Estimate { value, lower, upper } = self.median(of)?;
@@ -56,7 +60,9 @@ impl Results {
                     1 => "; in one more it is open".to_owned(),
                     count => format!("; in {count} more it is open"),
                 };
-                Ok(format!("  {what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4}){open}\n"))
+                Ok(format!(
+                    "{margin}{what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4}){open}\n"
+                ))
             };
             // The total, where the lines of single modes do not tell it: an unstable mode without a name, divergence, or a mode whose name or verdict is open.
             let is_open = |of: &ArrangementOccurrence| of.proportion.ambiguous() > of.failed;
