@@ -15,6 +15,7 @@ mod choice;
 mod choices;
 mod constants;
 mod correlation;
+mod draft;
 mod error;
 mod expression;
 mod file;
@@ -41,13 +42,14 @@ pub use choice::{ChosenSpeed, SceneChoice};
 pub use choices::{Draws, Law};
 pub use constants::with_constants;
 pub use correlation::Correlation;
+pub use draft::Draft;
 pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
 pub use finite_elements::{
-    Acting, ContactBalance, ContactState, Draft, DraftFiles, EQUILIBRIUM, FRICTION_FACTOR, FiniteElementCase,
-    LOAD_FACTOR, MissingRows, NamesOnMesh, OWN_SPEED, OwnSpeed, PairPlace, Patch, PatchContact, ReductionGoal,
-    STIFFNESS_FACTOR, Side, Spread, SpreadParameter, SpreadParameters,
+    Acting, ContactBalance, ContactState, DraftFiles, EQUILIBRIUM, FRICTION_FACTOR, FiniteElementCase, LOAD_FACTOR,
+    MissingRows, NamesOnMesh, OWN_SPEED, OwnSpeed, PairPlace, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR,
+    Side, Spread, SpreadParameter, SpreadParameters,
 };
 pub use header::CaseHeader;
 pub use matrices::{BodyDofs, Branch, FixedDofs, GainExpressions, MatricesCase, Parameter};

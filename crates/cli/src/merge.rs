@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use brakes::Purpose;
-use squeal::parts::{completed, whole};
+use squeal::parts::{completed, consistent, whole};
 
 use super::cycle::has_motion;
 use super::options::{MachineArgs, number, override_run, samples};
@@ -32,7 +32,7 @@ pub struct MergeArgs {
     /// Folder for the results: new, empty, or that of the same study
     #[arg(long, value_name = "DIR", required_unless_present = "check")]
     pub out: Option<PathBuf>,
-    /// Only say what the parts hold and which samples no part has
+    /// Only say what the parts hold, whether they belong together and which samples no part has
     #[arg(long, conflicts_with_all = ["out", "half_width", "cycles", "every_mode", "json"])]
     pub check: bool,
     /// Also every occurrence to this half width at 95 %, by the cheapest estimator, in estimates.csv
@@ -78,7 +78,7 @@ impl MergeArgs {
         }
         // Parts that are not complete are refused before anything large is made.
         let parts = self.parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
-        whole(&parts)?;
+        consistent(&self.parts, &parts, self.mixed)?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.
         let samples = parts.iter().map(|part| part.of).max();
         let seed = parts.first().map(|part| part.seed);
@@ -112,7 +112,7 @@ impl MergeArgs {
     /// Says of each part what it holds.
     ///
     /// # Errors
-    /// A part that is not complete, or samples that no part has: the same as a merge of these parts.
+    /// A part that is not complete, parts that do not belong together, samples that no part has: the same as a merge of these parts.
     fn say(&self, out: &mut dyn Write) -> Result<(), Error> {
         let (mut complete, mut first) = (Vec::new(), None);
         for part in &self.parts {
@@ -120,15 +120,15 @@ impl MergeArgs {
                 Ok(found) => {
                     let shard =
                         found.shard.map_or_else(String::new, |shard| format!(", shard {}/{}", shard.number, shard.of));
-                    let (version, rounding) = (&found.version, &found.rounding);
-                    let commit = found.commit.as_deref().unwrap_or("commit not known");
                     writeln!(
                         out,
-                        "{}: samples {}..{} of {}{shard}, complete; squeal {version} ({commit}), {rounding}",
+                        "{}: samples {}..{} of {}{shard}, complete; {}, {}",
                         part.display(),
                         found.from,
                         found.to,
-                        found.of
+                        found.of,
+                        found.maker(),
+                        found.rounding
                     )
                     .map_err(Error::StandardOutput)?;
                     complete.push(found);
@@ -139,11 +139,12 @@ impl MergeArgs {
                 }
             }
         }
-        whole(&complete)?;
         // A merge refuses a part that is not complete, whatever the others have.
         if let Some(error) = first {
+            whole(&complete)?;
             return Err(error.into());
         }
+        consistent(&self.parts, &complete, self.mixed)?;
         writeln!(out, "all samples are there").map_err(Error::StandardOutput)
     }
 }

@@ -1,27 +1,31 @@
-//! `squeal new`: a commented case from a mesh and the matrices beside it.
+//! `squeal new`: a commented case from a mesh and the matrices beside it, or from matrices alone.
 
 use std::fs::File;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use brakes::case::{Draft, DraftFiles};
 use output::{printable, write};
 
 use crate::Error;
 
-/// Write a case file from a mesh and its sets: what they say stands in it, what they cannot know is commented out, to be filled in.
+/// Write a case file from a mesh and its sets, or from matrices alone: what they say stands in it, what they cannot know is commented out, to be
+/// filled in.
 ///
 /// Matrices are those beside the mesh under the names that CalculiX (model.mas, model.sti) and Abaqus (model_MASS1.mtx, model_STIF1.mtx) give
-/// them, or those of the options. `squeal check` takes the case as it is: the bodies without contact and friction.
+/// them, or those of the options. `squeal check` takes the case as it is: the bodies without contact and friction. Without a mesh the case is one
+/// of plain matrices, which `squeal cea` takes as it is too.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: squeal new brake.toml --from model.inp; squeal check brake.toml")]
+#[command(
+    after_help = "Example: squeal new brake.toml --from model.inp; squeal check brake.toml; squeal new own.toml --mass M.mtx --damping C.mtx --stiffness K.mtx; squeal cea own.toml"
+)]
 pub struct NewArgs {
     /// The case file to write; it must not exist
     pub case: PathBuf,
     /// An input deck of Abaqus or CalculiX with nodes, elements and sets
-    #[arg(long, value_name = "MESH")]
-    pub from: PathBuf,
-    /// File with the mass, FILE or FILE:NAME, instead of the one beside the mesh
+    #[arg(long, value_name = "MESH", required_unless_present = "mass")]
+    pub from: Option<PathBuf>,
+    /// File with the mass, FILE or FILE:NAME; with a mesh, instead of the one beside it
     #[arg(long, value_name = "FILE", requires = "stiffness")]
     pub mass: Option<PathBuf>,
     /// File with the stiffness
@@ -43,9 +47,18 @@ impl NewArgs {
             let allowed = "the name of a file that does not exist".to_owned();
             return Err(Error::Option { option: "CASE", value: name, allowed });
         }
-        // A mesh that cannot be read says so before matrices are looked for.
-        File::open(&self.from).map_err(|source| Error::Read { path: self.from.clone(), source })?;
-        let draft = Draft::new(&self.case, &self.files()?)?;
+        let draft = match (&self.from, self.mass.clone().zip(self.stiffness.clone())) {
+            (None, None) => {
+                let allowed = "a mesh, or --mass and --stiffness".to_owned();
+                return Err(Error::Option { option: "--from", value: "missing".into(), allowed });
+            }
+            (None, Some(files)) => Draft::of_matrices(&self.case, &files.into(), self.damping.as_deref())?,
+            (Some(mesh), given) => {
+                // A mesh that cannot be read says so before matrices are looked for.
+                File::open(mesh).map_err(|source| Error::Read { path: mesh.clone(), source })?;
+                Draft::new(&self.case, &self.files(mesh, given)?)?
+            }
+        };
         let mut lines = format!("{}: written\n\n", printable(&name));
         for (what, words) in &draft.found {
             lines += &format!("  {what:<12}  {}\n", printable(words));
@@ -59,17 +72,17 @@ impl NewArgs {
     }
 
     /// The files that were given, or those beside the mesh.
-    fn files(&self) -> Result<DraftFiles, Error> {
-        if let Some(files) = self.mass.clone().zip(self.stiffness.clone()) {
+    fn files(&self, mesh: &Path, given: Option<(PathBuf, PathBuf)>) -> Result<DraftFiles, Error> {
+        if let Some(files) = given {
             return Ok(DraftFiles {
-                mesh: self.from.clone(),
+                mesh: mesh.to_owned(),
                 mass_and_stiffness: files.into(),
                 damping: self.damping.clone(),
             });
         }
-        DraftFiles::beside(&self.from).ok_or_else(|| Error::Option {
+        DraftFiles::beside(mesh).ok_or_else(|| Error::Option {
             option: "--from",
-            value: format!("{}, with no matrices beside it", self.from.display()),
+            value: format!("{}, with no matrices beside it", mesh.display()),
             allowed: "a mesh with those of CalculiX (NAME.mas, NAME.sti) or Abaqus (NAME_MASS1.mtx, NAME_STIF1.mtx) beside it, or --mass and \
                       --stiffness"
                 .into(),

@@ -113,7 +113,7 @@ pub enum ContactError {
         node: i64,
     },
     /// A point that belongs to no patch.
-    #[error("node {node} of the slave is in no patch")]
+    #[error("node {node} of the slave is in no patch; faces that do not touch belong out of the slave")]
     NoPatch {
         /// The number of the node next to the point.
         node: i64,

@@ -23,6 +23,8 @@ const STACK: usize = 8 << 20;
 #[derive(Default)]
 pub(crate) struct Watch {
     cancelled: AtomicBool,
+    /// Whether nothing is kept yet that an interrupt would have to wait for.
+    prepares: AtomicBool,
     /// The exception that a callable of the user has raised.
     raised: Mutex<Option<PyErr>>,
     stages: Mutex<Vec<Counts>>,
@@ -41,6 +43,14 @@ impl Watch {
     pub(crate) fn raise(&self, error: PyErr) {
         self.raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Does what nothing is kept of: an interrupt leaves it behind, and it ends where it looks next.
+    pub(crate) fn preparing<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.prepares.store(true, Ordering::Relaxed);
+        let done = work();
+        self.prepares.store(false, Ordering::Relaxed);
+        done
     }
 
     /// True if the work is to end.
@@ -110,7 +120,7 @@ impl Progress for Stage<'_> {
 /// End of work that is interrupted: by itself where it looks at [`Progress::is_cancelled`].
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ends {
-    /// By itself, and it is waited for: what it keeps is written when an interrupt is raised.
+    /// By itself, and it is waited for but while it prepares: what it keeps is written when an interrupt is raised.
     Itself,
     /// Never: it is left behind, and what it finds is dropped.
     LeftBehind,
@@ -143,7 +153,7 @@ pub(crate) fn away<T: Send + 'static>(
                 let looked = py.check_signals().and_then(|()| watch.tell(progress));
                 if let Err(error) = looked {
                     watch.cancelled.store(true, Ordering::Relaxed);
-                    if ends == Ends::LeftBehind {
+                    if ends == Ends::LeftBehind || watch.prepares.load(Ordering::Relaxed) {
                         return Err(error);
                     }
                     raised = Some(error);

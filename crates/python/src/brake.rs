@@ -181,7 +181,10 @@ impl Source {
             CaseFile::Matrices(case) if computed.is_some() || design.is_some() => {
                 Box::new(Erased(PythonBrake::new(*case, computed, design, Arc::clone(watch))?))
             }
-            case => squeal::workers(threads)?.install(|| brakes::make(case, purpose, &*watch.stage("reductions")))?,
+            case => {
+                let pool = squeal::workers(threads)?;
+                watch.preparing(|| pool.install(|| brakes::make(case, purpose, &*watch.stage("reductions"))))?
+            }
         };
         if brake.mode_source().is_none() {
             Cost::of(brake.plan()).check(&brake.plan().source(), budget)?;

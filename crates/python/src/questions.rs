@@ -14,7 +14,7 @@ use output::Table;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use squeal::influence::{influence as of_inputs, influence_table};
-use squeal::parts::{Shard, completed, run_part};
+use squeal::parts::{Shard, completed, consistent, run_part};
 use squeal::screen::{ChangeKind, Confirmation, Criterion, Joined, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::{Cost, Study, UncertainBrake};
 use squeal::sweep::{Found, Over, stability_map, sweep as over_one};
@@ -51,7 +51,9 @@ fn ran(done: Result<(), Error>, out: Vec<u8>) -> Result<Ran, Error> {
     }
 }
 
-fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half_width: Option<f64>) -> RunArgs {
+/// `kept`: whether what was drawn, and whether every mode, stays in tables.
+fn run_args(out: PathBuf, kept: [bool; 2], threads: Option<usize>, until_half_width: Option<f64>) -> RunArgs {
+    let [keep_samples, every_mode] = kept;
     RunArgs {
         case: CaseArgs::default(),
         out,
@@ -61,7 +63,7 @@ fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half
         until_half_width,
         keep_samples,
         cycles: None,
-        every_mode: false,
+        every_mode,
         shard: None,
         from: 0,
         json: false,
@@ -69,14 +71,14 @@ fn run_args(out: PathBuf, keep_samples: bool, threads: Option<usize>, until_half
     }
 }
 
-/// Runs the study of a brake in a folder; the half widths are that of the estimates, and that to which it is sampled.
+/// Runs the study of a brake in a folder; the half widths are that of the estimates, and that to which it is sampled, and `kept` is as in [`run_args`].
 #[pyfunction]
 pub(crate) fn run(
     py: Python<'_>,
     brake: &Brake,
     out: PathBuf,
     half_widths: [Option<f64>; 2],
-    keep_samples: bool,
+    kept: [bool; 2],
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Ran> {
@@ -85,7 +87,7 @@ pub(crate) fn run(
     away(py, Ends::Itself, progress.as_ref(), move |watch| {
         let half_width = half_width.or(source.half_width());
         let brake = source.brake(Purpose::Study, threads, watch)?;
-        let (args, mut text) = (run_args(out, keep_samples, threads, until_half_width), Vec::new());
+        let (args, mut text) = (run_args(out, kept, threads, until_half_width), Vec::new());
         ran(args.study(&brake, half_width, None, &**watch, &mut text), text)
     })
 }
@@ -113,28 +115,29 @@ pub(crate) fn shard(
     })
 }
 
-/// Puts parts of the study of a brake together in a folder, mixed ones or not.
+/// Puts parts of the study of a brake together in a folder, mixed ones or not, with every mode or not.
 #[pyfunction]
 pub(crate) fn merge(
     py: Python<'_>,
     brake: &Brake,
-    parts: (Vec<PathBuf>, bool),
+    parts: (Vec<PathBuf>, bool, bool),
     out: PathBuf,
     half_width: Option<f64>,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Ran> {
-    let (parts, is_mixed) = parts;
+    let (parts, is_mixed, every_mode) = parts;
     let source = brake.source.clone();
     away(py, Ends::Itself, progress.as_ref(), move |watch| {
         let known = parts.iter().map(|part| completed(part)).collect::<Result<Vec<_>, _>>()?;
+        consistent(&parts, &known, is_mixed)?;
         // The study has the seed of its parts, and as many samples as the longest of them is a part of.
         let samples = known.iter().map(|part| part.of).max();
         let source = source.with_run(samples, known.first().map(|part| part.seed))?;
         let half_width = half_width.or(source.half_width());
         let brake = source.brake(Purpose::Study, threads, watch)?;
         let is_kept = known.iter().any(|part| part.identity.contains(" samples=kept"));
-        let args = run_args(out, is_kept, threads, None);
+        let args = run_args(out, [is_kept, every_mode], threads, None);
         let mut text = Vec::new();
         ran(args.study(&brake, half_width, Some((&parts, is_mixed)), &**watch, &mut text), text)
     })

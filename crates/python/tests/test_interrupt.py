@@ -57,6 +57,12 @@ def test_an_interrupted_study_goes_on_to_the_same_bytes(cases, tmp_path):
         assert (tmp_path / "s" / name).read_bytes() == (tmp_path / "once" / name).read_bytes()
 
 
+def test_an_interrupted_preparation_is_left_behind(cases, tmp_path):
+    prepared = f"case = sq.Case({str(cases / 'disc-pad' / 'disc-pad.toml')!r})"
+    assert interrupted(prepared, f"sq.run(case, out={str(tmp_path / 's')!r}, progress=False)", 0.3) == "interrupted"
+    assert not (tmp_path / "s").exists()
+
+
 def test_an_interrupted_spectrum_is_left_behind():
     prepared = "a = np.random.default_rng(1).standard_normal((3, 700, 700))"
     assert interrupted(prepared, "sq.eig(np.eye(700) + 0.01 * a[0], a[1], a[2])", 0.5) == "interrupted"

@@ -56,6 +56,19 @@ def test_studies_sweeps_and_influence_are_shown(cases, ax):
     assert len(ax.get_xticks()) > 1
 
 
+def test_an_analysis_and_a_screen_are_shown(cases, ax):
+    case = sq.Case(cases / "hoffmann.toml")
+    a = sq.cea(case)
+    assert a.plot(ax) is ax
+    assert np.array_equal(ax.lines[1].get_ydata(), a.damping_ratios[a.unstable]) and a.unstable.any()
+    ax.clear()
+    s = sq.screen(case, variants={"stiff": case.set(**{"parameters.mu.to": 0.8})}, samples=200, progress=False)
+    s.plot(ax)
+    confirmed = s.ranked["unstable_modes"]
+    assert np.array_equal(ax.lines[0].get_xdata(), np.sort(confirmed)[::-1]) and len(confirmed) == 2
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["none (set of constraints)", "stiff (variant)"]
+
+
 def test_axes_of_modes_that_are_one_have_ticks_of_their_own(cases, ax):
     r = sq.run(sq.Case(cases / "hoffmann.toml", samples=20), progress=False)
     assert np.ptp(r.modes["frequency_hz"]) < 1e-9

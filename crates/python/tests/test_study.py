@@ -262,6 +262,18 @@ def test_results_are_not_written_to(cases):
     assert r.manifest.copy()["seed"] == 1 and isinstance(r.manifest, dict)
 
 
+def test_every_mode_is_a_table_of_a_run_and_of_a_merge(cases, tmp_path):
+    case = sq.Case(cases / "hoffmann.toml", samples=100)
+    r = sq.run(case, every_mode=True, out=tmp_path / "s", progress=False)
+    same_table(r.every_mode, tmp_path / "s" / "every_mode.csv")
+    assert r.every_mode.rows == 200 and np.sum(r.every_mode["growth_rate"] > 0) == r.occurrence["unstable"].sum()
+    parts = [sq.shard(case, number, 2, out=tmp_path / str(number), progress=False) for number in (1, 2)]
+    sq.merge(case, parts, every_mode=True, out=tmp_path / "m", progress=False)
+    assert (tmp_path / "m" / "every_mode.csv").read_bytes() == (tmp_path / "s" / "every_mode.csv").read_bytes()
+    with pytest.raises(AttributeError, match="every_mode=True"):
+        sq.run(case, progress=False).every_mode  # noqa: B018
+
+
 def test_results_say_in_a_line_what_they_are_and_print_what_the_program_prints(cases, tmp_path):
     case = sq.Case(cases / "hoffmann.toml", samples=100)
     r = sq.run(case, keep_samples=True, out=tmp_path / "s", progress=False)

@@ -46,3 +46,16 @@ pub struct PartManifest {
     /// Number of draws and evaluations that failed.
     pub failures: u64,
 }
+
+impl PartManifest {
+    /// The program that made the part, in words.
+    #[must_use]
+    pub fn maker(&self) -> String {
+        made_by(&self.version, self.commit.as_deref())
+    }
+}
+
+/// A program in words.
+pub(crate) fn made_by(version: &str, commit: Option<&str>) -> String {
+    format!("squeal {version} ({})", commit.unwrap_or("commit not known"))
+}

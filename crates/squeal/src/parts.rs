@@ -14,6 +14,7 @@ use study::{Study, StudyTally, UncertainBrake};
 
 use crate::Error;
 use crate::folder::RunFolder;
+use crate::part_manifest::made_by;
 pub use crate::part_manifest::{PartManifest, Shard};
 use crate::results::{Manifest, VERSION};
 use crate::run::{DrawResults, RunOptions, checkpoint, identity, run_from, sampled, workers};
@@ -182,6 +183,39 @@ pub fn whole(parts: &[PartManifest]) -> Result<(), Error> {
     Err(Error::PartsMissing { missing: words.join(", "), samples })
 }
 
+/// An error where parts do not belong together: before anything is made, and without the brake. With `mixed`, parts of other programs and processors
+/// pass.
+///
+/// # Errors
+/// Parts of two studies, or seeds; samples that two parts have which are not the same; parts of other programs or processors; [`whole`].
+pub fn consistent(parts: &[PathBuf], manifests: &[PartManifest], mixed: bool) -> Result<(), Error> {
+    let Some((first, own)) = parts.first().zip(manifests.first()) else { return Ok(()) };
+    for (part, manifest) in parts.iter().zip(manifests).skip(1) {
+        if manifest.identity != own.identity {
+            let (found, wanted) = (manifest.identity.clone(), own.identity.clone());
+            return Err(Error::OtherStudy { path: part.clone(), found, wanted });
+        }
+        let differs = |difference| Err(Error::PartDiffers { path: part.clone(), difference });
+        let first = first.display();
+        if !mixed && manifest.maker() != own.maker() {
+            return differs(format!("was made by {}, {first} by {}", manifest.maker(), own.maker()));
+        }
+        if !mixed && manifest.rounding != own.rounding {
+            return differs(format!("was sampled on {}, {first} on {}", manifest.rounding, own.rounding));
+        }
+    }
+    let mut ranges: Vec<(Range<u64>, &PathBuf)> = manifests.iter().map(|part| part.from..part.to).zip(parts).collect();
+    ranges.sort_by_key(|(range, _)| (range.start, range.end));
+    ranges.dedup_by(|later, earlier| later.0 == earlier.0);
+    let mut neighbours = ranges.iter().zip(ranges.iter().skip(1));
+    if let Some(((earlier, other), (later, part))) = neighbours.find(|((a, _), (b, _))| b.start < a.end) {
+        let (from, to) = (later.start, earlier.end.min(later.end));
+        let [part, other] = [part, other].map(|path| path.display().to_string());
+        return Err(MonteCarloError::PartsOverlap { part, other, from, to }.into());
+    }
+    whole(manifests)
+}
+
 /// Puts parts of a study together in `dir`, in any order, and finishes it there: every file but the manifest and the lock has the bytes of
 /// one run. The plan has as many samples as all parts together. With `mixed`, parts of other programs and processors pass, and the manifest
 /// says so.
@@ -255,12 +289,10 @@ fn incomplete(part: &Path) -> Error {
 
 /// An error unless all parts are of this program, of which `commit` is one, and of processors that round as this one does.
 fn alike(parts: &[PathBuf], manifests: &[PartManifest], commit: Option<&str>, prepared: &str) -> Result<(), Error> {
-    let named =
-        |version: &str, commit: Option<&str>| format!("squeal {version} ({})", commit.unwrap_or("commit not known"));
-    let own = named(VERSION, commit);
+    let own = made_by(VERSION, commit);
     for (part, manifest) in parts.iter().zip(manifests) {
         let differs = |difference| Err(Error::PartDiffers { path: part.clone(), difference });
-        let maker = named(&manifest.version, manifest.commit.as_deref());
+        let maker = manifest.maker();
         if maker != own {
             return differs(format!("was made by {maker}, this program is {own}"));
         }

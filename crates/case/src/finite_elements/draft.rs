@@ -1,9 +1,9 @@
-//! Draft of a case: what a mesh and the matrices beside it say of a brake, as a commented case file in which the rest is to be filled in.
+//! Draft of a case of finite elements: what a mesh and the matrices beside it say of a brake.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use formats::{FormatsError, Limits, read_deck};
+use formats::{Limits, read_deck};
 use study::Units;
 
 use super::FiniteElementCase;
@@ -12,6 +12,7 @@ use super::facing::{Facing, facing};
 use super::nodes::Model;
 use crate::CaseError;
 use crate::check::Check;
+use crate::draft::{Draft, damping_line, is_one_sided, named, quoted, symmetry_line};
 
 /// Ends of the files of mass, stiffness and damping beside a deck, after its stem: of CalculiX, which writes no damping, and of Abaqus; `#` is the number of the step.
 const BESIDE: [[&str; 3]; 2] = [[".mas", ".sti", ""], ["_MASS#.mtx", "_STIF#.mtx", "_DMPV#.mtx"]];
@@ -55,24 +56,8 @@ impl DraftFiles {
     }
 }
 
-/// A case file of which a mesh and its matrices say what they can: `squeal check` takes it as it is, without contact and friction. A line that
-/// begins with `#` and a letter or bracket is a field that waits to be filled in, wherever `?` stands.
-#[derive(Debug, Clone)]
-pub struct Draft {
-    /// Text of the case file.
-    pub text: String,
-    /// What was found, a name and words each.
-    pub found: Vec<(&'static str, String)>,
-}
-
 impl Draft {
-    /// Number of lines with something to be filled in.
-    #[must_use]
-    pub fn waiting(&self) -> usize {
-        waiting(&self.text)
-    }
-
-    /// The draft of a case file at `case`, which need not exist.
+    /// The draft of a case file of finite elements at `case`, which need not exist.
     ///
     /// # Errors
     /// A mesh or matrices that cannot be read, or do not belong together.
@@ -103,17 +88,6 @@ impl Draft {
         }
         Err(refused.unwrap_or_else(|| check.value("brake.mesh", files.mesh.display(), "a mesh with its matrices")))
     }
-}
-
-/// Number of lines of a case file with a field that is commented out and has a `?` to be filled in.
-pub(super) fn waiting(text: &str) -> usize {
-    let fields = text.lines().filter_map(|line| line.strip_prefix('#')).filter(|line| !line.starts_with(' '));
-    fields.filter(|line| line.split('#').next().is_some_and(|field| field.contains('?'))).count()
-}
-
-/// True if the case was refused because nothing says whether a one-sided matrix is a triangle of a symmetric one or a whole unsymmetric one.
-fn is_one_sided(error: &CaseError) -> bool {
-    matches!(error, CaseError::Matrix { source, .. } if matches!(**source, FormatsError::OneSided { .. }))
 }
 
 fn found(
@@ -152,14 +126,7 @@ fn text(
     let name = |path: &Path| quoted(&named(path, case));
     let stem = files.mesh.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let stem = stem.split('.').next().unwrap_or_default().to_owned();
-    let damping = files.damping.as_ref().map_or_else(String::new, |file| format!("damping = {}\n", name(file)));
-    let symmetry = match is_triangle {
-        true => {
-            "symmetry = \"triangle\"               # no entry has its mirror image: a triangle of symmetric matrices, as Abaqus writes them; \"whole\" if \
-             friction is in them\n"
-        }
-        false => "",
-    };
+    let (damping, symmetry) = (damping_line(files.damping.as_deref(), case), symmetry_line(is_triangle));
     let system = match units {
         Some(units) => format!(
             "[units]\nsystem = {:<30} # in it the solids of the mesh have the density of a solid\n",
@@ -277,19 +244,6 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.0e}").parse().unwrap_or(value)
 }
 
-/// A text as TOML has it.
-fn quoted(text: &str) -> String {
-    toml::Value::from(text).to_string()
-}
-
-/// The path of a file from the folder of a case, or from the root where it is not in it.
-fn named(file: &Path, case: &Path) -> String {
-    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let (file, folder) = (absolute(file), absolute(case));
-    let folder = folder.parent().unwrap_or(Path::new(""));
-    file.strip_prefix(folder).unwrap_or(&file).display().to_string()
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
@@ -388,12 +342,5 @@ mod tests {
         let found = DraftFiles::beside(&mesh).unwrap();
         assert_eq!(found.mass_and_stiffness[0], dir.path().join("brake.v2.mas.gz"));
         assert_eq!(found.damping, None);
-    }
-
-    #[test]
-    fn names_are_from_the_folder_of_the_case() {
-        assert_eq!(named(Path::new("a/b/m.inp"), Path::new("a/c.toml")), Path::new("b/m.inp").display().to_string());
-        assert!(Path::new(&named(Path::new("m.inp"), Path::new("a/c.toml"))).is_absolute());
-        assert_eq!(quoted("C:\\a\"b"), "'C:\\a\"b'");
     }
 }

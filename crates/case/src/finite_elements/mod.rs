@@ -25,7 +25,7 @@ mod turning;
 mod units;
 
 pub use balance::{Acting, ContactBalance, ContactState};
-pub use draft::{Draft, DraftFiles};
+pub use draft::DraftFiles;
 pub use missing::MissingRows;
 pub use names_on_mesh::NamesOnMesh;
 pub use side::Side;

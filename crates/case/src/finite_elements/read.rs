@@ -6,7 +6,6 @@ use formats::{Limits, read_deck};
 use sparse::SparseAffineSystem;
 
 use super::contacts::{GivenContacts, read_contact};
-use super::draft::waiting;
 use super::faces::Solids;
 use super::missing::MissingRows;
 use super::names_on_mesh::NamesOnMesh;
@@ -21,6 +20,7 @@ use super::units::{mean_density, possible_density};
 use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, SpreadParameters};
 use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
+use crate::draft::waiting;
 use crate::expression::formulas::Formulas;
 use crate::matrices::read::parameter;
 use crate::validate::friction_parameters;

@@ -4,6 +4,7 @@
 mod brake;
 mod contacts;
 mod dofs;
+mod draft;
 mod elsewhere;
 mod loss;
 mod motion;

@@ -129,7 +129,9 @@ impl MatricesCase {
                 (false, Some(end)) => format!("{} at {} = {}", at(Some(end)), self.parameters[end.0].name, end.1),
                 (false, None) => continue,
             };
-            check.note(format!("{key} is {place}: negative friction drives the sliding; the other direction turns the sign of force"));
+            check.note(format!(
+                "{key} is {place}: negative friction drives the sliding; the other direction turns the sign of force"
+            ));
         }
         Ok(())
     }

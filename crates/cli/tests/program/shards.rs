@@ -127,6 +127,10 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     );
     let (code, listed, _) = say(&["one", "two", "three"]);
     assert!(code == Some(0) && listed.ends_with("all samples are there\n"), "{listed}");
+    let (code, _, other) = say(&["one", "other seed", "three"]);
+    assert!(code == Some(2) && other.contains("other seed") && other.contains("seed 77"), "{other}");
+    let (code, _, twice) = say(&["one", "half", "two", "three"]);
+    assert!(code == Some(2) && twice.contains("both have the samples 0.."), "{twice}");
     let twice = refused(&["one", "half", "two", "three"]);
     assert!(twice.contains("both have the samples 0.."), "{twice}");
     let other = refused(&["one", "other seed", "three"]);
@@ -140,6 +144,8 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     std::fs::write(&file, format!("{}of a toaster, {}", &text[..at], &text[at..])).unwrap();
     let rounded = refused(&["one", "two", "three"]);
     assert!(rounded.contains("was sampled on of a toaster"), "{rounded}");
+    let (code, _, rounded) = say(&["one", "two", "three"]);
+    assert!(code == Some(2) && rounded.contains("was sampled on of a toaster"), "{rounded}");
     // Nothing was begun: there is no folder, and none that a run has locked.
     assert!(!merged.exists());
     let mut mixed = squeal();

@@ -50,7 +50,7 @@ def run(
     brake: Brake,
     out: str,
     half_widths: tuple[float | None, float | None],
-    keep_samples: bool,
+    kept: tuple[bool, bool],
     threads: int | None,
     progress: _Told,
 ) -> tuple[str, str | None]: ...
@@ -59,7 +59,7 @@ def shard(
 ) -> tuple[int, int, int, int]: ...
 def merge(
     brake: Brake,
-    parts: tuple[list[str], bool],
+    parts: tuple[list[str], bool, bool],
     out: str,
     half_width: float | None,
     threads: int | None,

@@ -114,6 +114,11 @@ class Results(Frozen):
         return _optional(self.tables, "unstable_modes", "results of `run` with keep_samples=True")
 
     @property
+    def every_mode(self) -> Table:
+        """Every mode of each sample, stable ones too, in a row each; only with `every_mode`."""
+        return _optional(self.tables, "every_mode", "results of `run` with every_mode=True")
+
+    @property
     def failures(self) -> Table:
         """Samples that could not be evaluated."""
         return self.tables["failures"]
@@ -226,6 +231,7 @@ def run(
     half_width: float | None = None,
     until_half_width: float | None = None,
     keep_samples: bool = False,
+    every_mode: bool = False,
     threads: int | None = None,
     out: Folder | None = None,
     progress: Progress = None,
@@ -234,11 +240,12 @@ def run(
 
     `samples` and `seed` stand for those of the brake. `design` has samples of your own instead, a DataFrame, structured array or dict of
     columns with a column for each parameter (of brakes given by their matrices). `half_width` adds every occurrence to this half width
-    by the cheapest estimator; `until_half_width` takes as many samples as every occurrence needs for it. With `out` the study is in
+    by the cheapest estimator; `until_half_width` takes as many samples as every occurrence needs for it. `keep_samples` keeps what was drawn
+    and which modes grow, `every_mode` stable ones too, for surrogates. With `out` the study is in
     this folder, as that of `squeal run`: an interrupt leaves what there is, and the same call goes on. `progress` is None for a bar
     where standard error is a terminal, False, or a function of (stage, done, total).
     """
-    native, keep_samples = native_of(brake), flag("keep_samples", keep_samples)
+    native, kept = native_of(brake), (flag("keep_samples", keep_samples), flag("every_mode", every_mode))
     if design is not None:
         given = {"samples": samples, "half_width": half_width, "until_half_width": until_half_width}
         for name in (name for name, of in given.items() if of is not None):
@@ -249,7 +256,7 @@ def run(
     native = native.with_run(_whole("samples", samples, 1), _whole("seed", seed, 0))
     folder, owned = _in_folder(out)
     widths = (_number("half_width", half_width), _number("until_half_width", until_half_width))
-    ran = _squeal.run(native, os.fspath(folder), widths, keep_samples, workers(threads), receiver(progress))
+    ran = _squeal.run(native, os.fspath(folder), widths, kept, workers(threads), receiver(progress))
     return _of_run(folder, ran, owned)
 
 
@@ -301,23 +308,23 @@ def merge(
     *,
     out: Folder | None = None,
     half_width: float | None = None,
+    every_mode: bool = False,
     mixed: bool = False,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Results:
     """Put the parts of a study together, in any order: the files of one run, byte for byte.
 
-    `mixed` lets parts of other programs, and of processors that round differently, pass.
+    `half_width` and `every_mode` are as of `run`. `mixed` lets parts of other programs, and of processors that round differently, pass.
     """
-    native, mixed = native_of(brake), flag("mixed", mixed)
+    native, mixed, every_mode = native_of(brake), flag("mixed", mixed), flag("every_mode", every_mode)
     given = listed("parts", parts, "folders of `shard` or `squeal run --shard`")
     folders = [path_of("parts", part.folder if isinstance(part, Part) else part) for part in given]
     if not folders:
         raise refused("parts", "none", "folders of `shard` or `squeal run --shard`")
     folder, owned = _in_folder(out)
-    ran = _squeal.merge(
-        native, (folders, mixed), os.fspath(folder), _number("half_width", half_width), workers(threads), receiver(progress)
-    )
+    given_parts, width = (folders, mixed, every_mode), _number("half_width", half_width)
+    ran = _squeal.merge(native, given_parts, os.fspath(folder), width, workers(threads), receiver(progress))
     return _of_run(folder, ran, owned)
 
 
@@ -392,6 +399,12 @@ class Analysis(Frozen):
     def text(self) -> str:
         """What `squeal cea` prints; asked for when it is wanted first."""
         return "" if self._asked is None else _squeal.cea(*self._asked, False)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Damping ratio against frequency, unstable modes apart."""
+        from .plot import spectrum
+
+        return spectrum(self.frequencies_hz, self.damping_ratios, self.unstable, ax)
 
     def __getstate__(self) -> dict[str, Any]:
         """For other processes, which do not have the brake."""
@@ -583,6 +596,12 @@ class Screen(Frozen):
     def differences(self) -> Table:
         """Differences of what was confirmed, on the same draws."""
         return self.tables["screen_differences"]
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Unstable modes in one analysis that are left by what was confirmed, with limits, the fewest on top."""
+        from .plot import screen as drawn
+
+        return drawn(self.ranked, ax)
 
     def __str__(self) -> str:
         return self.text

@@ -133,3 +133,20 @@ def influence(table: Table, ax: Axes | None) -> Axes:
     ax.set_ylabel("Sobol' index of the growth rate, 95 %")
     ax.legend()
     return ax
+
+
+def screen(table: Table, ax: Axes | None) -> Axes:
+    """Unstable modes in one analysis with each set of changes that was confirmed, with limits; what is not changed is a line."""
+    ax = axes(ax)
+    left = table["unstable_modes"]
+    shown = np.flatnonzero(np.isfinite(left))
+    shown = shown[np.argsort(-left[shown], kind="stable")]
+    names = [f"{places} ({kind})" for places, kind in zip(table["places"][shown], table["kind"][shown], strict=True)]
+    value, lower, upper = (table[column][shown] for column in ("unstable_modes", "unstable_modes_lower", "unstable_modes_upper"))
+    errors = [np.maximum(value - lower, 0), np.maximum(upper - value, 0)]
+    ax.errorbar(value, range(len(shown)), xerr=errors, fmt="o", color=REST, capsize=3)
+    for unchanged in left[(table["count"] == 0) & np.isfinite(left)][:1]:
+        ax.axvline(unchanged, color=UNSTABLE, linestyle=":")
+    ax.set_yticks(range(len(shown)), names)
+    ax.set_xlabel("unstable modes in one analysis, 95 %")
+    return ax

@@ -14,10 +14,7 @@ use crate::Error;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
 const TABLES: [(&str, &str); 14] = [
-    (
-        "divergence.csv",
-        "Draws of the whole brake in which something grows faster than it oscillates",
-    ),
+    ("divergence.csv", "Draws of the whole brake in which something grows faster than it oscillates"),
     ("modes.csv", "The modes of each set of constraints where they have their names"),
     (
         "growth.csv",

@@ -71,7 +71,11 @@ pub(super) fn of_study(results: &Results) -> String {
 }
 
 fn assumptions(has_several_scenes: bool) -> String {
-    let items: String = ASSUMPTIONS.iter().chain(has_several_scenes.then_some(&SAME_DRAWS)).map(|text| format!("<li>{}</li>\n", escaped(text))).collect();
+    let items: String = ASSUMPTIONS
+        .iter()
+        .chain(has_several_scenes.then_some(&SAME_DRAWS))
+        .map(|text| format!("<li>{}</li>\n", escaped(text)))
+        .collect();
     format!("<h3>Assumptions</h3>\n<ul>\n{items}</ul>\n<h3>Counts</h3>\n")
 }
 
