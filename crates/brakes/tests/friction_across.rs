@@ -449,7 +449,7 @@ fn divergence_of_the_whole_brake_is_found_whatever_the_band() {
         let is_open = all.open > 0;
         let share = format!("in {:.4} (95 %: ", all.diverging as f64 / all.draws as f64);
         assert!(!has_any || said.contains(&share) && said.contains("velocity-dependent "), "{said}");
-        let tables = results.tables(&[]).unwrap();
+        let tables = results.tables(&[], &[]).unwrap();
         let table = tables.iter().find(|table| table.name == "divergence").unwrap();
         let sum = |rows: &[Vec<String>]| rows.iter().map(|row| row[5].parse::<u64>().unwrap()).sum::<u64>();
         let laws = results.plan().labels.laws.len();

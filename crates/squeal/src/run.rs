@@ -12,7 +12,7 @@ use study::{ModeNaming, Plan, Study, StudyOptions, StudyTally, UncertainBrake, s
 use crate::Error;
 use crate::folder::RunFolder;
 use crate::part_manifest::PartManifest;
-use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reasons, write_tables};
+use crate::results::{Manifest, Results, Stopped, Times, reasons_and_links, time_for_reasons, write_tables};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 9;
@@ -211,10 +211,10 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
 
     let start = Instant::now();
     let results = Results::new(&study, summary);
-    let reasons = pool.install(|| reasons(&study, progress.reasons));
+    let (reasons, links) = pool.install(|| reasons_and_links(&study, progress.reasons))?;
     progress.reasons.go_on().map_err(Error::from)?;
     folder.publish(|stage| {
-        write_tables(&results, &reasons, stage)?;
+        write_tables(&results, &reasons, &links, stage)?;
         pool.install(|| draw(&study, &results, stage))
     })?;
     seconds.report = start.elapsed().as_secs_f64();

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use brakes::case::{LatticeCase, MatricesCase};
 use brakes::{LatticeBrake, MatricesBrake, lattice, sliding};
+use num_complex::Complex;
 use squeal::cea::{EigenSolver, QrSolver, Workspace};
 use squeal::cycles::{CycleOptions, cycles};
 use squeal::linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
@@ -472,4 +473,67 @@ fn a_contact_of_an_own_brake_is_taken_out_by_its_name_in_every_scene() {
             assert_eq!(modified.system(scene, &0.7).unwrap(), expected, "{name} of {left:?}, {:?}", scene.key);
         }
     }
+}
+
+/// Hoffmann's oscillator as a reduction of something, whose eigenvalues are off by this part of themselves.
+struct Reduced {
+    inner: MatricesBrake,
+    error: f64,
+}
+
+impl UncertainBrake for Reduced {
+    type Sample = Vec<f64>;
+
+    fn plan(&self) -> &Plan {
+        self.inner.plan()
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<Vec<f64>, squeal::study::Error> {
+        self.inner.draw(rng)
+    }
+
+    fn median(&self) -> Vec<f64> {
+        self.inner.median()
+    }
+
+    fn operating_point(&self, scene: &Scene, sample: &Vec<f64>) -> Result<OperatingPoint, squeal::study::Error> {
+        self.inner.operating_point(scene, sample)
+    }
+
+    fn error_of_reduction(&self, _: &Scene) -> f64 {
+        self.error
+    }
+}
+
+/// `s^2 + c s + 2 = +- sqrt(1 - D)`: a mode is open where its growth is within the error of the reduction, with changes too.
+#[test]
+fn verdicts_within_the_error_of_a_reduction_are_open_in_a_screen() {
+    const SAMPLES: u64 = 400;
+    let path = case("hoffmann.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let brake = || MatricesBrake::new(MatricesCase::parse(&path, text.clone()).unwrap()).unwrap();
+    let error = 0.016;
+    let reduced = Reduced { inner: brake(), error };
+    let mut options = options(&[ChangeKind::Dashpot], 1);
+    options.sizes.dashpot = Some(1e-9);
+    let screen = screened(&reduced, &options, SAMPLES);
+    let exact = screened(&brake(), &options, SAMPLES);
+    let c = 0.05;
+    let is_open = |mu: f64, sign: f64| {
+        let right = Complex::from(1.0 - mu * 4.0 / 3.0).sqrt() * sign;
+        let s = (Complex::from(c * c - 8.0) + right * 4.0).sqrt();
+        let s = (if s.im > 0.0 { s } else { -s } - c) / 2.0;
+        s.re.abs() <= error * s.norm()
+    };
+    let drawn = (0..SAMPLES).map(|at| reduced.draw(&mut stream(reduced.plan().seed, at)).unwrap()[0]);
+    let open: u64 = drawn.map(|mu| [1.0, -1.0].into_iter().filter(|&sign| is_open(mu, sign)).count() as u64).sum();
+    assert!(open > 5, "{open}");
+    for set in &screen.sets {
+        let confirmed = set.confirmed.as_ref().unwrap();
+        assert_eq!(confirmed.undecided, open, "{}", set.places);
+    }
+    let counted = |screen: &Screen| screen.sets[0].confirmed.as_ref().unwrap().unstable;
+    let (with, without) = (counted(&screen), counted(&exact));
+    assert_eq!(exact.sets[0].confirmed.as_ref().unwrap().undecided, 0);
+    assert!(with.value < without.value && without.value <= with.upper, "{with:?} {without:?}");
 }

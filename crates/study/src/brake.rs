@@ -70,6 +70,12 @@ pub trait UncertainBrake: Sync {
         None
     }
 
+    /// Relative error of the eigenvalues of a scene against those of the model that the brake is a reduction of: a rule, not a bound; 0 of one that is none.
+    /// A mode whose distance from the threshold is within it is undecided.
+    fn error_of_reduction(&self, scene: &Scene) -> f64 {
+        self.mode_source().map_or(0.0, |source| source.relative_error(scene))
+    }
+
     /// Contacts beyond their tangents: for the motion after the onset.
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None
@@ -125,6 +131,10 @@ macro_rules! forwarded {
 
             fn mode_source(&self) -> Option<&dyn ModeSource> {
                 (**self).mode_source()
+            }
+
+            fn error_of_reduction(&self, scene: &Scene) -> f64 {
+                (**self).error_of_reduction(scene)
             }
 
             fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {

@@ -75,6 +75,10 @@ impl<B: UncertainBrake<Sample: 'static>> UncertainBrake for Erased<B> {
         self.0.mode_source()
     }
 
+    fn error_of_reduction(&self, scene: &Scene) -> f64 {
+        self.0.error_of_reduction(scene)
+    }
+
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         self.0.sliding_contacts()
     }

@@ -177,11 +177,13 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             references(plan, &points, source, by_likeness, &solver, progress).map_err(failed)?;
         let (references, sector_references): (Vec<_>, Vec<_>) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
-        let certificates = match options.certificates && source.is_none() {
+        // Both know the brake alone, and not the errors of what it is a reduction of.
+        let is_reduced = source.is_some() || plan.scenes.iter().any(|scene| brake.error_of_reduction(scene) > 0.0);
+        let certificates = match options.certificates && !is_reduced {
             true => certificates(brake, progress)?,
             false => vec![Certificate::default(); plan.configurations.len()],
         };
-        let equations = match options.secular && source.is_none() {
+        let equations = match options.secular && !is_reduced {
             true => equations(&plan.configurations, progress)?,
             false => plan.configurations.iter().map(SecularEquations::none).collect(),
         };
@@ -271,11 +273,13 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let equations = &self.equations(scene).sectors;
         let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);
         let gain = self.reference_gains[scene];
+        let relative_error = self.brake.error_of_reduction(&self.plan().scenes[scene]);
         let solvers = each.map(|((reference, secular), anchors)| SectorSolver {
             eigen_solver: &self.solver,
             reference,
             plan: self.plan(),
             likeness_too: self.options.likeness_too,
+            relative_error,
             equation: secular
                 .as_ref()
                 .zip(anchors.as_ref())

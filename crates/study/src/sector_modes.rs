@@ -62,6 +62,8 @@ pub(super) struct SectorSolver<'a> {
     pub reference: &'a Reference,
     /// Plan, which says which modes are judged.
     pub plan: &'a Plan,
+    /// Relative error of eigenvalues against those of what the brake is a reduction of; see [`UncertainBrake::error_of_reduction`](crate::UncertainBrake::error_of_reduction).
+    pub relative_error: f64,
     /// Secular equation of the sector; `None` where spectra are computed instead, see [`Secular::new`].
     pub equation: Option<SectorEquation<'a>>,
     /// Modes are named by MAC too.
@@ -94,7 +96,8 @@ impl SectorSolver<'_> {
         let judged: Vec<Result<ModesWithVerdicts, CeaError>> = timed(&mut spent.spectra, || {
             self.eigen_solver.eigenvalues_of_all(systems, work, spectra);
             let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
-                ModesWithVerdicts::new(system, spectrum.as_ref().map_err(CeaError::clone)?, self.plan, work)
+                let spectrum = spectrum.as_ref().map_err(CeaError::clone)?;
+                ModesWithVerdicts::new(system, spectrum, (self.plan, self.relative_error), work)
             };
             systems.iter().zip(&*spectra).map(judge).collect()
         });
@@ -236,7 +239,13 @@ impl ModesWithVerdicts {
         Self { modes, unstable, divergent: Vec::new(), undecided: Vec::new(), undecided_real: 0, marginal: 0 }
     }
 
-    fn new(system: &SecondOrder, spectrum: &Spectrum, plan: &Plan, work: &mut Workspace) -> Result<Self, CeaError> {
+    /// The modes of a spectrum, whose eigenvalues have this relative error beside that of the solver.
+    fn new(
+        system: &SecondOrder,
+        spectrum: &Spectrum,
+        (plan, relative_error): (&Plan, f64),
+        work: &mut Workspace,
+    ) -> Result<Self, CeaError> {
         check_range(system, spectrum)?;
         let modes = Modes::classify(system, spectrum, work)?;
         let mut judged = Self {
@@ -259,12 +268,16 @@ impl ModesWithVerdicts {
             .collect();
         let verdicts = verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?;
         for (at, (lambda, verdict)) in lambdas.into_iter().zip(verdicts).enumerate() {
+            let margin = plan.threshold.margin(lambda).abs();
+            let is_open = relative_error > 0.0 && margin <= relative_error * lambda.norm();
             match (verdict, studied.get(at)) {
-                (Verdict::Unstable, Some(&index)) => judged.unstable.push(index),
-                (Verdict::Unstable, None) => judged.divergent.push(lambda.re),
                 (Verdict::Marginal { .. }, _) => judged.marginal += 1,
                 (Verdict::Undecided { .. }, Some(&index)) => judged.undecided.push(index),
                 (Verdict::Undecided { .. }, None) => judged.undecided_real += 1,
+                (_, Some(&index)) if is_open => judged.undecided.push(index),
+                (_, None) if is_open => judged.undecided_real += 1,
+                (Verdict::Unstable, Some(&index)) => judged.unstable.push(index),
+                (Verdict::Unstable, None) => judged.divergent.push(lambda.re),
                 (Verdict::Stable, _) => {}
             }
         }

@@ -15,6 +15,10 @@ use crate::mac::{Match, match_weighted};
 use crate::path::{Path, PathPoint};
 use crate::tuning::tuning;
 
+/// Numbers of all matrices that are factorised together, at most, but of eight modes in any case. Chosen: 64 MB of memory where a mode has four real ones of its
+/// order, and the batched solvers take eight at a time at most.
+const MOST_NUMBERS: usize = 2 << 20;
+
 /// A mode at a point of its path.
 #[derive(Debug, Clone)]
 pub(crate) struct ModeOnPath {
@@ -32,10 +36,17 @@ impl ModeOnPath {
     }
 }
 
+/// Modes of a path of this order that are corrected together: all of small systems, which is cheaper, and of large ones as many as fill little memory.
+fn most_together(path: &Path<'_>) -> usize {
+    let order = path.mass().nrows().max(1);
+    (MOST_NUMBERS / (order * order) / 8).max(1) * 8
+}
+
 /// The mode that Newton's method finds from each guess; `None` where Newton's method does not converge.
 pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<Option<ModeOnPath>> {
     let mut found = Vec::with_capacity(at.len());
-    for group in at.chunk_by(|a, b| discriminant(&a.path.start) == discriminant(&b.path.start)) {
+    let blocks = at.chunk_by(|a, b| discriminant(&a.path.start) == discriminant(&b.path.start));
+    for group in blocks.flat_map(|block| block.chunks(most_together(&block[0].path))) {
         let gains: Vec<_> = group.iter().filter_map(|p| Some((p.path.as_gains()?, p.t, p.lambda))).collect();
         let systems: Vec<_> = group.iter().filter_map(|p| Some((p.path.as_systems()?, p.t, p.lambda))).collect();
         let owned: Vec<_> = group.iter().filter_map(|p| Some((p.path.as_owned()?, p.t, p.lambda))).collect();
@@ -59,7 +70,8 @@ pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<
 /// evaluate the path.
 pub(crate) fn pairs_on_paths(at: &[PairGuess<Path<'_>>], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
     let mut found = Vec::with_capacity(at.len());
-    for group in at.chunk_by(|a, b| discriminant(&a.0.start) == discriminant(&b.0.start)) {
+    let blocks = at.chunk_by(|a, b| discriminant(&a.0.start) == discriminant(&b.0.start));
+    for group in blocks.flat_map(|block| block.chunks(most_together(&block[0].0))) {
         let gains: Vec<_> = group.iter().filter_map(|p| Some((p.0.as_gains()?, p.1, p.2))).collect();
         let systems: Vec<_> = group.iter().filter_map(|p| Some((p.0.as_systems()?, p.1, p.2))).collect();
         let owned: Vec<_> = group.iter().filter_map(|p| Some((p.0.as_owned()?, p.1, p.2))).collect();

@@ -16,15 +16,28 @@ fn a_brake_whose_friction_is_a_term_has_no_word_about_contacts() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().join("disc");
     let text = run(&case("wobbling-disc.toml"), &dir, &["--samples", "50"]);
-    assert!(text.starts_with("none, given, all speeds:\n") && !text.contains("contact"), "{text}");
+    assert!(text.starts_with("mode 2 at ") && !text.contains("contact"), "{text}");
     let figure = std::fs::read_to_string(dir.join("occurrence-none.svg")).unwrap();
-    assert!(figure.contains("(a) one configuration") && !figure.contains("contact"), "{figure}");
-    // One with a contact says so.
+    assert!(figure.contains("all draws") && !figure.contains("contact"), "{figure}");
+}
+
+#[test]
+fn panels_are_named_where_there_are_several() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("lattice");
+    let text = run(&case("two-by-two.toml"), &dir, &["--samples", "8"]);
+    assert!(text.contains("none, lugre, ") || text.contains("anything is unstable in"), "{text}");
+    let figure = std::fs::read_to_string(dir.join("occurrence-none.svg")).unwrap();
+    assert!(figure.contains("(a) four in contact"), "{figure}");
+    let page = |dir: &Path| std::fs::read_to_string(dir.join("report.html")).unwrap();
+    assert!(page(&dir).contains("A mark is the median over the arrangements of contacts"));
+    // Of one panel nothing is said of panels or arrangements.
     let dir = folder.path().join("belt");
-    assert!(
-        run(&case("hoffmann.toml"), &dir, &["--samples", "50"]).starts_with("none, given, 1 in contact, all speeds:\n")
-    );
-    assert!(std::fs::read_to_string(dir.join("occurrence-none.svg")).unwrap().contains("(a) one in contact"));
+    let text = run(&case("hoffmann.toml"), &dir, &["--samples", "50"]);
+    assert!(text.starts_with("mode 2 at ") && !text.contains("contact"), "{text}");
+    let page = page(&dir);
+    let words = page.split("<script").next().unwrap();
+    assert!(!words.contains("panel") && !words.contains("rrangement"), "{words}");
 }
 
 /// Hoffmann's oscillator flutters at one frequency, and so does its damped mode.

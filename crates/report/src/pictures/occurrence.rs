@@ -75,7 +75,10 @@ pub fn occurrence(
                 }
             }
             row.panels.push(OccurrencePanel {
-                title: format!("({}) {}", letter(number), in_words(*in_contact)),
+                title: match results.has_one_arrangement() {
+                    true => "all draws".to_owned(),
+                    false => format!("({}) {}", letter(number), in_words(*in_contact)),
+                },
                 in_contact: *in_contact,
                 arrangements: panels.first().map_or(Vec::new(), |panel| arrangements(results, panel)),
                 boxes,

@@ -20,7 +20,7 @@ pub use bands::LIGHT;
 pub use estimates::Estimates;
 pub use manifest::{Manifest, Source, Stopped, Times, VERSION};
 pub use modes::set_letter;
-pub use reasons::{SceneReasons, reasons, time_for_reasons};
+pub use reasons::{SceneReasons, reasons_and_links, time_for_reasons};
 pub use strengths::UnstableHertz;
 pub use study_results::{ArrangementOccurrence, Estimate, Results};
 pub use tables::write_tables;

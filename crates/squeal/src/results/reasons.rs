@@ -6,7 +6,7 @@ use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
 use output::{Table, hertz, significant};
 use rayon::prelude::*;
-use study::{ModeLabel, Plan, Reference, SceneLabels, Study, UncertainBrake};
+use study::{ModeLabel, Plan, Reference, SceneLabels, SetLinks, Study, UncertainBrake, set_links};
 
 use crate::Error;
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
@@ -24,12 +24,20 @@ pub struct SceneReasons {
     pub modes: Result<Vec<(Vec<ModeLabel>, Why)>, String>,
 }
 
-/// Reasons why modes grow in each scene whose net work is wanted, those with all contacts closed for instance.
+/// Reasons why modes grow in each scene whose net work is wanted, those with all contacts closed for instance; and, beside them, the links of modes
+/// between sets of constraints, which count as one more scene in what is told.
 ///
 /// A mode that has no name in the study is left out, such as one of a reduced brake that grows faster than anything its basis is made for.
-pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress) -> Vec<SceneReasons> {
+///
+/// # Errors
+/// Those of following modes from one set of constraints to another.
+pub fn reasons_and_links<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    progress: &dyn Progress,
+) -> Result<(Vec<SceneReasons>, Vec<SetLinks>), Error> {
     let scenes = scenes_with_work(study.plan());
-    progress.begin(scenes.len() as u64, 0);
+    let is_linked = study.plan().labels.constraints.len() > 1;
+    progress.begin(scenes.len() as u64 + u64::from(is_linked), 0);
     let of_scene = |&scene: &usize| {
         let modes = progress
             .go_on()
@@ -39,9 +47,14 @@ pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress)
         progress.advance(1);
         SceneReasons { scene, modes }
     };
-    let all = scenes.par_iter().map(of_scene).collect();
+    let linked = || {
+        let links = set_links(study.plan(), study.origin_references(), &cea::QrSolver);
+        progress.advance(u64::from(is_linked));
+        links
+    };
+    let (links, reasons) = rayon::join(linked, || scenes.par_iter().map(of_scene).collect());
     progress.end();
-    all
+    Ok((reasons, links?))
 }
 
 /// Indices of the scenes whose net work is wanted.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use montecarlo::{Confidence, QuantileSketch};
 use output::Table;
-use study::{ComparisonKind, FullChecks, Panel, SceneKey, SceneLabels, SetLinks, set_links};
+use study::{ComparisonKind, FullChecks, Panel, SceneKey, SceneLabels, SetLinks};
 
 use super::modes::{links_table, modes};
 use super::reasons::{SceneReasons, sensitivities};
@@ -16,21 +16,17 @@ use crate::Error;
 impl Results {
     /// The numbers of a study as tables: `modes` with a table of shapes for each set of constraints, `links`, `occurrence`, `growth`,
     /// `panels`, `differences`, `net_work`, `family_work`, `sensitivities`, `failures`, `divergence` of a reduced brake whose draws were solved with the
-    /// full model, and `measured` of a brake on which squeal was measured; `reasons` are those of [`reasons`](super::reasons()).
+    /// full model, and `measured` of a brake on which squeal was measured; `reasons` and `links` are those of [`reasons_and_links`](super::reasons_and_links).
     ///
     /// # Errors
-    /// Those of following modes from one set of constraints to another.
-    pub fn tables(&self, reasons: &[SceneReasons]) -> Result<Vec<Table>, Error> {
+    /// Counts that make no interval, or no quartile.
+    pub fn tables(&self, reasons: &[SceneReasons], links: &[SetLinks]) -> Result<Vec<Table>, Error> {
         let mut tables = Vec::new();
-        self.for_each_table(&self.links()?, reasons, |table| {
+        self.for_each_table(links, reasons, |table| {
             tables.push(table);
             Ok(())
         })?;
         Ok(tables)
-    }
-
-    fn links(&self) -> Result<Vec<SetLinks>, Error> {
-        Ok(set_links(self.plan(), self.origins(), &cea::QrSolver)?)
     }
 
     /// Makes one table after the other: of a large brake all together are much of the memory of a run.
@@ -63,11 +59,10 @@ impl Results {
 /// Writes `summary.md` and all [`Results::tables`] into `dir`.
 ///
 /// # Errors
-/// [`Error::Output`]; those of following modes from one set of constraints to another.
-pub fn write_tables(results: &Results, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
-    let links = results.links()?;
-    results.for_each_table(&links, reasons, |table| Ok(table.write(dir)?))?;
-    write_summary(results, &links, reasons, dir)
+/// [`Error::Output`]; as [`Results::tables`].
+pub fn write_tables(results: &Results, reasons: &[SceneReasons], links: &[SetLinks], dir: &Path) -> Result<(), Error> {
+    results.for_each_table(links, reasons, |table| Ok(table.write(dir)?))?;
+    write_summary(results, links, reasons, dir)
 }
 
 fn occurrence(results: &Results) -> Table {

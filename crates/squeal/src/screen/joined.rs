@@ -230,6 +230,10 @@ impl<B: UncertainBrake> UncertainBrake for Joined<'_, B> {
         None
     }
 
+    fn error_of_reduction(&self, scene: &Scene) -> f64 {
+        self.own(scene).map_or(0.0, |(_, part, own)| part.brake.error_of_reduction(&own))
+    }
+
     /// `None`: the scenes of a motion are those of one of the brakes.
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None

@@ -283,6 +283,11 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         None
     }
 
+    /// That of the inner brake: what the changes add to it is not known.
+    fn error_of_reduction(&self, scene: &Scene) -> f64 {
+        self.inner.error_of_reduction(&self.inner_scene(scene))
+    }
+
     /// `None`: the motion of the inner brake is that without the changes.
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None
