@@ -244,8 +244,11 @@ impl ScreenArgs {
                     table.write(stage)?;
                 }
                 let figure = screen_figure(&screen, &what, &screen.rests_on().join("; "))?;
-                figure.save_pictures(stage, "screen")?;
-                Ok(write_screen_page(plan, &screen, options.constraints, &geometry(brake), &figure, &what, stage)?)
+                if let Some(figure) = &figure {
+                    figure.save_pictures(stage, "screen")?;
+                }
+                let figure = figure.as_ref();
+                Ok(write_screen_page(plan, &screen, options.constraints, &geometry(brake), figure, &what, stage)?)
             })?;
             let own = json!({
                 "constraints": plan.labels.constraints[options.constraints],

@@ -39,10 +39,14 @@ impl BandNames<'_> {
         let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
         let studied = found.into_iter().filter(|mode| self.plan.is_studied(mode.lambda));
         let (real, studied): (Vec<BandMode>, Vec<BandMode>) = studied.partition(|mode| real_count(mode.lambda) > 0);
-        let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
+        // What is on the axis grows nowhere; of a threshold beside the axis its margin tells.
+        let is_marginal = |mode: &BandMode| mode.is_on_axis && self.plan.threshold.is_axis();
+        let marginal = studied.iter().filter(|mode| is_marginal(mode)).count() as u32;
+        let is_open =
+            |mode: &&BandMode| !is_marginal(mode) && (margin(mode).abs() <= mode.bound || mode.bound.is_nan());
         let undecided_real = real.iter().filter(is_open).count() as u32;
         let divergent = real.iter().filter(|mode| margin(mode) > mode.bound).map(|mode| mode.lambda.re).collect();
-        let surely = |at: &usize| margin(&studied[*at]) > studied[*at].bound;
+        let surely = |at: &usize| !is_marginal(&studied[*at]) && margin(&studied[*at]) > studied[*at].bound;
         let mut to_name: Vec<usize> = (0..studied.len()).filter(surely).collect();
         let unstable = to_name.len();
         to_name.extend((0..studied.len()).filter(|&at| is_open(&&studied[at])));
@@ -61,7 +65,7 @@ impl BandNames<'_> {
         let undecided = named.collect();
         let oscillatory = studied.iter().map(|mode| mode.lambda).collect();
         let modes = Modes { oscillatory, real: Vec::new(), internal: Vec::new() };
-        Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal: 0 })
+        Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal })
     }
 
     /// The names of some modes of a system, with M phi of each.

@@ -26,6 +26,8 @@ pub struct BandMode {
     pub shape: DVector<Complex<f64>>,
     /// Error bound of the eigenvalue, rad/s: a mode nearer than that to the threshold of the plan is undecided.
     pub bound: f64,
+    /// The mode is on the imaginary axis for a reason that no error changes, as of a brake without damping.
+    pub is_on_axis: bool,
     /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,
 }

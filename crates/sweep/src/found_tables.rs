@@ -48,6 +48,7 @@ impl Found {
                     "share": region.share,
                     "at": [map.parameters[0].at(region.at[0]), map.parameters[1].at(region.at[1])],
                 })).collect::<Vec<_>>(),
+                "narrow_share": map.narrow_share(),
                 "grid": map.grid,
                 "divergence_looked_for": map.counts_divergence,
                 "unresolved": map.unresolved,

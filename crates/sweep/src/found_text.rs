@@ -5,8 +5,8 @@ use output::significant;
 use super::found_openings::{lines_text, opening_text};
 use super::words::{count, hertz};
 use super::{
-    BoundaryCurve, CurveEnd, Evaluations, Found, GrowingBeside, Marginal, Miscount, StabilityMap, Sweep, SweepOnset,
-    SweptParameter,
+    BoundaryCurve, CELLS, CurveEnd, Evaluations, Found, GrowingBeside, Marginal, Miscount, StabilityMap, Sweep,
+    SweepOnset, SweptParameter,
 };
 
 impl Found {
@@ -188,6 +188,12 @@ fn map_text(map: &StabilityMap) -> String {
     text += "\nunstable     share  regions\n";
     for (unstable, (share, regions)) in map.shares() {
         text += &format!("{unstable:>8}  {:>6.2} %  {regions:>7}\n", 100.0 * share);
+    }
+    if map.narrow_share() > 0.0 {
+        text += &format!(
+            "{:.2} % of the map are in regions narrower than some cells of 1/{CELLS} of the ranges, which are not listed and no spectrum checks\n",
+            100.0 * map.narrow_share()
+        );
     }
     text += &map.share_in_words().map_or_else(String::new, |words| words + "\n");
     text += "\n";

@@ -12,7 +12,7 @@ use super::family::{Evaluations, Family, Part};
 use super::line_map::{LinesOfPart, MapLines, lines, opens_along};
 use super::parameter::{Over, SweptParameter};
 use super::part_map::{PartMap, of_part};
-use super::regions::{CELLS, Region, Run, places_apart, regions, runs};
+use super::regions::{CELLS, Region, Run, places_apart, regions, runs, shares};
 use crate::Error;
 
 /// Numbers of intervals of the grid of lines on which boundary curves are looked for, one after the other until no spectrum contradicts
@@ -68,16 +68,19 @@ impl StabilityMap {
         })
     }
 
-    /// Fraction of the map that has each number of unstable modes, and number of its regions.
+    /// Fraction of the map that has each number of unstable modes, narrow regions too, and number of its regions that are listed.
     #[must_use]
     pub fn shares(&self) -> BTreeMap<usize, (f64, usize)> {
-        let mut shares = BTreeMap::new();
-        for region in &self.regions {
-            let (share, regions): &mut (f64, usize) = shares.entry(region.unstable).or_default();
-            *share += region.share;
-            *regions += 1;
-        }
-        shares
+        let listed = |unstable: usize| self.regions.iter().filter(|region| region.unstable == unstable).count();
+        shares(&self.rows).into_iter().map(|(unstable, share)| (unstable, (share, listed(unstable)))).collect()
+    }
+
+    /// Fraction of the map that is in regions too narrow to be listed, which no spectrum checks.
+    #[must_use]
+    pub fn narrow_share(&self) -> f64 {
+        let cells = (CELLS * CELLS) as f64;
+        let listed: f64 = self.regions.iter().map(|region| (region.share * cells).round()).sum();
+        (cells - listed) / cells
     }
 }
 

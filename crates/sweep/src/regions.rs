@@ -3,7 +3,7 @@
 //! Along the lower left edge the number is known: from a spectrum and the onsets on that edge. From there it changes by one at
 //! each curve, up where a rising curve is crossed from left to right: its unstable side is on the right.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use serde::Serialize;
 
@@ -79,6 +79,13 @@ fn cells(runs: &[Run]) -> Vec<usize> {
     cells
 }
 
+/// Fraction of the cells that has each number of unstable modes.
+pub(super) fn shares(runs: &[Run]) -> BTreeMap<usize, f64> {
+    let mut counts = BTreeMap::<usize, usize>::new();
+    cells(runs).into_iter().for_each(|unstable| *counts.entry(unstable).or_default() += 1);
+    counts.into_iter().map(|(unstable, count)| (unstable, count as f64 / (CELLS * CELLS) as f64)).collect()
+}
+
 /// Equally spaced places, one in each `spacing` cells of a row and of a column, that are not next to another number of unstable modes.
 pub(super) fn places_apart(runs: &[Run], spacing: usize) -> Vec<Region> {
     let cells = cells(runs);
@@ -92,7 +99,7 @@ pub(super) fn places_apart(runs: &[Run], spacing: usize) -> Vec<Region> {
     (0..cells.len()).filter(is_apart).map(place).collect()
 }
 
-/// The regions, the largest first.
+/// The regions, the largest first, without those that are nowhere [`LEAST_DEPTH`] cells deep.
 pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
     let cells = cells(runs);
     let depth = depths(&cells);
@@ -167,6 +174,18 @@ mod tests {
         let found = regions(&runs(&[square], &|_| 1));
         assert_eq!(found.iter().map(|region| region.unstable).collect::<Vec<_>>(), [1, 2]);
         assert!((found[1].share - 0.24).abs() < 0.01, "{found:?}");
+        assert_eq!(shares(&runs(&[vec![[0.2, 0.3], [0.2, 0.7], [0.8, 0.7], [0.8, 0.3], [0.2, 0.3]]], &|_| 1)).len(), 2);
         assert!(found[1].at[0] > 0.3 && found[1].at[0] < 0.7 && (found[1].at[1] - 0.5).abs() < 0.1, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_too_narrow_for_a_region_has_its_share() {
+        // A strip of three cells, from below to above, with one more.
+        let strip = [vec![[0.5, 0.0], [0.5, 1.0]], vec![[0.5125, 1.0], [0.5125, 0.0]]];
+        let runs = runs(&strip, &|_| 0);
+        assert_eq!(regions(&runs).iter().map(|region| region.unstable).collect::<Vec<_>>(), [0, 0]);
+        let shares = shares(&runs);
+        assert_eq!((shares.len(), shares.values().sum::<f64>()), (2, 1.0));
+        assert!((shares[&1] - 0.0125).abs() < 1e-12, "{shares:?}");
     }
 }

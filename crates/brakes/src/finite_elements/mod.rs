@@ -6,6 +6,7 @@ mod drawn_inputs;
 mod full_checks;
 mod layout;
 mod mode_source;
+mod on_axis;
 mod parameters;
 mod places;
 mod points;

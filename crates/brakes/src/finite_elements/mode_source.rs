@@ -9,7 +9,7 @@ use num_complex::Complex;
 use reduction::{ReducedModes, RouteCounts};
 use study::{BandMode, Bridge, CoarsePath, FullChecks, ModeResidual, ModeSource, Scene, WholeEigenvalue};
 
-use super::{FiniteElementBrake, Part, bridge, parameters, whole};
+use super::{FiniteElementBrake, Part, bridge, on_axis, parameters, whole};
 use crate::Error;
 
 /// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two distances, each the largest that was measured,
@@ -43,6 +43,15 @@ impl FiniteElementBrake {
         self.parts.iter().map(|part| *part.routes.lock().unwrap_or_else(PoisonError::into_inner)).sum()
     }
 
+    /// Flags of eigenvalues at an operating point of the whole brake, rad/s, that are on the imaginary axis because nothing damps the brake.
+    pub fn on_axis(&self, scene: &Scene, at: &OperatingPoint, lambdas: &[Complex<f64>]) -> Vec<bool> {
+        if !on_axis::is_undamped(&self.case.system, at) {
+            return vec![false; lambdas.len()];
+        }
+        let band = self.case.reduction.frequencies.map(|hz| std::f64::consts::TAU * hz);
+        on_axis::on_axis(lambdas, self.relative_error(scene), band)
+    }
+
     /// True if the distance of the modes of a part from those of its set was measured, on a basis that holds them.
     fn is_known(&self, part: &Part) -> bool {
         part.within.is_reached || part.within.basis.ncols() == self.sets[part.set].basis.ncols()
@@ -61,17 +70,20 @@ impl ModeSource for FiniteElementBrake {
         let mut routes = part.routes.lock().unwrap_or_else(PoisonError::into_inner);
         *routes = *routes + counts;
         drop(routes);
-        let modes = |found: ReducedModes| {
-            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals);
-            let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, _>), &f64)| {
+        let modes = |found: ReducedModes, at: &OperatingPoint| {
+            let on_axis = self.on_axis(scene, at, &found.lambdas);
+            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).zip(on_axis);
+            type Found<'a> = (((&'a Complex<f64>, DVectorView<'a, Complex<f64>>), &'a f64), bool);
+            let mode = |(((&lambda, shape), &value), is_on_axis): Found<'_>| {
                 // One that is no number is above too.
                 let is_within = value <= enough;
                 let residual = Some(ModeResidual { value, is_above: !is_within });
-                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
+                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), is_on_axis, residual }
             };
             each.map(mode).collect()
         };
-        found.into_iter().map(|found| Ok(found.map(modes).map_err(Error::from)?)).collect()
+        let found = found.into_iter().zip(&points);
+        found.map(|(found, at)| Ok(found.map(|found| modes(found, at)).map_err(Error::from)?)).collect()
     }
 
     fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {

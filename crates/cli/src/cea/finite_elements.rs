@@ -2,7 +2,7 @@
 
 use brakes::case::FiniteElementCase;
 use brakes::{BESIDE, CaseBrake, FiniteElementBrake};
-use cea::{EigenSolver, Mode, QrSolver, Spectrum, Workspace, damping_ratio, frequency_hz};
+use cea::{EigenSolver, Mode, QrSolver, Spectrum, Verdict, Workspace, damping_ratio, frequency_hz};
 use linsys::OperatingPoint;
 use nalgebra::DVectorView;
 use num_complex::Complex;
@@ -27,8 +27,14 @@ impl CeaArgs {
         let modes = reduced.modes(&full)?;
         let rows = modes.lambdas.iter().zip(&modes.residuals);
         let threshold = &brake.plan.threshold;
-        let verdict = |lambda: Complex<f64>| {
-            let found = threshold.verdict(lambda, brake.relative_error(scene) * lambda.norm());
+        let on_axis = brake.on_axis(scene, &full, &modes.lambdas);
+        let verdict = |place: usize| {
+            let lambda = modes.lambdas[place];
+            let bound = brake.relative_error(scene) * lambda.norm();
+            let found = match on_axis[place] && threshold.is_axis() {
+                true => Verdict::Marginal { tolerance: bound },
+                false => threshold.verdict(lambda, bound),
+            };
             verdict_in_words(found, lambda, threshold)
         };
         let whys = if self.why { whys(brake, scene, Some(&modes.lambdas))? } else { Whys::default() };
@@ -46,7 +52,7 @@ impl CeaArgs {
                         "frequency_hz": frequency_hz(*lambda),
                         "damping_ratio": damping_ratio(*lambda),
                         "residual": residual,
-                        "verdict": verdict(*lambda),
+                        "verdict": verdict(place),
                     });
                     if let Some(why) = whys.of_modes.iter().find(|why| is_of(*lambda, why)) {
                         mode["why"] = json!(why);
@@ -87,7 +93,7 @@ impl CeaArgs {
         );
         for (place, (lambda, residual)) in rows.enumerate() {
             let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
-            let verdict = verdict(*lambda);
+            let verdict = verdict(place);
             let rank = place + 1;
             text +=
                 &format!("{rank:>4}  {hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}  {verdict:>9}\n", lambda.re);

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use crate::common::{answer, hoffmann, replaced, run};
+use serde_json::Value;
+
+use crate::common::{answer, asked, hoffmann, replaced, run};
+use crate::prepared;
 use crate::tables::columns;
 
 /// A brake given by matrices with one parameter p, uniform between two numbers.
@@ -109,4 +112,40 @@ fn an_estimate_that_the_samples_contradict_is_not_printed() {
         let [lower, upper, half_width] = [1, 2, 3].map(|at| row[at].parse::<f64>().unwrap());
         assert!(lower - half_width <= 0.01 && 0.01 <= upper + half_width, "{row:?}");
     }
+}
+
+/// Without damping `-conj(lambda)` is an eigenvalue with lambda: what is alone is on the axis, whatever the error of the reduction.
+#[test]
+fn modes_of_finite_elements_without_damping_are_on_the_axis_or_flutter_in_pairs() {
+    let folder = tempfile::tempdir().unwrap();
+    let damped = std::fs::read_to_string(prepared::case(folder.path())).unwrap();
+    let lines = damped.lines().filter(|line| !line.starts_with("rayleigh"));
+    let undamped = replaced(
+        &(lines.collect::<Vec<_>>().join("\n") + "\n"),
+        "tolerance = 1e-6",
+        "lateral = \"none\"\ntolerance = 1e-6",
+    );
+    let case = folder.path().join("undamped.toml");
+    std::fs::write(&case, undamped).unwrap();
+    let verdicts = |mu: &str| {
+        let asked = asked("cea", &case, &["--no-cache", "--json", "--set", mu]);
+        let found: Value = serde_json::from_slice(&asked.stdout).unwrap();
+        let of = |mode: &Value| (mode["verdict"].as_str().unwrap().to_owned(), mode["re"].as_f64().unwrap());
+        found["modes"].as_array().unwrap().iter().map(of).collect::<Vec<_>>()
+    };
+    // At a friction too small for any two to meet, and with none.
+    for mu in ["mu=0", "mu=0.02"] {
+        let found = verdicts(mu);
+        assert!(found.len() >= 2 && found.iter().all(|(verdict, _)| verdict == "marginal"), "{found:?}");
+    }
+    // Where two flutter one grows; the other decays as fast, faster than the case follows modes.
+    let found = verdicts("mu=1.0");
+    let count = |wanted: &str| found.iter().filter(|(verdict, _)| verdict == wanted).count();
+    assert!(count("unstable") == 1 && count("marginal") >= 2, "{found:?}");
+    assert_eq!(count("unstable") + count("marginal"), found.len(), "{found:?}");
+    let dir = folder.path().join("out");
+    run(&case, &dir, &["--no-cache", "--set", "mu=0.02"]);
+    let panel = &columns(&dir.join("panels.csv"), &["any_unstable", "undecided", "marginal"])[0];
+    assert_eq!([&*panel[0], &*panel[1]], ["0", "0"]);
+    assert_eq!(panel[2], (6 * verdicts("mu=0.02").len()).to_string());
 }

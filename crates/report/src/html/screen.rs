@@ -36,7 +36,7 @@ pub fn write_screen_page(
     screen: &Screen,
     constraints: usize,
     geometry: &Geometry<'_>,
-    figure: &Figure,
+    figure: Option<&Figure>,
     title: &str,
     dir: &Path,
 ) -> Result<(), Error> {
@@ -53,7 +53,9 @@ pub fn write_screen_page(
     let page = Page {
         title: title.into(),
         answer: answer(screen),
-        figures: filled(include_str!("screen.html"), &[("figure", &figure.svg())]) + shapes::SECTION,
+        figures: figure
+            .map_or_else(String::new, |figure| filled(include_str!("screen.html"), &[("figure", &figure.svg())]))
+            + shapes::SECTION,
         facts: format!(
             "<p>Linear about steady sliding. The loads of contacts stay as they are without changes. {}</p>\n<h3>Counts</h3>\n{}{}{}",
             escaped(&screen.rests_on().map(|text| capitalised(&text) + ".").join(" ")),

@@ -5,11 +5,11 @@ use squeal::screen::{ChangeKind, Form, Screen, ScreenedSet};
 
 use crate::Error;
 
-/// The drop of each confirmed set, kind by kind; `title` and `note` stand above and below.
+/// The drop of each confirmed set, kind by kind; `title` and `note` stand above and below. `None` where none was confirmed.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure, Error> {
+pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Option<Figure>, Error> {
     let Form { times, fewer, .. } = screen.criterion.form();
     let bar = |set: &ScreenedSet| {
         let drop = screen.criterion.drop(set.confirmed.as_ref()?);
@@ -33,11 +33,16 @@ pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Figure,
     };
     let kinds = ChangeKind::shown().map(|kind| group(kind.action(), Some(kind)));
     let groups = [group("the case's sets of constraints", None)].into_iter().chain(kinds);
-    Ok(drops(&DropsFigure {
+    let groups: Vec<DropGroup> = groups.filter(|group| !group.bars.is_empty()).collect();
+    if groups.is_empty() {
+        return Ok(None);
+    }
+    let figure = drops(&DropsFigure {
         title: title.into(),
         x_label: fewer.into(),
-        groups: groups.filter(|group| !group.bars.is_empty()).collect(),
+        groups,
         most: screen.as_it_is().map(|now| times * screen.criterion.left(now).value).filter(|most| most.is_finite()),
         note: note.into(),
-    })?)
+    })?;
+    Ok(Some(figure))
 }
