@@ -32,6 +32,18 @@ pub struct BandMode {
     pub residual: Option<ModeResidual>,
 }
 
+/// Distance from all others, as a multiple of its error, from which on an eigenvalue is alone: without damping its mirror image at the imaginary axis is
+/// within three errors of it, and another one within one of its own; chosen twice that.
+const ALONE: f64 = 8.0;
+
+/// True if no other one of some eigenvalues, which have this relative error, can be where the one at an index is, or its mirror image at the imaginary axis where it is
+/// within its error of the axis.
+pub fn is_alone(lambdas: &[Complex<f64>], at: usize, error: f64) -> bool {
+    let lambda = lambdas[at];
+    let is_apart = |other: &Complex<f64>| (other - lambda).norm() > ALONE * error * lambda.norm().max(other.norm());
+    lambdas.iter().enumerate().all(|(other, value)| other == at || is_apart(value))
+}
+
 /// An eigenvalue of the full model, of which the brake is a reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WholeEigenvalue {

@@ -9,7 +9,7 @@ use num_complex::Complex;
 use tracking::{Path, PathEnd, PathStart};
 
 use super::scratch::{Memory, timed};
-use super::{ModeLabel, ModeResidual, Plan, Reference};
+use super::{ModeLabel, ModeResidual, Plan, Reference, is_alone};
 
 /// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
@@ -267,11 +267,16 @@ impl ModesWithVerdicts {
             .chain(real.filter(|lambda| plan.is_studied(*lambda)))
             .collect();
         let verdicts = verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?;
-        for (at, (lambda, verdict)) in lambdas.into_iter().zip(verdicts).enumerate() {
+        for (at, (&lambda, verdict)) in lambdas.iter().zip(verdicts).enumerate() {
             let margin = plan.threshold.margin(lambda).abs();
             let is_open = relative_error > 0.0 && margin <= relative_error * lambda.norm();
             match (verdict, studied.get(at)) {
-                (Verdict::Marginal { .. }, _) => judged.marginal += 1,
+                // What is on the axis with this basis is it with all of the model, unless it may have met another one there.
+                (Verdict::Marginal { .. }, _) if !is_open || is_alone(&lambdas, at, relative_error) => {
+                    judged.marginal += 1
+                }
+                (Verdict::Marginal { .. }, Some(&index)) => judged.undecided.push(index),
+                (Verdict::Marginal { .. }, None) => judged.undecided_real += 1,
                 (Verdict::Undecided { .. }, Some(&index)) => judged.undecided.push(index),
                 (Verdict::Undecided { .. }, None) => judged.undecided_real += 1,
                 (_, Some(&index)) if is_open => judged.undecided.push(index),

@@ -7,10 +7,7 @@
 use linsys::OperatingPoint;
 use num_complex::Complex;
 use sparse::SparseAffineSystem;
-
-/// Distance from all others, as a multiple of the error, from which on an eigenvalue is alone: its mirror image is within three errors of it, and another one
-/// within one of its own; chosen twice that.
-const ALONE: f64 = 8.0;
+use study::is_alone;
 
 /// True if nothing damps a brake at an operating point, and friction has no slope.
 pub(super) fn is_undamped(system: &SparseAffineSystem, at: &OperatingPoint) -> bool {
@@ -21,16 +18,12 @@ pub(super) fn is_undamped(system: &SparseAffineSystem, at: &OperatingPoint) -> b
 
 /// Flags of the eigenvalues of a brake without damping, rad/s, that are on the axis; `error` is their relative error, and `band` the frequencies beyond
 /// which others are not known, rad/s.
-pub(super) fn on_axis(lambdas: &[Complex<f64>], error: f64, [low, high]: [f64; 2]) -> Vec<bool> {
-    let is_on = |(at, lambda): (usize, &Complex<f64>)| {
-        let near = error * lambda.norm();
-        let apart = |other: &Complex<f64>| (other - lambda).norm() > ALONE * error * lambda.norm().max(other.norm());
-        lambda.re.abs() <= near
-            && lambda.im - low > ALONE * near
-            && high - lambda.im > ALONE * near
-            && lambdas.iter().enumerate().all(|(other, value)| other == at || apart(value))
-    };
-    lambdas.iter().enumerate().map(is_on).collect()
+pub(super) fn on_axis(lambdas: &[Complex<f64>], error: f64, band: [f64; 2]) -> Vec<bool> {
+    // At the ends there may be others beyond.
+    let ends = band.map(|omega| Complex::new(0.0, omega));
+    let all = [lambdas, &ends].concat();
+    let is_on = |at: usize| lambdas[at].re.abs() <= error * lambdas[at].norm() && is_alone(&all, at, error);
+    (0..lambdas.len()).map(is_on).collect()
 }
 
 #[cfg(test)]
