@@ -197,7 +197,10 @@ impl CaseBrake for MatricesBrake {
     fn medians_in_words(&self) -> String {
         let values = self.case.parameters.iter().zip(self.median());
         let values: Vec<String> = values.map(|(p, value)| with_unit(&p.name, value, &p.unit)).collect();
-        format!("median parameters: {}", values.join(", "))
+        match values.is_empty() {
+            true => "no parameters".into(),
+            false => format!("median parameters: {}", values.join(", ")),
+        }
     }
 
     fn scene_json(&self) -> Value {

@@ -62,7 +62,7 @@ def test_an_analysis_and_a_screen_are_shown(cases, ax):
     assert a.plot(ax) is ax
     assert np.array_equal(ax.lines[1].get_ydata(), a.damping_ratios[a.unstable]) and a.unstable.any()
     ax.clear()
-    s = sq.screen(case, variants={"stiff": case.set(**{"parameters.mu.to": 0.8})}, samples=200, progress=False)
+    s = sq.screen(case, variants={"stiff": sq.Case(cases / "hoffmann.toml", set={"mu.to": 0.8})}, samples=200, progress=False)
     s.plot(ax)
     confirmed = s.ranked["unstable_modes"]
     assert np.array_equal(ax.lines[0].get_xdata(), np.sort(confirmed)[::-1]) and len(confirmed) == 2

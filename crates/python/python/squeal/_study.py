@@ -651,7 +651,7 @@ def screen(
     confirmed on `samples` other draws. `mass`, kg, `spring`, N/m, and `dashpot`, Ns/m, are what is attached; parts of the place's own
     unless given. Parts are scaled by `factor`, 1.1 unless given, up and down.
 
-    `variants` are other brakes by their names, as `{"shim": case.set(...)}`, which are confirmed on the same draws and ranked with the rest. Beside them
+    `variants` are other brakes by their names, as `{"shim": Case(path, set={...})}`, which are confirmed on the same draws and ranked with the rest. Beside them
     no kind of changes is searched unless `kinds` says so.
     """
     kinds = None if kinds is None else names_of("kinds", kinds, "kinds of changes")
