@@ -7,7 +7,7 @@ use crate::entry::Entry;
 use crate::limits::Limits;
 use crate::matrix::{Kind, Matrix};
 use crate::problem::Problem;
-use crate::symmetry::{Doubt, KnownBy, Pairs, Sides, Stored, mirrored};
+use crate::symmetry::{Doubt, KnownBy, Pairs, Sides, Stored, is_symmetric, mirrored};
 
 /// The symmetry of the entries that a file lists, as it states it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,6 +28,8 @@ pub(crate) enum Stated {
     Nothing,
     /// No statement, in an array or its like.
     Array,
+    /// A symmetric matrix, in an array or its like.
+    SymmetricArray,
 }
 
 /// Entries of a matrix in the order of the file.
@@ -163,6 +165,12 @@ fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stor
             return Ok((Stored::Whole, KnownBy::File, doubt));
         }
         Stated::Array => return by_contents(false),
+        // An array lists both sides; one whose sides differ is not what the file calls it.
+        Stated::SymmetricArray => {
+            let (stored, known_by, _) = by_contents(false)?;
+            let doubt = stored == Stored::Whole && !is_symmetric(entries, &mirrored(entries));
+            return Ok((stored, known_by, doubt.then_some(Doubt::NotSymmetric)));
+        }
         Stated::Nothing => return by_contents(true),
         Stated::Upper if sides.below => return by_contents(true),
         Stated::Symmetric | Stated::Skew | Stated::SymmetricOrWhole | Stated::SymmetricByDefault | Stated::Upper => {}

@@ -74,6 +74,8 @@ pub enum Doubt {
     Triangle(Symmetry),
     /// The last line has no end: a file that was cut inside its last number looks like that.
     NoEnd,
+    /// The file says that the matrix is symmetric, and its two sides differ.
+    NotSymmetric,
     /// The matrix is a stiffness, and the file has a structural damping matrix too.
     BesideStructural,
 }
@@ -82,7 +84,7 @@ impl Doubt {
     /// True if a word on the symmetry of the matrix settles it.
     #[must_use]
     pub fn is_of_symmetry(self) -> bool {
-        matches!(self, Self::Triangle(_))
+        matches!(self, Self::Triangle(_) | Self::NotSymmetric)
     }
 }
 
@@ -100,6 +102,10 @@ impl fmt::Display for Doubt {
             Self::NoEnd => {
                 f.write_str("its last line has no end, as of a file that was cut inside its last number; a whole file ends with a line end")
             }
+            Self::NotSymmetric => f.write_str(
+                "the file says that it is symmetric, and its entries above and below the diagonal differ; it is taken as it is listed; if \
+                 that is meant, as of friction, say symmetry = \"whole\"",
+            ),
             Self::BesideStructural => f.write_str(
                 "the file has structural damping too, which is NOT in the model: say it as loss_factor of the stiffness, or as viscous damping",
             ),
@@ -154,6 +160,20 @@ pub(crate) fn mirrored(entries: &[Entry]) -> Vec<Entry> {
         entries.iter().filter(|entry| entry.row != entry.column).map(|entry| entry.mirrored()).collect();
     images.sort_by_key(Entry::key);
     images
+}
+
+/// Largest difference of an entry and its mirror image, as a part of the largest entry off the diagonal, of a matrix that is symmetric but for rounding; chosen.
+const ROUNDING: f64 = 1e-9;
+
+/// True if entries, sorted, and their mirror images are the same but for rounding.
+pub(crate) fn is_symmetric(entries: &[Entry], mirrored: &[Entry]) -> bool {
+    let largest = mirrored.iter().map(|entry| entry.value.abs()).fold(0.0, f64::max);
+    let image = |entry: &Entry| {
+        let at = mirrored.binary_search_by_key(&entry.key(), Entry::key);
+        at.map_or(0.0, |at| mirrored[at].value)
+    };
+    let mut beside = entries.iter().filter(|entry| entry.row != entry.column);
+    beside.all(|entry| (entry.value - image(entry)).abs() <= ROUNDING * largest)
 }
 
 /// Entries off the diagonal whose mirror images are in the list too.

@@ -121,7 +121,7 @@ impl Open {
         }
         let head = Head::unlabelled(self.name.clone(), None, (self.rows, self.columns));
         // A symmetric matrix is stored whole; where one side of it is empty nobody knows what the writer meant.
-        let stated = if self.symmetric { Stated::Array } else { Stated::General };
+        let stated = if self.symmetric { Stated::SymmetricArray } else { Stated::General };
         found.keep(&self.name, self.builder.finish(stated, head))
     }
 }

@@ -1,7 +1,7 @@
 //! Nastran's DMIG and OUTPUT4.
 
 use formats::nalgebra::dmatrix;
-use formats::{Format, Kind, Options, Stored, read, read_bytes};
+use formats::{Doubt, Format, Kind, Options, Stored, Symmetry, read, read_bytes};
 
 use crate::{d, fixture, k, names};
 
@@ -144,4 +144,37 @@ fn big_endian_bigmat_and_long_words_are_read() {
                     2.5000000000000000E+00\n       3       1       1\n 1.0000000000000000E+00\n";
     let message = read_bytes(triangle.as_bytes(), None, Options::default()).unwrap().only().unwrap_err().to_string();
     assert!(message.starts_with("the matrix \"K\" has entries below the diagonal only"), "{message}");
+}
+
+/// A dense text file of OP4 with one matrix K, given by its columns.
+fn op4_text(form: usize, columns: &[[f64; 3]]) -> String {
+    let mut text = format!("{:8}{:8}{form:8}{:8}{:<8}1P,3E23.16\n", columns.len(), 3, 2, "K");
+    for (at, column) in columns.iter().enumerate() {
+        text += &format!("{:8}{:8}{:8}\n", at + 1, 1, 3);
+        column.iter().for_each(|value| text += &format!("{:>23}", format!("{value:.16E}")));
+        text += "\n";
+    }
+    text + &format!("{:8}{:8}{:8}\n{:>23}\n", columns.len() + 1, 1, 1, "1.0000000000000000E+00")
+}
+
+#[test]
+fn an_op4_matrix_that_is_called_symmetric_and_is_not_is_in_doubt() {
+    let dir = tempfile::tempdir().unwrap();
+    let read = |form: usize, friction: f64| {
+        let path = dir.path().join("k.op4");
+        let columns = [[4.0, -1.0, 0.5], [-1.0 + friction, 5.0, 0.0], [0.5, 0.0, 6.0]];
+        std::fs::write(&path, op4_text(form, &columns)).unwrap();
+        read(&path).unwrap().matrix("K").unwrap().clone()
+    };
+    // Rounding is no friction, and a square matrix need not be symmetric.
+    for (form, friction) in [(6, 0.0), (6, 1e-12), (1, 0.3)] {
+        assert_eq!(read(form, friction).doubts(), [], "{form}, {friction}");
+    }
+    for friction in [0.3, -1e-3, 1.0] {
+        let found = read(6, friction);
+        assert_eq!(found.doubts(), [Doubt::NotSymmetric], "{friction}");
+        let dense = found.to_dense();
+        assert_eq!((dense[(0, 1)], dense[(1, 0)]), (-1.0 + friction, -1.0));
+        assert_eq!(found.with_symmetry(Some(Symmetry::Whole), None).unwrap().doubts(), []);
+    }
 }
