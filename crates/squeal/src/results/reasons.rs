@@ -62,7 +62,7 @@ fn scenes_with_work(plan: &Plan) -> Vec<usize> {
     (0..plan.scenes.len()).filter(|&at| plan.scenes[at].wants_work).collect()
 }
 
-/// Time, roughly, that [`reasons`] takes on `threads` threads: one mode of the first of its scenes is timed, and counts for each that grows
+/// Time, roughly, that [`reasons_and_links`] takes for reasons on `threads` threads: one mode of the first of its scenes is timed, and counts for each that grows
 /// at the medians.
 pub fn time_for_reasons<B: UncertainBrake>(study: &Study<'_, B>, threads: usize) -> Duration {
     let scenes = scenes_with_work(study.plan());
