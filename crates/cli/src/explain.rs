@@ -168,13 +168,22 @@ fn matching(line: &str) -> (Option<OwnMessage<'_>>, Vec<Refusal>) {
     (None, refusals().into_iter().filter(|refusal| refusal.has_words(&words)).collect())
 }
 
+/// Cells of a row of a table, which may be empty: between its bars, but for those in code.
+fn cells(row: &str) -> Vec<&str> {
+    let mut is_code = false;
+    let is_bar = |letter: char| {
+        is_code ^= letter == '`';
+        letter == '|' && !is_code
+    };
+    row.trim_matches('|').split(is_bar).map(str::trim).collect()
+}
+
 /// Rows of the page on case files for a field, such as `study.samples` or `terms "lining".loss_factor`; empty for what is none.
 fn fields(field: &str) -> String {
     let is_name = |c: char| c.is_alphanumeric() || "._-\" []@".contains(c);
     let Some((path, key)) = field.rsplit_once('.').filter(|_| field.chars().all(is_name)) else { return String::new() };
     let table = path.split(['.', ' ', '[']).next().unwrap_or_default();
     let (mut heading, mut columns, mut text) = ("", Vec::new(), String::new());
-    let cells = |row: &'static str| -> Vec<&str> { row.trim_matches('|').split(" | ").map(str::trim).collect() };
     for line in FIELDS.lines() {
         if line.starts_with('#') {
             (heading, columns) = (line.trim_start_matches('#').trim(), Vec::new());
@@ -220,6 +229,15 @@ mod tests {
                 assert!(found >= refusal.parts(&line).unwrap().0, "{}", refusal.message);
             }
         }
+    }
+
+    /// What stands in a column of the page is called so, though cells before it are empty.
+    #[test]
+    fn a_field_has_the_columns_of_its_table() {
+        let text = fields("contacts \"belt\".mu");
+        assert!(text.contains("  allowed: mu, slope or lag required\n  meaning: coefficient of friction"), "{text}");
+        assert!(!text.contains("unit:"), "{text}");
+        assert!(fields("reduction.residual").contains("|lambda|^2 |M| + |lambda| |C| + |K|. Bases"));
     }
 
     #[test]
