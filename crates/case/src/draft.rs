@@ -12,7 +12,7 @@ use crate::CaseError;
 pub struct Draft {
     /// Text of the case file.
     pub text: String,
-    /// What was found, a name and words each.
+    /// Finds of the files, a name and words each.
     pub found: Vec<(&'static str, String)>,
 }
 

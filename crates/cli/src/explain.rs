@@ -231,7 +231,7 @@ mod tests {
         }
     }
 
-    /// What stands in a column of the page is called so, though cells before it are empty.
+    /// Cells have the headings of their columns, though cells before them are empty.
     #[test]
     fn a_field_has_the_columns_of_its_table() {
         let text = fields("contacts \"belt\".mu");

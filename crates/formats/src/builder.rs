@@ -168,7 +168,7 @@ fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stor
         // An array lists both sides; one whose sides differ is not what the file calls it.
         Stated::SymmetricArray => {
             let (stored, known_by, _) = by_contents(false)?;
-            let doubt = stored == Stored::Whole && !is_symmetric(entries, &mirrored(entries));
+            let doubt = stored == Stored::Whole && !is_symmetric(entries);
             return Ok((stored, known_by, doubt.then_some(Doubt::NotSymmetric)));
         }
         Stated::Nothing => return by_contents(true),

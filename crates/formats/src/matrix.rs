@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 
 use crate::entry::Entry;
-use crate::symmetry::{Doubt, KnownBy, Stored};
+use crate::symmetry::{Doubt, KnownBy, Stored, asymmetry};
 use crate::{Dof, FormatsError};
 
 /// Role of a matrix in `M u'' + C u' + K u = f`.
@@ -121,27 +121,7 @@ impl Matrix {
     /// The largest `|a_ij - a_ji|`, of a square matrix.
     #[must_use]
     pub fn asymmetry(&self) -> Option<f64> {
-        if self.rows != self.columns {
-            return None;
-        }
-        let mut mirrored: Vec<Entry> = self.entries.iter().map(|entry| entry.mirrored()).collect();
-        mirrored.sort_by_key(Entry::key);
-        let (mut ours, mut theirs) = (self.entries.iter().peekable(), mirrored.iter().peekable());
-        let mut largest = 0.0_f64;
-        loop {
-            let difference = match (ours.peek(), theirs.peek()) {
-                (None, None) => return Some(largest),
-                (Some(a), Some(b)) if a.key() == b.key() => {
-                    let difference = a.value - b.value;
-                    ours.next();
-                    theirs.next();
-                    difference
-                }
-                (Some(a), b) if b.is_none_or(|b| a.key() < b.key()) => ours.next().map_or(0.0, |a| a.value),
-                _ => theirs.next().map_or(0.0, |b| b.value),
-            };
-            largest = largest.max(difference.abs());
-        }
+        (self.rows == self.columns).then(|| asymmetry(&self.entries))
     }
 
     /// The matrix in compressed columns. Takes 8 bytes a column and 16 an entry.

@@ -165,15 +165,32 @@ pub(crate) fn mirrored(entries: &[Entry]) -> Vec<Entry> {
 /// Largest difference of an entry and its mirror image, as a part of the largest entry off the diagonal, of a matrix that is symmetric but for rounding; chosen.
 const ROUNDING: f64 = 1e-9;
 
-/// True if entries, sorted, and their mirror images are the same but for rounding.
-pub(crate) fn is_symmetric(entries: &[Entry], mirrored: &[Entry]) -> bool {
-    let largest = mirrored.iter().map(|entry| entry.value.abs()).fold(0.0, f64::max);
-    let image = |entry: &Entry| {
-        let at = mirrored.binary_search_by_key(&entry.key(), Entry::key);
-        at.map_or(0.0, |at| mirrored[at].value)
-    };
-    let mut beside = entries.iter().filter(|entry| entry.row != entry.column);
-    beside.all(|entry| (entry.value - image(entry)).abs() <= ROUNDING * largest)
+/// Largest `|a_ij - a_ji|` of sorted entries of a square matrix.
+pub(crate) fn asymmetry(entries: &[Entry]) -> f64 {
+    let mut mirrored: Vec<Entry> = entries.iter().map(|entry| entry.mirrored()).collect();
+    mirrored.sort_by_key(Entry::key);
+    let (mut ours, mut theirs) = (entries.iter().peekable(), mirrored.iter().peekable());
+    let mut largest = 0.0_f64;
+    loop {
+        let difference = match (ours.peek(), theirs.peek()) {
+            (None, None) => return largest,
+            (Some(a), Some(b)) if a.key() == b.key() => {
+                let difference = a.value - b.value;
+                ours.next();
+                theirs.next();
+                difference
+            }
+            (Some(a), b) if b.is_none_or(|b| a.key() < b.key()) => ours.next().map_or(0.0, |a| a.value),
+            _ => theirs.next().map_or(0.0, |b| b.value),
+        };
+        largest = largest.max(difference.abs());
+    }
+}
+
+/// True if sorted entries of a square matrix are those of a symmetric one but for rounding.
+pub(crate) fn is_symmetric(entries: &[Entry]) -> bool {
+    let beside = entries.iter().filter(|entry| entry.row != entry.column);
+    asymmetry(entries) <= ROUNDING * beside.map(|entry| entry.value.abs()).fold(0.0, f64::max)
 }
 
 /// Entries off the diagonal whose mirror images are in the list too.

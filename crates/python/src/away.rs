@@ -23,7 +23,7 @@ const STACK: usize = 8 << 20;
 #[derive(Default)]
 pub(crate) struct Watch {
     cancelled: AtomicBool,
-    /// Whether nothing is kept yet that an interrupt would have to wait for.
+    /// Flag of work of which nothing is kept yet, so that an interrupt need not wait for it.
     prepares: AtomicBool,
     /// The exception that a callable of the user has raised.
     raised: Mutex<Option<PyErr>>,

@@ -30,7 +30,7 @@ pub struct SceneReasons {
 /// A mode that has no name in the study is left out, such as one of a reduced brake that grows faster than anything its basis is made for.
 ///
 /// # Errors
-/// Those of following modes from one set of constraints to another.
+/// Errors of following modes from one set of constraints to another.
 pub fn reasons_and_links<B: UncertainBrake>(
     study: &Study<'_, B>,
     progress: &dyn Progress,

@@ -283,7 +283,7 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         None
     }
 
-    /// That of the inner brake: what the changes add to it is not known.
+    /// Error of the inner brake: what the changes add to it is not known.
     fn error_of_reduction(&self, scene: &Scene) -> f64 {
         self.inner.error_of_reduction(&self.inner_scene(scene))
     }
