@@ -15,6 +15,7 @@ mod merge;
 mod mesh_shapes;
 mod new;
 mod options;
+mod parquet;
 mod prepare;
 mod prepared;
 mod program;

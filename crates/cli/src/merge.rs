@@ -33,7 +33,7 @@ pub struct MergeArgs {
     #[arg(long, value_name = "DIR", required_unless_present = "check")]
     pub out: Option<PathBuf>,
     /// Only say what the parts hold, whether they belong together and which samples no part has
-    #[arg(long, conflicts_with_all = ["out", "half_width", "cycles", "every_mode", "json"])]
+    #[arg(long, conflicts_with_all = ["out", "half_width", "cycles", "every_mode", "parquet", "json"])]
     pub check: bool,
     /// Also every occurrence to this half width at 95 %, by the cheapest estimator, in estimates.csv
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = number)]
@@ -41,6 +41,9 @@ pub struct MergeArgs {
     /// Also every mode of every sample, stable ones too, in every_mode.csv: a whole spectrum each, for surrogates
     #[arg(long)]
     pub every_mode: bool,
+    /// Also samples.parquet, unstable_modes.parquet and every_mode.parquet, of parts that keep their samples and --every-mode, beside the CSV
+    #[arg(long)]
+    pub parquet: bool,
     /// Also the motion from each unstable mode of the first K unstable samples of each scene, in cycles_of_draws.csv; docs/cycles.md
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = samples)]
     pub cycles: Option<u64>,
@@ -100,6 +103,7 @@ impl MergeArgs {
             keep_samples: parts.iter().any(|part| part.identity.contains(" samples=kept")),
             cycles: self.cycles,
             every_mode: self.every_mode,
+            parquet: self.parquet,
             shard: None,
             from: 0,
             json: self.json,

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use brakes::case::{HALF_WIDTHS, is_half_width};
 use brakes::{CaseBrake, Purpose};
-use output::printable;
+use output::{OutputError, printable};
 use report::{draw_damping, draw_occurrence, write_page};
 use serde_json::{Value, json};
 use squeal::cycles::{CycleOptions, CyclesOfDraws, check_contacts_of_draws};
@@ -19,6 +19,7 @@ use squeal::{RunOptions, RunProgress, run_study_with};
 use super::cycle::has_motion;
 use super::mesh_shapes::{geometry, write_mesh_shapes};
 use super::options::{MachineArgs, number, override_run, samples, whole_number};
+use super::parquet::{self, write_parquet};
 use super::reduction::write_reduction;
 use super::sized;
 use crate::Error;
@@ -58,6 +59,9 @@ pub struct RunArgs {
     /// Also every mode of every sample, stable ones too, in every_mode.csv: a whole spectrum each, for surrogates
     #[arg(long)]
     pub every_mode: bool,
+    /// Also samples.parquet, unstable_modes.parquet and every_mode.parquet, of --keep-samples and --every-mode, beside the CSV
+    #[arg(long, conflicts_with = "shard")]
+    pub parquet: bool,
     /// Also the motion from each unstable mode of the first K unstable samples of each scene, in cycles_of_draws.csv; docs/cycles.md
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = samples)]
     pub cycles: Option<u64>,
@@ -172,6 +176,11 @@ impl RunArgs {
                 return Err(Error::Option { option, value, allowed });
             }
         }
+        if self.parquet && !(self.keep_samples || self.every_mode) {
+            let (value, allowed) =
+                ("no table".to_owned(), "with --keep-samples or --every-mode, whose tables it is of");
+            return Err(Error::Option { option: "--parquet", value, allowed: allowed.into() });
+        }
         let stick = CycleOptions::default().stick;
         if self.cycles.is_some() {
             check_contacts_of_draws(brake, stick)?;
@@ -185,6 +194,7 @@ impl RunArgs {
         let options = RunOptions::default().with_threads(self.machine.threads).with_progress(progress);
         let options = options.until_half_width(self.until_half_width).keeping_samples(self.keep_samples);
         let mut draw = |study: &Study<'_, B>, results: &Results, dir: &Path| -> Result<(), Error> {
+            remove_outdated(&self.out, results.summary.samples)?;
             draw_occurrence(results, dir)?;
             draw_damping(results, dir)?;
             write_kept_samples(brake, &results.summary, dir)?;
@@ -200,6 +210,9 @@ impl RunArgs {
             if self.every_mode {
                 let told = told.stage("samples whose every mode is written");
                 squeal::write_every_mode(study, results.summary.samples, dir, &*told)?;
+            }
+            if self.parquet {
+                write_parquet(dir)?;
             }
             let mut motions = None;
             if let Some(draws) = self.cycles {
@@ -255,6 +268,20 @@ impl RunArgs {
         .map_err(Error::StandardOutput)?;
         found
     }
+}
+
+/// Removes the tables of samples that an option has made, where they are of another number of samples than the study has now: who extends it without
+/// the option would find them beside its other tables.
+fn remove_outdated(folder: &Path, samples: u64) -> Result<(), Error> {
+    let manifest = std::fs::read(folder.join("manifest.json")).ok();
+    let before = manifest.and_then(|text| serde_json::from_slice::<Value>(&text).ok()?["samples"].as_u64());
+    if before.is_some_and(|before| before != samples) {
+        let of_options = parquet::files().chain(["every_mode.csv".to_owned()]);
+        for path in of_options.map(|name| folder.join(name)).filter(|path| path.exists()) {
+            std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
+        }
+    }
+    Ok(())
 }
 
 /// Line on the draws of the whole brake: how far the reduced one agrees with it.

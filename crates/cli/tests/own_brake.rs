@@ -194,6 +194,7 @@ fn a_brake_of_ones_own_goes_through_every_command() {
         keep_samples: true,
         cycles: None,
         every_mode: false,
+        parquet: false,
         shard: None,
         from: 0,
         json: false,

@@ -64,6 +64,7 @@ fn run_args(out: PathBuf, kept: [bool; 2], threads: Option<usize>, until_half_wi
         keep_samples,
         cycles: None,
         every_mode,
+        parquet: false,
         shard: None,
         from: 0,
         json: false,

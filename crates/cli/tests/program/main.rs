@@ -18,6 +18,7 @@ mod instability;
 mod measured;
 mod memory;
 mod names;
+mod parquet;
 mod predicted;
 mod prepared;
 mod rare;

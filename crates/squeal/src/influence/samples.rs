@@ -20,7 +20,7 @@ use crate::every_mode::{mode_columns, mode_row};
 /// A row of `samples.csv` is one sample in one scene: its index, the largest growth rate, 1/s, 0 where nothing is unstable and empty where
 /// the evaluation failed; the unstable modes as `name:growth`, with `;` between, of open names all candidates as in `1|2`; `open`, 1 where nothing surely
 /// is unstable and a verdict is open; `may_be`, the modes whose verdict is open; and the values of what is drawn, empty where the scene does not depend
-/// on it. A sample whose draw failed has no row.
+/// on it; an input that is called as one of the columns before has `NAME (drawn)`. A sample whose draw failed has no row.
 ///
 /// # Errors
 /// [`Error::Output`].
@@ -61,7 +61,13 @@ pub fn write_kept_samples<B: UncertainBrake>(
         };
         drawn.iter().zip(0..).filter_map(row).collect::<Vec<_>>()
     };
-    let header = [SceneLabels::SCENE_COLUMNS, &["sample", "growth", "unstable", "open", "may_be"], &columns].concat();
+    let own = [SceneLabels::SCENE_COLUMNS, &["sample", "growth", "unstable", "open", "may_be"]].concat();
+    // Columns are asked for by name.
+    let drawn_column = |name: &&str| match own.contains(name) {
+        true => format!("{name} (drawn)"),
+        false => (*name).to_owned(),
+    };
+    let header: Vec<String> = own.iter().map(|&name| name.to_owned()).chain(columns.iter().map(drawn_column)).collect();
     let rows = plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene);
     Ok(Table::new("samples", header, rows).write(dir)?)
 }
