@@ -109,11 +109,6 @@ pub struct Occurrence {
 }
 
 impl OccurrencePanel {
-    /// True if there are contacts to arrange: without, nothing is said of their arrangements.
-    pub(super) fn has_arrangements(&self) -> bool {
-        self.arrangements.iter().any(|arrangement| !arrangement.name.is_empty())
-    }
-
     /// Number of different systems among the arrangements.
     pub(super) fn systems(&self) -> usize {
         let mut systems: Vec<usize> = self.arrangements.iter().map(|arrangement| arrangement.system).collect();
@@ -139,6 +134,14 @@ impl OccurrenceFigure {
     /// The boxes of all laws and panels.
     pub(super) fn boxes(&self) -> impl Iterator<Item = &OccurrenceBox> {
         self.laws.iter().flat_map(|law| &law.panels).flat_map(|panel| &panel.boxes)
+    }
+
+    /// True if there are several arrangements of contacts, in a panel or one in each of several: of a single one nothing is said.
+    pub(super) fn has_arrangements(&self) -> bool {
+        let mut named = self.laws.iter().flat_map(|law| law.panels.iter().enumerate()).flat_map(|(number, panel)| {
+            panel.arrangements.iter().filter(|it| !it.name.is_empty()).map(move |it| (number, &it.name))
+        });
+        named.next().is_some_and(|first| named.any(|other| other != first))
     }
 
     /// The modes that are ever unstable.

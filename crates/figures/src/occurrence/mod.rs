@@ -46,7 +46,8 @@ pub fn occurrence_boxes(data: &OccurrenceFigure) -> Result<Figure, FigureError> 
             y += 1.0;
         }
         for first in (0..law.panels.len()).step_by(grid.columns) {
-            let titles: Vec<String> = law.panels[first..].iter().take(grid.columns).map(panel_title).collect();
+            let of_line = law.panels[first..].iter().take(grid.columns);
+            let titles: Vec<String> = of_line.map(|panel| panel_title(data, panel)).collect();
             let is_new = titles != titles_above;
             if is_new {
                 y = headings(&mut canvas, &grid, law, &titles, y);
@@ -125,30 +126,34 @@ fn key(data: &OccurrenceFigure) -> Vec<Entry> {
             canvas.line((x - 9.0, y), (x + 9.0, y), mark_paint(m));
         }));
     }
-    if data.laws.iter().flat_map(|law| &law.panels).any(OccurrencePanel::has_arrangements) {
-        entries.push(Entry { symbol: None, text: reading(data) });
+    let text = reading(data);
+    if !text.is_empty() {
+        entries.push(Entry { symbol: None, text });
     }
     entries
 }
 
-/// Explanation of how to read a box.
+/// Explanation of how to read a box, empty where there is nothing to explain.
 fn reading(data: &OccurrenceFigure) -> String {
-    let mut reading = "n: contact arrangements".to_owned();
-    if data.laws.iter().flat_map(|law| &law.panels).any(|panel| panel.systems() < panel.arrangements.len()) {
-        reading.push_str(", of which mirror images are the same system");
+    let mut reading = Vec::new();
+    if data.has_arrangements() {
+        let mirrored =
+            data.laws.iter().flat_map(|law| &law.panels).any(|panel| panel.systems() < panel.arrangements.len());
+        let which = if mirrored { ", of which mirror images are the same system" } else { "" };
+        reading.push(format!("n: contact arrangements{which}"));
     }
     if data.boxes().any(|b| !b.is_ever_unstable()) {
-        reading.push_str("; short line at 0: stable in every sample");
+        reading.push("short line at 0: stable in every sample".to_owned());
     }
-    if data.boxes().any(|b| b.values.len() == 1) && data.boxes().any(|b| b.values.len() > 1) {
-        reading.push_str("; diamond: n\u{a0}=\u{a0}1");
+    let several = data.boxes().any(|b| b.values.len() > 1);
+    if several && data.boxes().any(|b| b.values.len() == 1) {
+        reading.push("diamond: n\u{a0}=\u{a0}1".to_owned());
     }
-    if data.boxes().any(|b| b.values.len() > 1) {
-        reading.push_str(
-            "; box: median and quartiles (type 7) over the n; whiskers: farthest values within 1.5 box widths; rings: beyond",
-        );
+    if several {
+        let text = "box: median and quartiles (type 7) over the n; whiskers: farthest values within 1.5 box widths; rings: beyond";
+        reading.push(text.to_owned());
     }
-    reading
+    reading.join("; ")
 }
 
 /// Number of modes without a row, and how often they may be unstable all the same, in words.

@@ -19,10 +19,10 @@ pub(super) fn mark_paint(mark: usize) -> Paint {
     Paint::stroke(Color(176, 0, 64), 1.0).dashed(DASHES[mark % DASHES.len()])
 }
 
-/// The title of a panel, with the numbers of arrangements and of different systems.
-pub(super) fn panel_title(panel: &OccurrencePanel) -> String {
+/// The title of a panel, with the numbers of arrangements and of different systems where there are several.
+pub(super) fn panel_title(data: &OccurrenceFigure, panel: &OccurrencePanel) -> String {
     match panel.arrangements.len() {
-        _ if !panel.has_arrangements() => panel.title.clone(),
+        _ if !data.has_arrangements() => panel.title.clone(),
         1 => format!("{}: n\u{a0}=\u{a0}1", panel.title),
         n => format!("{}: n\u{a0}=\u{a0}{n}, {}\u{a0}different", panel.title, panel.systems()),
     }
@@ -133,17 +133,14 @@ fn draw_box(
         return Ok(());
     };
     let statistics = BoxStatistics::of(&limits(|v| v.percent).collect::<Vec<_>>())?;
-    let title = format!(
-        "{name}: median {:.1} %, quartiles {:.1} % and {:.1} %, n = {}; 95 % limits of an arrangement {:.1} % to {:.1} %; \
-         name open in up to {:.1} %",
-        statistics.median,
-        statistics.lower_quartile,
-        statistics.upper_quartile,
-        values.len(),
-        lower,
-        upper,
-        open.open
-    );
+    let of_one = format!("{:.1} %; 95 % limits", statistics.median);
+    let of_all = || {
+        let BoxStatistics { median, lower_quartile, upper_quartile, .. } = statistics;
+        let quartiles = format!("quartiles {lower_quartile:.1} % and {upper_quartile:.1} %");
+        format!("median {median:.1} %, {quartiles}, n = {}; 95 % limits of an arrangement", values.len())
+    };
+    let found = if values.len() == 1 { of_one } else { of_all() };
+    let title = format!("{name}: {found} {lower:.1} % to {upper:.1} %; name open in up to {:.1} %", open.open);
     canvas.group("box", title, |canvas| {
         let band = Area { x: x_of(lower), y: y - height / 2.0, width: x_of(upper) - x_of(lower), height };
         canvas.rect(band, Paint::fill(INTERVAL));
