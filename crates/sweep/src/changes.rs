@@ -60,9 +60,21 @@ pub struct Marginal {
     pub to: f64,
     /// Largest number of modes on the axis at one place of the range, rigid motions too.
     pub modes: usize,
+    /// Least number of them at one place of the range: some leave the axis, and others stay.
+    pub fewest: usize,
 }
 
 impl Marginal {
+    /// How many modes are on the axis, in words: "2 modes", "1 to 2 modes".
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match (self.fewest, self.modes) {
+            (1, 1) => "1 mode".into(),
+            (fewest, modes) if fewest == modes => format!("{modes} modes"),
+            (fewest, modes) => format!("{fewest} to {modes} modes"),
+        }
+    }
+
     /// The range, given in fractions of the range of a parameter, in values of the parameter.
     pub(super) fn in_values(self, parameter: &SweptParameter) -> Self {
         Self { from: parameter.at(self.from), to: parameter.at(self.to), ..self }
@@ -390,8 +402,13 @@ impl Changes {
                 let [a, b] = [has(&step[0].counted), has(&step[1].counted)];
                 let is_inside = a > 0 && b > 0;
                 match ranges.last_mut() {
-                    Some(last) if is_open && is_inside => (last.to, last.modes) = (step[1].at, last.modes.max(b)),
-                    _ if is_inside => ranges.push(Marginal { from: step[0].at, to: step[1].at, modes: a.max(b) }),
+                    Some(last) if is_open && is_inside => {
+                        (last.to, last.modes, last.fewest) = (step[1].at, last.modes.max(b), last.fewest.min(b));
+                    }
+                    _ if is_inside => {
+                        let (modes, fewest) = (a.max(b), a.min(b));
+                        ranges.push(Marginal { from: step[0].at, to: step[1].at, modes, fewest });
+                    }
                     _ => {}
                 }
                 is_open = is_inside;

@@ -55,9 +55,9 @@ fn branch_text(sweep: &Sweep) -> String {
     text += "\n";
     text += &in_doubt(sweep);
     text += not_looked_for(sweep.counts_divergence);
-    for Marginal { from, to, modes } in &sweep.marginal {
-        let (modes, on) =
-            (count(*modes, "mode", "modes"), if sweep.threshold.is_axis() { "axis" } else { "threshold" });
+    for range in &sweep.marginal {
+        let (Marginal { from, to, .. }, modes) = (range, range.in_words());
+        let on = if sweep.threshold.is_axis() { "axis" } else { "threshold" };
         let what = if sweep.threshold.is_axis() { ": marginal, neither growing nor decaying" } else { "" };
         text += &format!("{modes} on the {on} at {name} = {from} to {to}{what}\n");
     }

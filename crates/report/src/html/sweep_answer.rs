@@ -38,9 +38,9 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
     }
     sentences.extend(sweep.doubts().iter().map(|doubt| capitalised(doubt) + "."));
     let marginal = |range: &Marginal| {
-        let (modes, from, to) = (range.modes, short(range.from), short(range.to));
-        let modes = if modes == 1 { "One mode is".to_owned() } else { format!("{modes} modes are") };
-        format!("{modes} on the axis from {name} = {from} to {to}, and neither grow nor decay.")
+        let (modes, from, to) = (range.in_words(), short(range.from), short(range.to));
+        let [are, grow, decay] = if range.modes == 1 { ["is", "grows", "decays"] } else { ["are", "grow", "decay"] };
+        format!("{modes} {are} on the axis from {name} = {from} to {to}: neither {grow} nor {decay}.")
     };
     if sweep.threshold.is_axis() {
         sentences.extend(sweep.marginal.iter().take(MOST_MODES).map(marginal));

@@ -5,6 +5,7 @@ use num_complex::Complex;
 use super::certified::certified_in;
 use super::counted::counted;
 use super::disc::Problem;
+use super::on_axis::settle_undamped;
 use super::polish::Polished;
 use super::reach::{least_reach, reach};
 use super::scaling::Scaled;
@@ -31,7 +32,8 @@ const WIDER: usize = 4;
 /// largest |lambda| and |Re lambda| that the norms of the matrices allow ([`Found::reach`]). In each disc, all eigenvalues are known as far as
 /// a block Krylov space of the shifted and inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and
 /// a second block checks the first. A block that comes back full of copies of one eigenvalue is widened. Up to `options.counted`
-/// degrees of freedom the list is counted again by the argument principle.
+/// degrees of freedom the list is counted again by the argument principle. Without damping an eigenvalue that no other is near is on the imaginary axis, and
+/// marginal.
 ///
 /// # Errors
 /// A rectangle that is none, Q singular at all shifts tried, a factorisation that does not fit into memory, solutions that
@@ -49,13 +51,16 @@ pub fn eigenpairs_in(
     {
         return Ok(found);
     }
-    match scaled_search(system, rectangle, options, progress) {
+    let found = match scaled_search(system, rectangle, options, progress) {
         // Most lists that are contradicted lack copies of an eigenvalue that has more of them than a block holds.
         Err(SparseError::CountsDiffer { .. }) => {
             scaled_search(system, rectangle, &Options { block: WIDER * options.block, ..*options }, progress)
         }
         found => found,
-    }
+    };
+    let mut found = found?;
+    settle_undamped(system, rectangle, &mut found.pairs);
+    Ok(found)
 }
 
 /// A search in the units in which the matrices are even.

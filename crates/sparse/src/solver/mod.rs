@@ -15,6 +15,7 @@ mod krylov;
 mod lanes;
 mod left;
 mod near;
+mod on_axis;
 mod orthogonal;
 mod pencil;
 mod polish;

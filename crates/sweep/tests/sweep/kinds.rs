@@ -385,7 +385,18 @@ fn without_damping_flutter_starts_where_two_modes_meet_on_the_axis() {
         assert!(onset.starts && onset.of == ChangeOf::Flutter && (onset.omega - 2f64.sqrt()).abs() < 1e-6, "{onset:?}");
         let [marginal] = &found.marginal[..] else { panic!("{:?}", found.marginal) };
         assert!(marginal.from == from && marginal.modes == 2 && (marginal.to - 0.75).abs() < 2e-3, "{marginal:?}");
+        assert_eq!(marginal.in_words(), "2 modes");
     }
+    // With a mass of its own beside it one mode stays on the axis where the two others leave it.
+    let beside = text
+        .replace("dofs = [\"x\", \"y\"]", "dofs = [\"x\", \"y\", \"z\"]")
+        .replace("[[0.05, 0.0], [0.0, 0.05]]", "[[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]")
+        .replace("[[1.0, 0.0], [0.0, 1.0]]", "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
+        .replace("[[2.0, 1.0], [1.0, 2.0]]", "[[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 9.0]]");
+    let brake = MatricesBrake::new(written(&beside)).unwrap();
+    let found = sweep(&Study::new(&brake, &QrSolver).unwrap(), 0, &over("mu", 0.0, 1.5), &QrSolver, &()).unwrap();
+    let [marginal] = &found.marginal[..] else { panic!("{:?}", found.marginal) };
+    assert_eq!((marginal.from, marginal.to, marginal.in_words().as_str()), (0.0, 1.5, "1 to 3 modes"));
 }
 
 #[test]
