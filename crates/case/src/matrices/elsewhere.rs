@@ -70,7 +70,7 @@ impl Places {
         }
         worst.map_or_else(String::new, |(off, place)| {
             format!(
-                "; draws and sweeps keep these dashpots: at the 5 and 95 % quantiles of each parameter alone, what a mode loses is off by up to {off:.1e} \
+                "; draws, sweeps and screens keep these dashpots: at the 5 and 95 % quantiles of each parameter alone, what a mode loses is off by up to {off:.1e} \
                  of itself ({place})"
             )
         })
