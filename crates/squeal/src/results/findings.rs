@@ -227,7 +227,15 @@ pub fn warnings(results: &Results) -> Vec<String> {
         let sum = |of: fn(&SceneTally) -> u64| scenes().map(|(tally, _)| of(tally)).sum::<u64>();
         let (undecided, samples) = (sum(|tally| tally.undecided), sum(|tally| tally.perhaps_unstable));
         if undecided > 0 {
+            let of_scenes = results.errors_of_reduction.iter().zip(&results.unknown_errors).zip(&summary.tally.scenes);
+            let open = of_scenes.filter(|((_, own), tally)| **own == unknown && tally.undecided > 0);
+            let error = open.map(|((error, _), _)| *error).fold(0.0, f64::max);
             let reason = match unknown {
+                None if error > 0.0 => format!(
+                    "the reduced brake has eigenvalues to within {} % of themselves, which is more than their distance from the limit of stability \
+                     (a larger reduction.training lowers it)",
+                    output::significant(100.0 * error, 2)
+                ),
                 None => "error bounds are larger than the distance from the limit of stability".to_owned(),
                 Some(reason) => format!("{reason}, so that nothing is known of its errors"),
             };

@@ -67,6 +67,8 @@ pub struct Results {
     pub(super) whole_shapes: Option<Arc<WholeShapes>>,
     /// Reason why nothing is known of the errors of each scene, where that is so.
     pub unknown_errors: Vec<Option<&'static str>>,
+    /// Relative error of the eigenvalues of each scene against those of the full model; 0 of a brake that is no reduction.
+    pub errors_of_reduction: Vec<f64>,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
     /// Notes beside the counts, for the manifest.
@@ -94,6 +96,7 @@ impl Results {
             (plan.mode_labels, source.and_then(|source| source.full_checks()).cloned(), source.is_some());
         let unknown_errors =
             plan.scenes.iter().map(|scene| source.and_then(|source| source.unknown_error(scene))).collect();
+        let errors_of_reduction = plan.scenes.iter().map(|scene| study.brake().error_of_reduction(scene)).collect();
         let of_set = |(set, source): (usize, &dyn ModeSource)| -> Vec<Vec<(String, Complex<f64>)>> {
             let modes = origin_of_set(&plan, set).map_or(&[][..], |origin| &origins[origin].modes);
             modes.iter().map(|mode| source.whole_shape(set, &mode.shape)).collect()
@@ -111,6 +114,7 @@ impl Results {
             full_checks,
             has_band_modes,
             unknown_errors,
+            errors_of_reduction,
             panels,
             comparisons,
             notes,
@@ -126,6 +130,7 @@ impl Results {
             comparisons: self.comparisons.clone(),
             full_checks: self.full_checks.clone(),
             unknown_errors: self.unknown_errors.clone(),
+            errors_of_reduction: self.errors_of_reduction.clone(),
             whole_shapes: self.whole_shapes.clone(),
             notes: Mutex::default(),
             plan: Arc::clone(&self.plan),
