@@ -12,11 +12,12 @@ use squeal::cycles::{CycleOptions, cycles};
 use squeal::linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
 use squeal::montecarlo::{Experiment as _, StreamRng, stream};
 use squeal::osc_model::{Brake, ContactArrangement};
+use squeal::results::Results;
 use squeal::screen::{
     Attached, Candidates, Change, ChangeKind, ChangeSet, Confirmation, Criterion, Modified, Screen, ScreenOptions,
     ScreenedSet, Sizes, confirm, rank,
 };
-use squeal::study::{Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SpeedLabel, UncertainBrake};
+use squeal::study::{Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SpeedLabel, Study, UncertainBrake};
 
 fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
@@ -536,4 +537,10 @@ fn verdicts_within_the_error_of_a_reduction_are_open_in_a_screen() {
     let (with, without) = (counted(&screen), counted(&exact));
     assert_eq!(exact.sets[0].confirmed.as_ref().unwrap().undecided, 0);
     assert!(with.value < without.value && without.value <= with.upper, "{with:?} {without:?}");
+
+    // Where verdicts are open, what makes them so and what lowers it are said.
+    let results = Results::sampled(&Study::new(&reduced, &QrSolver).unwrap()).unwrap();
+    let text = results.text().unwrap();
+    assert!(text.contains("to within 1.6 % of themselves"), "{text}");
+    assert!(text.contains("a larger reduction.training lowers it"), "{text}");
 }
