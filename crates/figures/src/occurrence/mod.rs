@@ -142,7 +142,8 @@ fn reading(data: &OccurrenceFigure) -> String {
         let which = if mirrored { ", of which mirror images are the same system" } else { "" };
         reading.push(format!("n: contact arrangements{which}"));
     }
-    if data.boxes().any(|b| !b.is_ever_unstable()) {
+    let shown = data.unstable_modes();
+    if data.boxes().any(|b| shown.contains(&b.mode) && !b.is_ever_unstable()) {
         reading.push("short line at 0: stable in every sample".to_owned());
     }
     let several = data.boxes().any(|b| b.values.len() > 1);
