@@ -166,7 +166,7 @@ fn an_open_name_is_drawn_and_a_zero_is_no_gap() {
     let picture = check(&figure, "open_name");
     assert_eq!((picture.count("box"), picture.count("no-data")), (5, 1));
     assert!(picture.texts.iter().any(|t| t.contains("may be another one")));
-    assert!(figure.svg().contains("95 % limits of an arrangement 0.0 % to 21.9 %; name open in up to 19.3 %"));
+    assert!(figure.svg().contains("0.0 %; 95 % limits 0.0 % to 21.9 %; name open in up to 19.3 %"));
 }
 
 #[test]
