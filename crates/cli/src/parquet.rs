@@ -38,7 +38,7 @@ pub fn write_parquet(dir: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// What the cells of a column are.
+/// Kind of the cells of a column.
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     Text,

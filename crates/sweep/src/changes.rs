@@ -65,7 +65,7 @@ pub struct Marginal {
 }
 
 impl Marginal {
-    /// How many modes are on the axis, in words: "2 modes", "1 to 2 modes".
+    /// Number of modes on the axis in words: "2 modes", "1 to 2 modes".
     #[must_use]
     pub fn in_words(&self) -> String {
         match (self.fewest, self.modes) {
