@@ -57,8 +57,10 @@ fn branch_text(sweep: &Sweep) -> String {
     text += not_looked_for(sweep.counts_divergence);
     for range in &sweep.marginal {
         let (Marginal { from, to, .. }, modes) = (range, range.in_words());
-        let on = if sweep.threshold.is_axis() { "axis" } else { "threshold" };
-        let what = if sweep.threshold.is_axis() { ": marginal, neither growing nor decaying" } else { "" };
+        let [on, what] = match sweep.threshold.is_axis() {
+            true => ["axis", ": marginal, neither growing nor decaying"],
+            false => ["threshold", ""],
+        };
         text += &format!("{modes} on the {on} at {name} = {from} to {to}{what}\n");
     }
     let width = widest(sweep.onsets.iter().map(|onset| &onset.mode));

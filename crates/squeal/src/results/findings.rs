@@ -223,13 +223,13 @@ pub fn warnings(results: &Results) -> Vec<String> {
     }
     let reasons: BTreeSet<Option<&str>> = results.unknown_errors.iter().copied().collect();
     for unknown in reasons {
-        let scenes = || summary.tally.scenes.iter().zip(&results.unknown_errors).filter(|(_, own)| **own == unknown);
+        let all = || summary.tally.scenes.iter().zip(&results.errors_of_reduction).zip(&results.unknown_errors);
+        let scenes = || all().filter(|(_, own)| **own == unknown).map(|(scene, _)| scene);
         let sum = |of: fn(&SceneTally) -> u64| scenes().map(|(tally, _)| of(tally)).sum::<u64>();
         let (undecided, samples) = (sum(|tally| tally.undecided), sum(|tally| tally.perhaps_unstable));
         if undecided > 0 {
-            let of_scenes = results.errors_of_reduction.iter().zip(&results.unknown_errors).zip(&summary.tally.scenes);
-            let open = of_scenes.filter(|((_, own), tally)| **own == unknown && tally.undecided > 0);
-            let error = open.map(|((error, _), _)| *error).fold(0.0, f64::max);
+            let open = scenes().filter(|(tally, _)| tally.undecided > 0);
+            let error = open.map(|(_, error)| *error).fold(0.0, f64::max);
             let reason = match unknown {
                 None if error > 0.0 => format!(
                     "the reduced brake has eigenvalues to within {} % of themselves, which is more than their distance from the limit of stability \
