@@ -40,7 +40,7 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
     let marginal = |range: &Marginal| {
         let (modes, from, to) = (range.in_words(), short(range.from), short(range.to));
         let [are, grow, decay] = if range.modes == 1 { ["is", "grows", "decays"] } else { ["are", "grow", "decay"] };
-        format!("{modes} {are} on the axis from {name} = {from} to {to}: neither {grow} nor {decay}.")
+        format!("{modes} {are} on the axis from {name} = {from} to {to}, and neither {grow} nor {decay}.")
     };
     if sweep.threshold.is_axis() {
         sentences.extend(sweep.marginal.iter().take(MOST_MODES).map(marginal));
