@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use brakes::FiniteElementBrake;
 use brakes::case::{CaseFile, FiniteElementCase};
 use nalgebra::Complex;
-use squeal::study::{DrawnInputs, ModeSource, Modifiable, Parametrised, Study, UncertainBrake};
+use squeal::study::{BandMode, DrawnInputs, ModeSource, Modifiable, Parametrised, Study, UncertainBrake};
 use squeal::sweep::{Over, stability_map, sweep};
 
 fn folder() -> PathBuf {
@@ -346,6 +346,55 @@ fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same(
         }
         assert!(growing_modes >= 2, "{growth:?}: {growing_modes}");
     }
+}
+
+#[test]
+fn a_verdict_that_the_error_of_the_reduction_leaves_open_is_that_of_the_whole_brake() {
+    let mut case = nine_with("none");
+    case.reduction.frequencies = [5700.0, 6500.0];
+    let mut brake = FiniteElementBrake::new(case, &()).unwrap();
+    let scene = brake.plan.scenes[0].clone();
+    let point = |brake: &FiniteElementBrake, mu: f64| {
+        brake.operating_point(&scene, &brake.single_parameter(&scene).unwrap().sample(mu)).unwrap()
+    };
+    // The onset of the reduced brake, where its mode is on the axis.
+    let grows = |mu: f64| {
+        let at = brake.full_point(&scene, &point(&brake, mu));
+        brake.part(&scene).reduced.modes(&at).unwrap().lambdas.iter().any(|lambda| lambda.re > 0.0)
+    };
+    let [mut below, mut above] = [0.2, 0.6];
+    assert!(!grows(below) && grows(above));
+    while above - below > 1e-12 {
+        let middle = f64::midpoint(below, above);
+        if grows(middle) { above = middle } else { below = middle }
+    }
+    let is_open = |mode: &&BandMode| mode.lambda.re.abs() <= mode.bound;
+    let mut verdicts = Vec::new();
+    for part in [-1e-5, -1e-6, 0.0, 1e-6, 1e-5] {
+        let at = point(&brake, below * (1.0 + part));
+        brake.case.reduction.full_verdicts = 0;
+        let open = brake.band_modes(&scene, std::slice::from_ref(&at)).remove(0).unwrap();
+        let open: Vec<&BandMode> = open.iter().filter(is_open).collect();
+        assert_eq!(open.len(), 1, "{part}");
+        brake.case.reduction.full_verdicts = 1;
+        let settled = brake.band_modes(&scene, std::slice::from_ref(&at)).remove(0).unwrap();
+        let near = |lambda: Complex<f64>| (lambda - open[0].lambda).norm() <= open[0].bound;
+        let settled = settled.iter().find(|mode| near(mode.lambda)).unwrap();
+        let whole = brake.sets[0].system.assemble(&brake.full_point(&scene, &at)).unwrap();
+        let rectangle =
+            sparse::Rectangle { re: [-20.0, 20.0], im: [-1.0, 1.0].map(|side| open[0].lambda.im + 20.0 * side) };
+        let whole = sparse::eigenpairs_in(&whole, &rectangle, &sparse::Options::default(), &mut |_| {}).unwrap().pairs;
+        assert_eq!(whole.len(), 1, "{part}");
+        let distance = (settled.lambda - whole[0].lambda).norm();
+        assert!(
+            settled.bound < 1e-3 * open[0].bound && distance <= settled.bound + whole[0].bound,
+            "{part}: {settled:?}"
+        );
+        assert!(!is_open(&settled), "{part}: {settled:?}");
+        verdicts.push(settled.lambda.re > 0.0);
+    }
+    assert!(!verdicts[0] && verdicts[4] && verdicts.is_sorted(), "{verdicts:?}");
+    assert!(brake.routes().coarse > 0 && ModeSource::routes(&brake).contains(&("settled", 5)));
 }
 
 #[test]

@@ -396,11 +396,12 @@ fn of_spread(to: &mut Written, spread: &SpreadParameters) {
 }
 
 fn of_reduction(to: &mut Written, reduction: &ReductionGoal) {
-    let ReductionGoal { frequencies, growth, residual, training, full_checks } = reduction;
+    let ReductionGoal { frequencies, growth, residual, training, full_checks, full_verdicts } = reduction;
     numbers(to, frequencies);
     numbers(to, growth);
     to.number(*residual);
     to.count(*training);
     // As counted in results: the checks of a folder are those of its samples.
     to.text(&full_checks.to_string());
+    to.count(*full_verdicts);
 }

@@ -344,6 +344,7 @@ fn every_field_of_a_finite_element_case_is_in_its_part() {
         ("[-500.0, 3000.0]", "[-501.0, 3000.0]", vec!["reduction"]),
         ("residual = 1e-8", "residual = 1e-7", vec!["reduction"]),
         ("full_checks = 100", "full_checks = 99", vec!["reduction"]),
+        ("full_checks = 100", "full_checks = 100\nfull_verdicts = 0", vec!["reduction"]),
         ("seed = 1", "seed = 2", vec![]),
     ] {
         assert!(mesh.contains(from), "{from}");

@@ -15,6 +15,7 @@ mod reduced_set;
 mod rungs;
 mod samples;
 mod set_basis;
+mod settled;
 mod sliding;
 #[cfg(test)]
 mod spread_tests;

@@ -1,6 +1,7 @@
 //! Modes of samples of a finite element brake in its band, by its reduction, and how far they may be off.
 
 use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
 
 use cea::Mode;
 use linsys::OperatingPoint;
@@ -9,7 +10,7 @@ use num_complex::Complex;
 use reduction::{ReducedModes, RouteCounts};
 use study::{BandMode, Bridge, CoarsePath, FullChecks, ModeResidual, ModeSource, Scene, WholeEigenvalue};
 
-use super::{FiniteElementBrake, Part, bridge, on_axis, parameters, whole};
+use super::{FiniteElementBrake, Part, bridge, on_axis, parameters, settled, whole};
 use crate::Error;
 
 /// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two distances, each the largest that was measured,
@@ -80,10 +81,27 @@ impl ModeSource for FiniteElementBrake {
                 let residual = Some(ModeResidual { value, is_above: !is_within });
                 BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), is_on_axis, residual }
             };
-            each.map(mode).collect()
+            each.map(mode).collect::<Vec<_>>()
+        };
+        // Where not even which modes there are is known, no verdict of one of them closes anything.
+        let are_known = self.unknown_error(scene).is_none();
+        let settled = |(found, at): (Result<ReducedModes, _>, &OperatingPoint)| {
+            let mut modes = modes(found?, at);
+            if are_known
+                && settled::settle(
+                    &mut modes,
+                    &self.plan,
+                    (part, &self.sets[part.set]),
+                    at,
+                    self.case.reduction.full_verdicts,
+                )?
+            {
+                part.settled.fetch_add(1, Ordering::Relaxed);
+            }
+            Ok(modes)
         };
         let found = found.into_iter().zip(&points);
-        found.map(|(found, at)| Ok(found.map(|found| modes(found, at)).map_err(Error::from)?)).collect()
+        found.map(|found| settled(found).map_err(|error: Error| error.into())).collect()
     }
 
     fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {
@@ -134,7 +152,8 @@ impl ModeSource for FiniteElementBrake {
 
     fn routes(&self) -> Vec<(&'static str, u64)> {
         let RouteCounts { coarse, spectra } = FiniteElementBrake::routes(self);
-        vec![("coarse", coarse), ("spectra", spectra)]
+        let settled = self.parts.iter().map(|part| part.settled.load(Ordering::Relaxed)).sum();
+        vec![("coarse", coarse), ("spectra", spectra), ("settled", settled)]
     }
 
     fn full_checks(&self) -> Option<&FullChecks> {

@@ -1,6 +1,7 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
 use std::sync::Mutex;
+use std::sync::atomic::AtomicU64;
 
 use linsys::OperatingPoint;
 use montecarlo::Progress;
@@ -177,7 +178,7 @@ pub(super) fn all_bases(
 fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, piece: PartPiece) -> Result<Part, Error> {
     let PartPiece { within, coarse, first } = piece;
     let reduced = set.reduced_within(&within.basis, case)?.on_coarse(coarse)?;
-    Ok(Part { set: asked.set, within, first, reduced, routes: Mutex::default() })
+    Ok(Part { set: asked.set, within, first, reduced, routes: Mutex::default(), settled: AtomicU64::default() })
 }
 
 /// The kept piece of a part: the fewest directions that hold it, coarse ones among them.

@@ -1,5 +1,6 @@
 //! A finite element brake on its bases: with each set of constraints, and in the arrangements that are studied together.
 
+use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, OnceLock};
 
 use linsys::{AffineSystem, DofMap};
@@ -59,6 +60,8 @@ pub struct Part {
     pub reduced: Reduced,
     /// Number of samples that each route found.
     pub routes: Mutex<RouteCounts>,
+    /// Number of samples in which the whole brake was asked about modes whose verdict is open.
+    pub settled: AtomicU64,
 }
 
 impl ReducedSet {

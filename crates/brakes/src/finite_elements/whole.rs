@@ -2,8 +2,9 @@
 
 use cea::{CeaError, CertifiedError, Workspace, singular_vectors};
 use linsys::{OperatingPoint, real_times_complex};
+use nalgebra::DVector;
 use num_complex::Complex;
-use sparse::eigenpair_near;
+use sparse::{SparseError, SparseSecondOrder, eigenpair_near};
 use study::WholeEigenvalue;
 
 use super::{Part, ReducedSet};
@@ -18,14 +19,23 @@ pub(super) fn eigenvalue(
     at: &OperatingPoint,
     near: Complex<f64>,
 ) -> Result<WholeEigenvalue, study::Error> {
-    let not_found = |error: sparse::SparseError| study::Error::WholeEigenvalue(Box::new(error));
+    let not_found = |error: SparseError| study::Error::WholeEigenvalue(Box::new(error));
     let q = part.reduced.system().assemble(at)?.dynamic_stiffness(near);
     let shape = singular_vectors(&[q], &mut Workspace::default()).into_iter().flatten().next();
     let shape =
         shape.ok_or(CertifiedError::NoEigenvector { lambda: near, residual: f64::INFINITY }).map_err(CeaError::from)?;
     let shape = real_times_complex(part.reduced.basis(), &shape);
     let whole = sets[part.set].system.assemble(at).map_err(not_found)?;
-    let pair = eigenpair_near(&whole, near, &shape, TAKEN).map_err(not_found)?;
+    next_to(&whole, near, &shape).map_err(not_found)
+}
+
+/// The eigenvalue of the whole brake next to `near`, rad/s, from the shape of a mode there.
+pub(super) fn next_to(
+    whole: &SparseSecondOrder,
+    near: Complex<f64>,
+    shape: &DVector<Complex<f64>>,
+) -> Result<WholeEigenvalue, SparseError> {
+    let pair = eigenpair_near(whole, near, shape, TAKEN)?;
     let bound = pair.condition * pair.backward_error.max(f64::EPSILON) * pair.lambda.norm();
     Ok(WholeEigenvalue { lambda: pair.lambda, bound })
 }

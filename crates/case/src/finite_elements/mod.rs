@@ -216,6 +216,8 @@ pub struct ReductionGoal {
     pub training: usize,
     /// Samples that are solved with the whole brake too.
     pub full_checks: u64,
+    /// Most open verdicts of a sample that the whole brake settles; where more are open they stay so.
+    pub full_verdicts: usize,
 }
 
 impl FiniteElementCase {

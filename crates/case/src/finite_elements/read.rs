@@ -209,7 +209,7 @@ fn constraint_sets(
 }
 
 fn goal(check: &Check<'_>, table: &ReductionTable) -> Result<ReductionGoal, CaseError> {
-    let ReductionTable { frequencies, growth, residual, training, full_checks } = *table;
+    let ReductionTable { frequencies, growth, residual, training, full_checks, full_verdicts } = *table;
     let is_range = |[from, to]: [f64; 2]| from.is_finite() && to.is_finite() && from < to;
     if !(is_range(frequencies) && frequencies[0] > 0.0) {
         let allowed = "[lowest, highest] in Hz, 0 < lowest < highest";
@@ -228,5 +228,5 @@ fn goal(check: &Check<'_>, table: &ReductionTable) -> Result<ReductionGoal, Case
     if full_checks > MOST_FULL_CHECKS {
         return Err(check.value("reduction.full_checks", full_checks, &format!("0 to {MOST_FULL_CHECKS}")));
     }
-    Ok(ReductionGoal { frequencies, growth, residual, training, full_checks })
+    Ok(ReductionGoal { frequencies, growth, residual, training, full_checks, full_verdicts })
 }

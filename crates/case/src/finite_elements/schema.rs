@@ -223,6 +223,8 @@ pub(super) struct ReductionTable {
     pub training: usize,
     #[serde(default = "full_checks")]
     pub full_checks: u64,
+    #[serde(default = "full_verdicts")]
+    pub full_verdicts: usize,
 }
 
 fn residual() -> f64 {
@@ -235,4 +237,8 @@ fn training() -> usize {
 
 fn full_checks() -> u64 {
     10
+}
+
+fn full_verdicts() -> usize {
+    16
 }

@@ -193,6 +193,7 @@ fn all_that_bases_depend_on_is_in_the_identity_of_what_is_prepared() {
         ("residual = 1e-8", "residual = 1e-7", false),
         ("residual = 1e-8", "residual = 1e-8\ntraining = 9", false),
         ("full_checks = 100", "full_checks = 99", false),
+        ("full_checks = 100", "full_checks = 100\nfull_verdicts = 0", false),
         ("name = \"Disc and pad\"", "name = \"Another\"", false),
     ] {
         let case = of(from, to);
