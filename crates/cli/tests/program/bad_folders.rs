@@ -117,14 +117,10 @@ fn estimates_cut_or_altered_anywhere_are_not_continued() {
         bytes[at] = byte;
         bytes
     };
-    let mut damaged: Vec<Vec<u8>> =
-        [0, 1, line, whole.len() / 2, whole.len() - 1].map(|length| whole[..length].to_vec()).to_vec();
-    damaged.extend([0, line / 2, line - 1, line, line + 1, whole.len() - 1].map(|at| altered(at, whole[at] ^ 1)));
-    damaged.extend(
-        (0..6)
-            .map(|part| digits[part * (digits.len() - 1) / 5])
-            .map(|at| altered(at, b'0' + (whole[at] - b'0' + 1) % 10)),
-    );
+    // One of each kind, as each is a run: the seal is that of the checkpoint, which is cut and altered in more places above.
+    let mut damaged: Vec<Vec<u8>> = [0, whole.len() / 2].map(|length| whole[..length].to_vec()).to_vec();
+    damaged.extend([line / 2, line + 1].map(|at| altered(at, whole[at] ^ 1)));
+    damaged.extend([digits[digits.len() / 2]].map(|at| altered(at, b'0' + (whole[at] - b'0' + 1) % 10)));
     damaged.push([&whole[..], b" "].concat());
     // What an older program wrote: the same without a first line.
     damaged.push(whole[line + 1..].to_vec());
@@ -148,7 +144,7 @@ fn a_limit_on_file_size_leaves_no_half_written_file() {
     run(&place.path("brake.toml"), &whole, &[]);
     let whole = results(&whole);
     let mut refused = 0;
-    for blocks in [0, 1, 2, 8, 16, 32] {
+    for blocks in [0, 2, 16] {
         let out = place.path(&format!("out-{blocks}"));
         let script = r#"trap "" XFSZ; ulimit -f "$1"; exec "$2" run "$3" --out "$4""#;
         let output = std::process::Command::new("sh")

@@ -51,13 +51,15 @@ fn failed_samples_are_listed_and_missing_from_every_count() {
 fn a_reduced_brake_of_unknown_errors_ends_with_exit_code_1() {
     let folder = tempfile::tempdir().unwrap();
     let case = prepared::case(folder.path());
-    let coarse = ["--no-cache", "--set", "reduction.training=1", "--set", "reduction.residual=1e-3"];
+    let coarse = ["training=1", "residual=1e-3", "full_checks=0"].map(|field| format!("reduction.{field}"));
+    let coarse: Vec<&str> = coarse.iter().flat_map(|field| ["--set", field]).collect();
     let out = folder.path().join("out");
     for (command, own) in [
         ("cea", &[][..]),
         ("check", &[]),
-        ("run", &["--out", out.to_str().unwrap(), "--set", "reduction.full_checks=0"]),
+        ("run", &["--out", out.to_str().unwrap()]),
     ] {
+        // The first prepares it for all.
         let output = asked(command, &case, &[&coarse, own].concat());
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{command}: {said}");
