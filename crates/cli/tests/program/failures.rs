@@ -54,11 +54,7 @@ fn a_reduced_brake_of_unknown_errors_ends_with_exit_code_1() {
     let coarse = ["training=1", "residual=1e-3", "full_checks=0"].map(|field| format!("reduction.{field}"));
     let coarse: Vec<&str> = coarse.iter().flat_map(|field| ["--set", field]).collect();
     let out = folder.path().join("out");
-    for (command, own) in [
-        ("cea", &[][..]),
-        ("check", &[]),
-        ("run", &["--out", out.to_str().unwrap()]),
-    ] {
+    for (command, own) in [("cea", &[][..]), ("check", &[]), ("run", &["--out", out.to_str().unwrap()])] {
         // The first prepares it for all.
         let output = asked(command, &case, &[&coarse, own].concat());
         let said = String::from_utf8(output.stderr).unwrap();
