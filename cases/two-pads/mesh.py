@@ -5,11 +5,13 @@ The disc is an annulus about the z axis. Each pad is a sector on one of its face
 that no node of a pad lies at one of the disc. The disc turns anticlockwise seen from above: the leading end of a pad is the one at the smaller angle.
 
 Usage: python3 mesh.py > two-pads.inp
+       python3 mesh.py 3 > two-pads.inp      each brick divided into 3 x 3 x 3
 """
 
+import sys
 from math import cos, pi, sin
 
-DISC = {"angles": [k * 2 * pi / 18 for k in range(18)], "radii": [60.0, 88.0, 140.0], "heights": [-20.0, 0.0]}
+DISC = {"cells": 18, "radii": [60.0, 88.0, 140.0], "heights": [-20.0, 0.0]}
 PAD = {"radii": [97.0, 117.0, 135.0], "cells": 4, "first": 61.0, "last": 117.0}  # degrees
 LINING, BACKPLATE = 10.0, 5.0
 # name: Young's modulus in MPa, Poisson's ratio, density in t/mm^3
@@ -57,6 +59,11 @@ class Body:
         return sorted(number for place, number in self.number.items() if wanted(*place))
 
 
+def divided(places, parts):
+    """Places with others in between, that divide the distance of two into so many parts."""
+    return [a + (b - a) * k / parts for a, b in zip(places, places[1:]) for k in range(parts)] + places[-1:]
+
+
 def wrapped(numbers):
     """Lines of at most sixteen numbers, as CalculiX wants them."""
     for at in range(0, len(numbers), 16):
@@ -64,32 +71,45 @@ def wrapped(numbers):
 
 
 def main():
-    cells = PAD["cells"]
+    parts = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+    side = 2 * parts  # half indices of what is one cell without division
+    cells = PAD["cells"] * parts
     angles = [(PAD["first"] + k * (PAD["last"] - PAD["first"]) / cells) * pi / 180 for k in range(cells + 1)]
+    around = [k * 2 * pi / (DISC["cells"] * parts) for k in range(DISC["cells"] * parts)]
     top, bottom = DISC["heights"][-1], DISC["heights"][0]
-    disc = Body(1, DISC["radii"], DISC["angles"], DISC["heights"], True)
-    outer = Body(10001, PAD["radii"], angles, [top, top + LINING, top + LINING + BACKPLATE], False)
-    inner = Body(20001, PAD["radii"], angles, [bottom, bottom - LINING, bottom - LINING - BACKPLATE], False)
-    elements = {"ROTOR": list(disc.bricks(0)), "LININGS": [], "BACKPLATES": []}
-    for pad in (outer, inner):
-        elements["LININGS"] += pad.bricks(0)
-        elements["BACKPLATES"] += pad.bricks(1)
+    disc = Body(1, divided(DISC["radii"], parts), around, divided(DISC["heights"], parts), True)
+    pads = [
+        Body(number * parts**3 + 1, divided(PAD["radii"], parts), angles, divided(heights, parts), False)
+        for number, heights in (
+            (10000, [top, top + LINING, top + LINING + BACKPLATE]),
+            (20000, [bottom, bottom - LINING, bottom - LINING - BACKPLATE]),
+        )
+    ]
+    layers = range(parts)
+    elements = {"ROTOR": [brick for layer in layers for brick in disc.bricks(layer)], "LININGS": [], "BACKPLATES": []}
+    for pad in pads:
+        for layer in layers:
+            elements["LININGS"] += pad.bricks(layer)
+        for layer in layers:
+            elements["BACKPLATES"] += pad.bricks(parts + layer)
     sets = {
         "HUB": disc.nodes(lambda radius, angle, height: radius == 0),
-        "TOP": disc.nodes(lambda radius, angle, height: height == 2 and radius >= 2),
-        "BOTTOM": disc.nodes(lambda radius, angle, height: height == 0 and radius >= 2),
+        "TOP": disc.nodes(lambda radius, angle, height: height == side and radius >= side),
+        "BOTTOM": disc.nodes(lambda radius, angle, height: height == 0 and radius >= side),
     }
-    for name, pad in (("OUTER", outer), ("INNER", inner)):
+    for name, pad in zip(("OUTER", "INNER"), pads):
         sets |= {
             f"FACE_{name}": pad.nodes(lambda radius, angle, height: height == 0),
-            f"BACK_{name}": pad.nodes(lambda radius, angle, height: height == 4),
-            # The piston presses on the two cells in the middle of the back.
-            f"PISTON_{name}": pad.nodes(lambda radius, angle, height: height == 4 and 2 <= angle <= 2 * cells - 2),
-            f"LEADING_{name}": pad.nodes(lambda radius, angle, height: height >= 2 and angle == 0),
-            f"TRAILING_{name}": pad.nodes(lambda radius, angle, height: height >= 2 and angle == 2 * cells),
+            f"BACK_{name}": pad.nodes(lambda radius, angle, height: height == 2 * side),
+            # The piston presses on the middle half of the back.
+            f"PISTON_{name}": pad.nodes(
+                lambda radius, angle, height: height == 2 * side and side <= angle <= 2 * cells - side
+            ),
+            f"LEADING_{name}": pad.nodes(lambda radius, angle, height: height >= side and angle == 0),
+            f"TRAILING_{name}": pad.nodes(lambda radius, angle, height: height >= side and angle == 2 * cells),
         }
     print("*HEADING\nA disc between two pads; written by mesh.py, in mm, t, s\n*NODE, NSET=NALL")
-    for body in (disc, outer, inner):
+    for body in (disc, *pads):
         for number, (x, y, z) in body.position.items():
             print(f"{number}, {x:.9f}, {y:.9f}, {z:.9f}")
     label = 0
