@@ -10,7 +10,7 @@ use study::{
 };
 
 use crate::any::{listed, with_family, with_unit};
-use crate::case::{Branch, MatricesCase, Parameter, TakenMatrix};
+use crate::case::{MatricesCase, Parameter, TakenMatrix};
 use crate::{CaseBrake, Error};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
@@ -177,11 +177,7 @@ impl CaseBrake for MatricesBrake {
         for (at, taken) in TakenMatrix::in_words(&case.taken).into_iter().enumerate() {
             lines.push((if at == 0 { "matrices" } else { "" }, taken));
         }
-        let relaxing = case.branches.iter().map(|branch| {
-            let Branch { term, directions, .. } = branch;
-            let s = if *directions == 1 { "" } else { "s" };
-            format!("{} in {directions} direction{s}", case.system.terms()[*term].name)
-        });
+        let relaxing = case.branches.iter().map(|branch| branch.in_words(&case.system.terms()[branch.term].name));
         if !case.branches.is_empty() {
             lines.push(("viscoelastic", listed(relaxing.collect())));
         }

@@ -73,11 +73,7 @@ impl MatricesCase {
                 });
                 to.list(coefficients, expression);
                 // Only where there are any, so that other studies stay as they were.
-                for Branch { term, ratio, rate, .. } in branches {
-                    to.count(*term);
-                    expression(to, ratio);
-                    expression(to, rate);
-                }
+                branches.iter().for_each(|branch| of_branch(to, branch));
             })
             .part("contacts", |to| {
                 to.list(system.channels(), channel);
@@ -100,7 +96,17 @@ impl FiniteElementCase {
     /// of samples and threshold are those of a study.
     pub fn identity(&self) -> String {
         let Self {
-            header, parameters, dofs, system, coefficients, contact, correlation, constraints, reduction, ..
+            header,
+            parameters,
+            dofs,
+            system,
+            coefficients,
+            branches,
+            contact,
+            correlation,
+            constraints,
+            reduction,
+            ..
         } = self;
         Identity::named(&header.name)
             .part("parameters", |to| to.list(parameters, parameter))
@@ -113,6 +119,7 @@ impl FiniteElementCase {
             .part("terms", |to| {
                 to.list(system.terms(), of_term);
                 to.list(coefficients, expression);
+                branches.iter().for_each(|branch| of_branch(to, branch));
             })
             .part("contact", |to| {
                 to.list(system.channels(), channel);
@@ -141,12 +148,13 @@ impl FiniteElementCase {
 
     /// Identifies the brake of the case whichever of its scenes are chosen, and whatever is drawn of it.
     pub fn brake_identity(&self) -> String {
-        let Self { header, parameters, system, coefficients, contact, reduction, .. } = self;
+        let Self { header, parameters, system, coefficients, branches, contact, reduction, .. } = self;
         Identity::named(&header.name)
             .part("parameters", |to| to.list(parameters, parameter))
             .part("terms", |to| {
                 to.list(system.terms(), of_term);
                 to.list(coefficients, expression);
+                branches.iter().for_each(|branch| of_branch(to, branch));
             })
             .part("contact", |to| {
                 to.list(system.channels(), channel);
@@ -307,6 +315,12 @@ fn sparse_matrix(to: &mut Written, matrix: &CscMatrix<f64>) {
     to.list(matrix.col_offsets(), |to, &offset| to.count(offset));
     to.list(matrix.row_indices(), |to, &row| to.count(row));
     numbers(to, matrix.values());
+}
+
+fn of_branch(to: &mut Written, Branch { term, ratio, rate, .. }: &Branch) {
+    to.count(*term);
+    expression(to, ratio);
+    expression(to, rate);
 }
 
 fn of_contact(to: &mut Written, contact: &PatchContact) {

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::basis::{ROUNDING, directions, fewest};
-use super::coarse_states::{CoarseStates, of_mode, with_states};
+use super::coarse_states::{CoarseStates, apart, of_mode, with_states};
 use super::compared::compared;
 use super::residual::reduced_residual;
 use super::spectra::{Shapes, spectra, vectors};
@@ -90,15 +90,17 @@ impl Coarse {
         let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
         let [right, left] = [&systems, &transposed].map(|systems| vectors(systems, &known));
         let (right, left) = (right?, left?);
+        let channels = reduced.system().channels();
         let of_point = |at: usize| {
             let sides = [(&systems[at], &right[at]), (&transposed[at], &left[at])];
             let of = |(system, shapes): (&SecondOrder, &Shapes)| {
+                let [of_contacts, _] = apart(channels, &points[at], &system.internal);
                 let modes = shapes.iter().zip(&known[at]);
-                modes.filter_map(|(shape, &lambda)| of_mode(&system.internal, lambda, shape)).collect::<Shapes>()
+                modes.filter_map(|(shape, &lambda)| of_mode(&of_contacts, lambda, shape)).collect::<Shapes>()
             };
             sides.into_iter().flat_map(of).collect()
         };
-        let states = CoarseStates::new(points, &(0..points.len()).map(of_point).collect::<Vec<_>>())?;
+        let states = CoarseStates::new(channels, points, &(0..points.len()).map(of_point).collect::<Vec<_>>())?;
         let shapes: Vec<_> = right.iter().chain(&left).flatten().collect();
         if shapes.is_empty() {
             return Ok(None);
@@ -250,8 +252,9 @@ impl Coarse {
     /// The coarse brake at a point, its internal states in their directions.
     pub fn at(&self, point: &OperatingPoint) -> Result<SecondOrder, ReductionError> {
         let mut system = self.system.assemble(point)?;
-        if let Some(states) = self.own.states.as_ref().filter(|states| states.channels == with_states(point)) {
-            system.internal = states.of(&system.internal);
+        let channels = self.system.channels();
+        if let Some(states) = self.own.states.as_ref().filter(|of| of.channels == with_states(channels, point)) {
+            system.internal = states.of(apart(channels, point, &system.internal));
         }
         Ok(system)
     }

@@ -1,6 +1,7 @@
-//! Internal states of the friction law on a coarse basis: one for each contact, they lie in a few directions.
+//! Internal states of the friction law on a coarse basis: one for each contact, they lie in a few directions. Those of what relaxes stay as they are: they are few,
+//! and have other units.
 
-use linsys::{Internal, OperatingPoint};
+use linsys::{Channel, Internal, OperatingPoint};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -15,15 +16,21 @@ const STATES: f64 = 1e-4;
 /// Directions in which the internal states of modes lie.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoarseStates {
-    /// Channels that have one, in order.
+    /// Contacts that have one, by their channels, in order.
     pub channels: Vec<usize>,
     /// Z, orthonormal, a row for each of these.
     pub directions: DMatrix<f64>,
 }
 
 impl CoarseStates {
-    /// The directions of some internal states at each of some points; `None` where no point has any, or they spare nothing.
-    pub(super) fn new(points: &[OperatingPoint], states: &[Shapes]) -> Result<Option<Self>, ReductionError> {
+    /// The directions of some internal states of contacts at each of some points, of a system with channels `of`; `None` where no point has any, or they
+    /// spare nothing.
+    pub(super) fn new(
+        of: &[Channel],
+        points: &[OperatingPoint],
+        states: &[Shapes],
+    ) -> Result<Option<Self>, ReductionError> {
+        let with_states = |point: &OperatingPoint| with_states(of, point);
         let Some(channels) = points.iter().map(with_states).find(|channels| !channels.is_empty()) else {
             return Ok(None);
         };
@@ -37,20 +44,45 @@ impl CoarseStates {
         Ok((directions.ncols() < channels.len()).then_some(Self { channels, directions }))
     }
 
-    /// Internal states in these directions: `Z^T diag(a) Z` is symmetric, and its eigenvalues are the decay rates.
-    pub(super) fn of(&self, Internal { decay, drive, force }: &Internal) -> Internal {
+    /// Internal states of contacts in these directions, then those of what relaxes: `Z^T diag(a) Z` is symmetric, and its eigenvalues are the decay rates.
+    pub(super) fn of(&self, [of_contacts, relaxing]: [Internal; 2]) -> Internal {
+        let Internal { decay, drive, force } = of_contacts;
         let weighted = DMatrix::from_fn(self.directions.nrows(), self.directions.ncols(), |row, column| {
             decay[row] * self.directions[(row, column)]
         });
         let rates = self.directions.tr_mul(&weighted).symmetric_eigen();
         let directions = &self.directions * rates.eigenvectors;
-        Internal { decay: rates.eigenvalues, drive: directions.tr_mul(drive), force: force * directions }
+        let (mut decay, mut drive, mut force) = (rates.eigenvalues, directions.tr_mul(&drive), force * directions);
+        let (own, others) = (decay.len(), relaxing.decay.len());
+        if others > 0 {
+            decay = decay.resize_vertically(own + others, 0.0);
+            drive = drive.resize_vertically(own + others, 0.0);
+            force = force.resize_horizontally(own + others, 0.0);
+            decay.rows_mut(own, others).copy_from(&relaxing.decay);
+            drive.rows_mut(own, others).copy_from(&relaxing.drive);
+            force.columns_mut(own, others).copy_from(&relaxing.force);
+        }
+        Internal { decay, drive, force }
     }
 }
 
-/// Channels that have an internal state at a point.
-pub(super) fn with_states(point: &OperatingPoint) -> Vec<usize> {
-    (0..point.channels.len()).filter(|&channel| point.channels[channel].lag.is_some()).collect()
+/// Contacts that have an internal state at a point, by their channels.
+pub(super) fn with_states(channels: &[Channel], point: &OperatingPoint) -> Vec<usize> {
+    (0..channels.len()).filter(|&at| channels[at].is_contact && point.channels[at].lag.is_some()).collect()
+}
+
+/// Internal states of contacts, and those of what relaxes, at a point.
+pub(super) fn apart(channels: &[Channel], point: &OperatingPoint, all: &Internal) -> [Internal; 2] {
+    let with_lag = channels.iter().zip(&point.channels).filter(|(_, gain)| gain.lag.is_some()).enumerate();
+    let (own, others): (Vec<_>, Vec<_>) = with_lag.partition(|(_, (channel, _))| channel.is_contact);
+    [own, others].map(|states| {
+        let states: Vec<usize> = states.into_iter().map(|(state, _)| state).collect();
+        Internal {
+            decay: all.decay.select_rows(&states),
+            drive: all.drive.select_rows(&states),
+            force: all.force.select_columns(&states),
+        }
+    })
 }
 
 /// The internal states of a mode, of unit length, `s = lambda E x / (lambda + a)`; `None` where they are all zero.

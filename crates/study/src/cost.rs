@@ -1,5 +1,7 @@
 //! Cost of a study, roughly, before anything of it is computed.
 
+use linsys::AffineSystem;
+
 use super::Plan;
 use crate::{Error, memory};
 
@@ -9,6 +11,8 @@ use crate::{Error, memory};
 pub struct Cost {
     /// Degrees of freedom, the most of any configuration.
     pub order: usize,
+    /// Internal states of what relaxes, the most of any configuration.
+    pub relaxing: usize,
     /// Scenes.
     pub scenes: usize,
     /// Memory, bytes.
@@ -29,6 +33,11 @@ const BYTES_BY_THREAD: f64 = 900.0;
 /// Memory of each of the samples that a thread solves together, bytes for each entry of a matrix: systems, spectra and continuations.
 /// Fitted with [`BYTES_BY_SCENE`].
 const BYTES_BY_SAMPLE: f64 = 65.0;
+/// Memory of a thread and of each of the samples that it solves together, bytes for each entry that states of what relaxes add to a matrix of a spectrum, a quarter of
+/// `(2 n + s)^2 - (2 n)^2`: spectra, and how states act and are driven. Measured with terms of full rank and one
+/// or two branches, 50 to 150 degrees of freedom, on two threads: 115 to 224 with 8 samples together, 250 with 30.
+const BYTES_BY_THREAD_OF_STATES: f64 = 100.0;
+const BYTES_BY_SAMPLE_OF_STATES: f64 = 5.0;
 /// Memory of the program in any case, bytes. Measured.
 const BYTES_ALWAYS: f64 = 2.6e7;
 /// Processor time for each scene, s, by the cube of the order. Measured with the same lattices and case on an AMD EPYC (Zen 4): 4e-8, 6e-7
@@ -59,13 +68,24 @@ impl Cost {
         let by_thread = BYTES_BY_THREAD + BYTES_BY_SAMPLE * samples_together(samples) as f64;
         let entry = BYTES_BY_SCENE * count + BYTES_BY_CONFIGURATION * configurations + by_thread * threads();
         let seconds = SECONDS_BY_SCENE * count * size.powi(3);
-        Self { order, scenes, bytes: BYTES_ALWAYS + entry * size * size, seconds }
+        Self { order, relaxing: 0, scenes, bytes: BYTES_ALWAYS + entry * size * size, seconds }
     }
 
     /// The cost of a plan.
     pub fn of(plan: &Plan) -> Self {
-        let orders = plan.configurations.iter().map(|configuration| configuration.brake.system.order());
-        Self::new(orders.max().unwrap_or(0), plan.configurations.len(), plan.scenes.len(), plan.samples)
+        let systems = || plan.configurations.iter().map(|configuration| &configuration.brake.system);
+        let order = systems().map(AffineSystem::order).max().unwrap_or(0);
+        let relaxing = systems().map(|system| system.channels().len() - system.contacts().count()).max().unwrap_or(0);
+        Self::new(order, plan.configurations.len(), plan.scenes.len(), plan.samples).with_states(relaxing, plan.samples)
+    }
+
+    /// The cost with internal states of what relaxes: a spectrum then has `2 n + s` eigenvalues.
+    fn with_states(self, relaxing: usize, samples: u64) -> Self {
+        let (size, half) = (self.order as f64, 0.5 * relaxing as f64);
+        let by_thread = BYTES_BY_THREAD_OF_STATES + BYTES_BY_SAMPLE_OF_STATES * samples_together(samples) as f64;
+        let more = (size + half).powi(2) - size * size;
+        let seconds = SECONDS_BY_SCENE * self.scenes as f64 * ((size + half).powi(3) - size.powi(3));
+        Self { relaxing, bytes: self.bytes + by_thread * threads() * more, seconds: self.seconds + seconds, ..self }
     }
 
     /// The cost of bases of a reduction, of `columns` columns each, for a brake of `order` degrees of freedom.
@@ -73,7 +93,7 @@ impl Cost {
         let bytes = |&columns: &usize| (8 * order * columns) as f64 + BYTES_BY_BASIS * (columns as f64).powi(2);
         let seconds = |&columns: &usize| SECONDS_BY_BASIS * (columns as f64).powi(3);
         let (bytes, seconds) = (columns.iter().map(bytes).sum(), columns.iter().map(seconds).sum());
-        Self { order, scenes: 0, bytes, seconds }
+        Self { order, relaxing: 0, scenes: 0, bytes, seconds }
     }
 
     /// The cost of some complete solutions of the whole brake beside it: its modes in a band, two solutions at a time.
@@ -101,10 +121,12 @@ impl Cost {
     /// # Errors
     /// [`Error::TooLarge`].
     pub fn check(&self, study: &str, budget: u64) -> Result<(), Error> {
-        let Self { order, scenes, bytes, .. } = *self;
+        let Self { order, relaxing, scenes, bytes, .. } = *self;
+        let states =
+            if relaxing > 0 { format!(" and {relaxing} internal states of what relaxes") } else { String::new() };
         let what = match scenes {
             0 => format!("{study}: bases for {order} degrees of freedom"),
-            _ => format!("{study}: {scenes} scenes of {order} degrees of freedom"),
+            _ => format!("{study}: {scenes} scenes of {order} degrees of freedom{states}"),
         };
         let share = (budget as f64 - BYTES_ALWAYS).max(0.0) / (bytes - BYTES_ALWAYS);
         let fits = || match scenes {
@@ -133,6 +155,21 @@ pub fn samples_together(samples: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn states_take_memory_and_time_and_none_take_nothing() {
+        let plain = Cost::new(100, 1, 1, 8);
+        assert_eq!(plain.with_states(0, 8), plain);
+        let [some, more] = [100, 200].map(|states| plain.with_states(states, 8));
+        assert!(more.bytes > some.bytes && some.bytes > plain.bytes);
+        // As many states as eigenvalues without them: eight times the time of a spectrum.
+        assert!((more.seconds / plain.seconds - 8.0).abs() < 1e-12);
+        let refused = more.check("shim.toml", 1_000_000).unwrap_err().to_string();
+        assert!(
+            refused.contains("1 scenes of 100 degrees of freedom and 200 internal states of what relaxes"),
+            "{refused}"
+        );
+    }
 
     #[test]
     fn threads_get_equally_many_blocks() {

@@ -1,14 +1,14 @@
 //! Coordinates that the bases of two arrangements have in common, in which the modes of one become those of the other.
 
 use cea::{CeaError, Mode, NewtonStep};
-use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder, real_times_complex};
+use linsys::{AffineSystem, ChannelGain, Internal, OperatingPoint, SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use reduction::{ContactPath, OnContactPath, shape_directions};
 use study::Bridge;
 use tracking::{Eigenpair, OwnedPath};
 
-use super::points::{all_patches, naming_point, of_brake};
+use super::points::{all_patches, naming_point, of_brake, without_friction};
 use super::{FiniteElementBrake, Part};
 use crate::Error;
 use crate::case::FiniteElementCase;
@@ -42,8 +42,8 @@ pub(super) fn bridge(
         true => from.clone(),
         false => from + &onto * (change * &common),
     };
-    let end =
-        SecondOrder::new(changed(&start.m, &change.m), changed(&start.c, &change.c), changed(&start.k, &change.k))?;
+    let [m, c, k] = [changed(&start.m, &change.m), changed(&start.c, &change.c), changed(&start.k, &change.k)];
+    let end = SecondOrder::with_internal(m, c, k, relaxing(brake, set, &common)?)?;
     let highest = origin_modes.iter().chain(own_modes).map(|mode| mode.lambda.im).fold(0.0, f64::max);
     let path = ContactPath::new([&start, &end], highest)?;
     let own_path = |path| Box::new(OpeningPath { path, start: start.clone() }) as Box<dyn OwnedPath>;
@@ -76,6 +76,15 @@ fn change(brake: &FiniteElementBrake, configuration: usize) -> Result<OperatingP
         coefficients: to.coefficients.iter().zip(&from.coefficients).map(|(to, from)| to - from).collect(),
         channels: from.channels.iter().zip(&to.channels).map(gain).collect(),
     })
+}
+
+/// Internal states of what relaxes in the brake with a set of constraints, at the point where its modes are named, on the columns of a basis: contacts that
+/// open leave them.
+fn relaxing(brake: &FiniteElementBrake, set: usize, basis: &DMatrix<f64>) -> Result<Internal, Error> {
+    let (case, reduced, all) = (&brake.case, &brake.sets[set].reduced, all_patches(&brake.case));
+    let mut at = of_brake(case, &all, &naming_point(case, &all)?);
+    without_friction(reduced.channels(), &mut at);
+    Ok(reduced.assemble(&at)?.projected(basis)?.internal)
 }
 
 /// The path of a bridge: contacts open, all else stays.

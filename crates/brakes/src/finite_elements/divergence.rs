@@ -9,14 +9,14 @@ use std::f64::consts::TAU;
 use std::iter::repeat_n;
 
 use cea::{EigenSolver, QrSolver, ROUNDED_DATA, Spectrum, Threshold, Verdict, Workspace, real_count, right_vector};
-use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
+use linsys::{AffineSystem, Channel, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use reduction::{growing_real, grows_too_fast, shape_directions, surely_none_grows_too_fast};
 use sparse::{Eigenpair, Problem, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpair_near, eigenpairs_in};
 use study::{ModeSource, Scene};
 
-use super::points::{all_patches, naming_point, of_brake};
+use super::points::{all_patches, naming_point, of_brake, without_friction};
 use super::training::rectangle;
 use super::{Diverging, FiniteElementBrake};
 use crate::Error;
@@ -48,14 +48,15 @@ pub(super) struct Responses {
 impl Responses {
     /// Those of a brake over its free rows; `None` without contacts.
     pub fn new(case: &FiniteElementCase, system: &SparseAffineSystem) -> Result<Option<Self>, Error> {
-        let (channels, all) = (system.channels(), all_patches(case));
-        if channels.is_empty() {
+        let contacts: Vec<&Channel> = system.channels().iter().filter(|channel| channel.is_contact).collect();
+        if contacts.is_empty() {
             return Ok(None);
         }
+        let all = all_patches(case);
         let mut at = of_brake(case, &all, &naming_point(case, &all)?);
-        at.channels.fill(ChannelGain::default());
+        without_friction(system.channels(), &mut at);
         let problem = Problem::new(&system.assemble(&at)?)?;
-        let thinned: Vec<_> = channels.iter().step_by(step(channels.len())).collect();
+        let thinned: Vec<_> = contacts.iter().step_by(step(contacts.len())).collect();
         let mut forces = DMatrix::zeros(system.order(), 2 * thinned.len());
         for (place, channel) in thinned.into_iter().enumerate() {
             channel.force.iter().for_each(|&(dof, value)| forces[(dof, 2 * place)] += value);
@@ -80,7 +81,7 @@ fn step(contacts: usize) -> usize {
 
 /// Number of columns of the responses of a case, roughly, before they are solved for.
 pub(super) fn expected_columns(case: &FiniteElementCase) -> usize {
-    let contacts = case.system.channels().len();
+    let contacts = case.channels_of_branches().start;
     let responses = 2 * SHIFTS.len() * contacts.div_ceil(step(contacts));
     ((OF_THEIR_OWN * responses as f64) as usize).min(MOST_COLUMNS)
 }

@@ -7,9 +7,7 @@ use osc_model::{Body, Brake, Sectors};
 use reduction::Reduced;
 use study::{Configuration, Origin, Plan, SceneLabels, Units};
 
-use super::points::{
-    ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, none_presses, speeds_of,
-};
+use super::points::{ConstantTerm, all_patches, constant_terms, naming_point, none_presses, own_channels, speeds_of};
 use crate::Error;
 use crate::case::{FiniteElementCase, PatchContact};
 use crate::labels::friction_labels;
@@ -123,7 +121,7 @@ fn brake(case: &FiniteElementCase, on: &Reduced, closed: &[usize]) -> Result<Bra
             }
         }?);
     }
-    let channels = closed_channels(case, closed).map(|channel| reduced.channels()[channel].clone()).collect();
+    let channels = own_channels(case, closed).map(|channel| reduced.channels()[channel].clone()).collect();
     let system = AffineSystem::new(terms, channels)?;
     let (order, channels) = (system.order(), system.channels().len());
     Ok(Brake {

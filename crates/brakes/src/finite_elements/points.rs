@@ -1,6 +1,6 @@
 //! Operating points of the scenes of a finite element brake, and of the whole of it.
 
-use linsys::{ChannelGain, DofMap, OperatingPoint};
+use linsys::{Channel, ChannelGain, DofMap, OperatingPoint};
 use sparse::SparseSecondOrder;
 
 use super::FiniteElementSample;
@@ -10,7 +10,7 @@ use crate::Error;
 use crate::case::{CaseError, FiniteElementCase, Law, Patch, PatchContact};
 
 /// The operating point of a configuration with some patches closed, under a law at a speed: the coefficients of the case's terms, then
-/// one for all that is constant in it, and the gains of closed patches.
+/// one for all that is constant in it, and the gains of closed patches, then those of what relaxes.
 pub(super) fn scene_point(
     case: &FiniteElementCase,
     closed: &[usize],
@@ -30,10 +30,11 @@ pub(super) fn scaled_point(
     scales: Scales<'_>,
 ) -> Result<OperatingPoint, Error> {
     let (coefficients, factor) = coefficients(case, sample, scales)?;
-    let gains = match sliding((case, closed), friction, sample, scales)? {
+    let mut gains = match sliding((case, closed), friction, sample, scales)? {
         Some(scene) => scene.gains(&coefficients, factor)?,
         None => Vec::new(),
     };
+    gains.extend(case.gains_of_branches(&sample.values, &coefficients)?);
     Ok(OperatingPoint { coefficients, channels: gains })
 }
 
@@ -142,7 +143,7 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
         .map_or(1.0, |term| at.coefficients[own + term]);
     coefficients.extend((0..patches).map(|patch| if closed.contains(&patch) { factor } else { 0.0 }));
     let mut channels = vec![ChannelGain::default(); case.system.channels().len()];
-    for (channel, gain) in closed_channels(case, closed).zip(&at.channels) {
+    for (channel, gain) in own_channels(case, closed).zip(&at.channels) {
         channels[channel] = *gain;
     }
     OperatingPoint { coefficients, channels }
@@ -169,13 +170,13 @@ pub fn loads_at_medians(case: &FiniteElementCase) -> Result<Vec<Vec<f64>>, Error
     Ok(contact.patches.iter().map(of_patch).collect())
 }
 
-/// The whole brake at the medians with all patches closed and without friction, on the rows that a set of constraints leaves free.
+/// The whole brake at the medians with all patches closed and without friction, which leaves what relaxes, on the rows that a set of constraints leaves free.
 ///
 /// # Errors
 /// [`study::Error::Median`] where the medians have no operating point; matrices that make no system.
 pub fn frictionless(case: &FiniteElementCase, fixed: &[usize]) -> Result<(DofMap, SparseSecondOrder), Error> {
     let mut at = at_medians(case)?;
-    at.channels.fill(ChannelGain::default());
+    without_friction(case.system.channels(), &mut at);
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?.assemble(&at)?;
     Ok((dofs, system))
@@ -186,12 +187,15 @@ pub(super) fn all_patches(case: &FiniteElementCase) -> Vec<usize> {
     (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
 }
 
-/// Channels of closed patches, by their indices in the system.
-pub(super) fn closed_channels<'a>(
-    case: &'a FiniteElementCase,
-    closed: &'a [usize],
-) -> impl Iterator<Item = usize> + 'a {
-    closed.iter().flat_map(|&patch| channels_of(case, patch))
+/// Takes the friction of all contacts out of an operating point of some channels; what relaxes stays.
+pub(super) fn without_friction(channels: &[Channel], at: &mut OperatingPoint) {
+    let contacts = channels.iter().zip(&mut at.channels).filter(|(channel, _)| channel.is_contact);
+    contacts.for_each(|(_, gain)| *gain = ChannelGain::default());
+}
+
+/// Channels of a configuration with some patches closed, by their indices in the system: those of these patches, then those of what relaxes.
+pub(super) fn own_channels<'a>(case: &'a FiniteElementCase, closed: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+    closed.iter().flat_map(|&patch| channels_of(case, patch)).chain(case.channels_of_branches())
 }
 
 /// Channels of a patch, by their indices in the system.

@@ -38,12 +38,14 @@ use std::sync::Arc;
 
 use formats::{Dof, Mesh};
 use friction::BristleDamping;
+use linsys::ChannelGain;
 use osc_model::ContactArrangement;
 use sparse::SparseAffineSystem;
 
+use super::matrices::relaxing::gains_of;
 use super::{
-    CaseHeader, Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange,
-    TakenMatrix,
+    Branch, CaseError, CaseHeader, Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter,
+    SpeedRange, TakenMatrix,
 };
 
 /// A checked study of a finite element brake.
@@ -72,10 +74,12 @@ pub struct FiniteElementCase {
     /// The terms of the file, then its springs, then two of each body that turns, then the holders as one term, where there are any, then one term
     /// for each patch; patch by patch one channel for each pair in contact, along the sliding, then one for each across it, where friction
     /// acts there, then one for what opening adds to the spring of each, where loads are in equilibrium, and what its own parameters add, where it has
-    /// some.
+    /// some; behind those of all patches one for each direction of each of the branches.
     pub system: SparseAffineSystem,
     /// The coefficients of the terms of the file, of springs and of what turns.
     pub coefficients: Vec<Expression>,
+    /// Branches of viscoelastic springs, of which each has a channel for each of its directions.
+    pub branches: Vec<Branch>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
     /// Correlation of what is drawn: of the friction parameters, then, where all patches share a draw of these, of [`Self::parameters`]; `None` where
@@ -221,6 +225,20 @@ pub struct ReductionGoal {
 }
 
 impl FiniteElementCase {
+    /// Gains of the channels of all branches, at values of the parameters and the coefficients of the terms there.
+    ///
+    /// # Errors
+    /// An expression without a value; a ratio below 0, a rate that is not above it.
+    pub fn gains_of_branches(&self, values: &[f64], coefficients: &[f64]) -> Result<Vec<ChannelGain>, CaseError> {
+        gains_of(&self.header.path, &self.branches, values, coefficients)
+    }
+
+    /// Channels of all branches, by their indices in the system: behind those of all patches.
+    pub fn channels_of_branches(&self) -> Range<usize> {
+        let all = self.system.channels().len();
+        all - self.branches.iter().map(|branch| branch.directions).sum::<usize>()..all
+    }
+
     /// Name of a row of the matrices: `1042.z`, or its number.
     pub fn dof_name(&self, row: usize) -> String {
         self.dofs.get(row).map_or_else(String::new, |dof| match dof.direction {

@@ -15,7 +15,7 @@ use super::spread::SpreadOver;
 use super::structure::Structure;
 use super::surface_schema::RotationTable;
 use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
-use super::turning::{rotation_terms, spring_term};
+use super::turning::{Spring, rotation_terms, spring};
 use super::units::{mean_density, possible_density};
 use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, SpreadParameters};
 use crate::check::{Check, field, syntax};
@@ -23,6 +23,7 @@ use crate::correlation::Correlated;
 use crate::draft::waiting;
 use crate::expression::formulas::Formulas;
 use crate::matrices::read::parameter;
+use crate::matrices::relaxing::{Relaxing, gains_of};
 use crate::validate::friction_parameters;
 use crate::{CaseError, Draws, FixedDofs};
 
@@ -95,8 +96,28 @@ impl FiniteElementCase {
         let medians = medians.map(|parameter| parameter.distribution.median()).collect();
         let mut structure = Structure { check: &check, terms, coefficients, holders, medians };
         check.names("springs.name", springs.iter().map(|table| &table.name))?;
-        for table in &springs {
-            structure.add(spring_term(&model, &mut formulas, table, &mut missing_rows)?);
+        let mut relaxing = Relaxing::default();
+        for table in springs {
+            let Spring { term, coefficient, directions } = spring(&model, &mut formulas, &table, &mut missing_rows)?;
+            if !table.viscoelastic.is_empty() {
+                let key = field("springs", &table.name, "viscoelastic");
+                if directions.is_empty() {
+                    return Err(check.value(&key, "given without a stiffness", "springs with a stiffness > 0"));
+                }
+                // What is told of a term is told of its branches too, by its name.
+                if structure.terms.iter().any(|other| other.name == table.name) {
+                    let allowed = "names that no term has, of springs that are viscoelastic";
+                    return Err(check.value("springs.name", format!("{:?}", table.name), allowed));
+                }
+                let of = (structure.terms.len(), term.name.as_str(), term.family.as_str());
+                relaxing.add(&mut formulas, &key, of, &directions, table.viscoelastic)?;
+            }
+            structure.add((term, coefficient));
+        }
+        let Relaxing { branches, channels: relaxing } = relaxing;
+        if !branches.is_empty() {
+            // A branch without a value at the medians is an error of the case, found before a study starts.
+            gains_of(check.path, &branches, &structure.medians, &structure.coefficients_at_medians()?)?;
         }
         if units.is_some() {
             mean_density(&model, &structure, check.units)?;
@@ -128,6 +149,7 @@ impl FiniteElementCase {
             terms.extend(of_contact.terms);
             channels = of_contact.channels;
         }
+        channels.extend(relaxing);
         let places = contact.as_ref().map(|contact| draw_places(&model, contact)).transpose()?;
         let mut correlated = contact.as_ref().map_or_else(Vec::new, |contact| friction_parameters(&contact.friction));
         // What is drawn once for the whole brake cannot depend on one of many contacts.
@@ -157,6 +179,7 @@ impl FiniteElementCase {
             parameters,
             system,
             coefficients,
+            branches,
             contact,
             constraints,
             reduction,

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::entries::{LateralEntry, Nodes, SlidingEntry};
 use crate::Draws;
-use crate::matrices::schema::Formula;
+use crate::matrices::schema::{BranchTable, Formula};
 use crate::schema::BristleDampingEntry;
 
 /// A contact between faces that need not match.
@@ -174,6 +174,8 @@ pub(super) struct SpringTable {
     #[serde(default)]
     pub acts: ActsEntry,
     pub coefficient: Option<Formula>,
+    #[serde(default)]
+    pub viscoelastic: Vec<BranchTable>,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]

@@ -78,14 +78,22 @@ fn statics(structure: &CscMatrix<f64>, load: &DVector<f64>) -> Result<DVector<f6
     Ok(DVector::from_iterator(load.len(), solution.iter().map(|z| z.re)))
 }
 
-/// A spring with a dashpot as a term: of each node to ground, shared equally, or of the mean of the nodes, to ground or to the mean of others;
+/// A spring with a dashpot as a term, with its coefficient.
+pub(super) struct Spring {
+    pub term: SparseTerm,
+    pub coefficient: Expression,
+    /// Directions b of its stiffness `sum b b^T`, as entries; none without a stiffness.
+    pub directions: Vec<Vec<(usize, f64)>>,
+}
+
+/// A spring with a dashpot: of each node to ground, shared equally, or of the mean of the nodes, to ground or to the mean of others;
 /// means by area need the mesh.
-pub(super) fn spring_term(
+pub(super) fn spring(
     model: &Model<'_>,
     formulas: &mut Formulas<'_>,
     table: &SpringTable,
     missing: &mut Vec<MissingRows>,
-) -> Result<(SparseTerm, Expression), CaseError> {
+) -> Result<Spring, CaseError> {
     let (check, order) = (model.check, model.dofs.len());
     let key = |key: &str| field("springs", &table.name, key);
     let direction = Vector3::from(table.direction).try_normalize(0.0).filter(|unit| unit.iter().all(|x| x.is_finite()));
@@ -150,7 +158,14 @@ pub(super) fn spring_term(
     let matrices = SparseSecondOrder::new(zero, sum(table.damping), sum(table.stiffness));
     let matrices = matrices.map_err(check.sparse(&format!("springs {:?}", table.name)))?;
     let coefficient = formulas.expression(&key("coefficient"), table.coefficient.clone(), 1.0)?;
-    Ok((SparseTerm { name: table.name.clone(), family: table.name.clone(), matrices }, coefficient))
+    let direction = |(row, share): &(Vec<(usize, f64)>, f64)| {
+        let root = (table.stiffness * share).sqrt();
+        row.iter().map(|&(at, a)| (at, root * a)).collect::<Vec<_>>()
+    };
+    let resists = |(row, share): &&(Vec<(usize, f64)>, f64)| !row.is_empty() && table.stiffness * share > 0.0;
+    let directions = rows.iter().filter(resists).map(direction).collect();
+    let term = SparseTerm { name: table.name.clone(), family: table.name.clone(), matrices };
+    Ok(Spring { term, coefficient, directions })
 }
 
 /// The nodes of faces with `int N dA / A` of each.

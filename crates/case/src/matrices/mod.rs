@@ -9,7 +9,7 @@ mod elsewhere;
 mod loss;
 mod motion;
 pub(super) mod read;
-mod relaxing;
+pub(crate) mod relaxing;
 pub(super) mod schema;
 mod terms;
 
@@ -166,7 +166,7 @@ impl MatricesCase {
             })
         });
         let mut channels = contacts.collect::<Result<Vec<_>, CaseError>>()?;
-        channels.extend(self.gains_of_branches(values, &coefficients)?);
+        channels.extend(relaxing::gains_of(&self.header.path, &self.branches, values, &coefficients)?);
         Ok(OperatingPoint { coefficients, channels })
     }
 }

@@ -12,7 +12,7 @@ use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::elsewhere::Places;
 use super::loss::add_losses;
-use super::relaxing;
+use super::relaxing::{self, Relaxing};
 use super::schema::{self, MatricesFile};
 use super::terms::{Terms, read_terms};
 use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
@@ -64,7 +64,8 @@ impl MatricesCase {
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (mut channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
-        let (branches, relaxing) = relaxing::branches(&check, &mut formulas, &terms, &losses, branches)?;
+        let Relaxing { branches, channels: relaxing } =
+            relaxing::branches(&check, &mut formulas, &terms, &losses, branches)?;
         channels.extend(relaxing);
         let all_used = formulas.all_used();
         let constraints = constraint_sets(&check, &dofs, constraints)?;

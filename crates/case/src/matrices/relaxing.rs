@@ -1,9 +1,10 @@
-//! Viscoelastic terms: stiffness that relaxes, as internal states of the directions in which it acts.
+//! Viscoelastic terms and springs: stiffness that relaxes, as internal states of the directions in which it acts.
+
+use std::path::Path;
 
 use linsys::{Channel, ChannelGain, Lag, Term};
 use nalgebra::{DMatrix, DVector};
 
-use super::MatricesCase;
 use super::schema::BranchTable;
 use crate::check::{Check, field};
 use crate::expression::formulas::Formulas;
@@ -15,7 +16,7 @@ const ROUNDINGS: f64 = 4.0;
 /// Part of the diagonal up to which a matrix may be indefinite; chosen: files print ten digits at least.
 const INDEFINITE: f64 = 1e-10;
 
-/// A branch of a viscoelastic term: `ratio K lambda / (lambda + rate)` beside the term's `K`, a spring in series with a dashpot at each of its springs.
+/// A branch of a viscoelastic term or spring: `ratio K lambda / (lambda + rate)` beside its `K`, a spring in series with a dashpot at each of its springs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
     /// Index of the term.
@@ -30,6 +31,48 @@ pub struct Branch {
     pub directions: usize,
 }
 
+impl Branch {
+    /// Words on a branch of a term with a name.
+    pub fn in_words(&self, term: &str) -> String {
+        format!("{term} in {} direction{}", self.directions, if self.directions == 1 { "" } else { "s" })
+    }
+}
+
+/// Branches of a case, and a channel for each direction of each of them.
+#[derive(Default)]
+pub(crate) struct Relaxing {
+    pub branches: Vec<Branch>,
+    pub channels: Vec<Channel>,
+}
+
+impl Relaxing {
+    /// Adds the branches of a term, by its index, name and family, whose stiffness is `sum b b^T` over its directions b; `key` is their field.
+    ///
+    /// # Errors
+    /// An expression that is none.
+    pub fn add(
+        &mut self,
+        formulas: &mut Formulas<'_>,
+        key: &str,
+        (term, name, family): (usize, &str, &str),
+        directions: &[Vec<(usize, f64)>],
+        given: Vec<BranchTable>,
+    ) -> Result<(), CaseError> {
+        for (number, BranchTable { ratio, rate }) in given.into_iter().enumerate() {
+            let field = format!("{key}[{}]", number + 1);
+            self.branches.push(Branch {
+                term,
+                ratio: formulas.expression(&format!("{field}.ratio"), Some(ratio), 0.0)?,
+                rate: formulas.expression(&format!("{field}.rate"), Some(rate), 0.0)?,
+                field,
+                directions: directions.len(),
+            });
+            self.channels.extend(directions.iter().map(|b| Channel::relaxing(name, family, b.clone())));
+        }
+        Ok(())
+    }
+}
+
 /// The branches of terms, and a channel for each direction of each of them.
 ///
 /// # Errors
@@ -40,13 +83,13 @@ pub(super) fn branches(
     terms: &[Term],
     losses: &[Option<f64>],
     given: Vec<Vec<BranchTable>>,
-) -> Result<(Vec<Branch>, Vec<Channel>), CaseError> {
+) -> Result<Relaxing, CaseError> {
     if losses.iter().any(Option::is_some) && given.iter().any(|tables| !tables.is_empty()) {
         // The dashpots of a loss factor are those of modes of the relaxed stiffness.
         let allowed = "loss_factor or viscoelastic in a case, not both";
         return Err(check.value("terms", "loss_factor beside viscoelastic", allowed));
     }
-    let (mut branches, mut channels) = (Vec::new(), Vec::new());
+    let mut relaxing = Relaxing::default();
     for (at, (term, tables)) in terms.iter().zip(given).enumerate() {
         let key = field("terms", &term.name, "viscoelastic");
         if tables.is_empty() {
@@ -56,45 +99,35 @@ pub(super) fn branches(
             let allowed = "a symmetric positive semi-definite stiffness, which springs have, and not all 0";
             return Err(check.value(&key, "given for another stiffness", allowed));
         };
-        for (number, BranchTable { ratio, rate }) in tables.into_iter().enumerate() {
-            let field = format!("{key}[{}]", number + 1);
-            branches.push(Branch {
-                term: at,
-                ratio: formulas.expression(&format!("{field}.ratio"), Some(ratio), 0.0)?,
-                rate: formulas.expression(&format!("{field}.rate"), Some(rate), 0.0)?,
-                field,
-                directions: directions.len(),
-            });
-            channels.extend(
-                directions.iter().map(|direction| Channel::relaxing(&term.name, &term.family, direction.clone())),
-            );
-        }
+        relaxing.add(formulas, &key, (at, &term.name, &term.family), &directions, tables)?;
     }
-    Ok((branches, channels))
+    Ok(relaxing)
 }
 
-impl MatricesCase {
-    /// Gains of the channels of all branches, at values of the parameters and the coefficients of the terms there.
-    pub(super) fn gains_of_branches(
-        &self,
-        values: &[f64],
-        coefficients: &[f64],
-    ) -> Result<Vec<ChannelGain>, CaseError> {
-        let check = Check::new(&self.header.path);
-        let mut gains = Vec::new();
-        for Branch { term, ratio, rate, field, directions } in &self.branches {
-            let value = |expression: &Expression, key: &str, is_allowed: fn(f64) -> bool, allowed: &str| {
-                let field = format!("{field}.{key}");
-                let value = expression.value(values).map_err(|source| check.expression(&field)(source))?;
-                if is_allowed(value) { Ok(value) } else { Err(check.value(&field, value, allowed)) }
-            };
-            let ratio = value(ratio, "ratio", |ratio| ratio >= 0.0, "a number >= 0")?;
-            let decay = value(rate, "rate", |rate| rate > 0.0, "a rate > 0, in 1/s")?;
-            let lag = Lag { decay, drive: 1.0, force: coefficients[*term] * ratio };
-            gains.extend(std::iter::repeat_n(ChannelGain { lag: Some(lag), ..ChannelGain::default() }, *directions));
-        }
-        Ok(gains)
+/// Gains of the channels of branches, at values of the parameters and the coefficients of the terms there; `path` is that of the case.
+///
+/// # Errors
+/// An expression without a value; a ratio below 0, a rate that is not above it.
+pub(crate) fn gains_of(
+    path: &Path,
+    branches: &[Branch],
+    values: &[f64],
+    coefficients: &[f64],
+) -> Result<Vec<ChannelGain>, CaseError> {
+    let check = Check::new(path);
+    let mut gains = Vec::new();
+    for Branch { term, ratio, rate, field, directions } in branches {
+        let value = |expression: &Expression, key: &str, is_allowed: fn(f64) -> bool, allowed: &str| {
+            let field = format!("{field}.{key}");
+            let value = expression.value(values).map_err(|source| check.expression(&field)(source))?;
+            if is_allowed(value) { Ok(value) } else { Err(check.value(&field, value, allowed)) }
+        };
+        let ratio = value(ratio, "ratio", |ratio| ratio >= 0.0, "a number >= 0")?;
+        let decay = value(rate, "rate", |rate| rate > 0.0, "a rate > 0, in 1/s")?;
+        let lag = Lag { decay, drive: 1.0, force: coefficients[*term] * ratio };
+        gains.extend(std::iter::repeat_n(ChannelGain { lag: Some(lag), ..ChannelGain::default() }, *directions));
     }
+    Ok(gains)
 }
 
 /// Vectors b with `K = sum b b^T`, by a Cholesky factorisation with pivots, as entries that are not 0; none where K is not symmetric positive semi-definite,
@@ -127,14 +160,13 @@ fn directions(stiffness: &DMatrix<f64>) -> Option<Vec<Vec<(usize, f64)>>> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use cea::{EigenSolver, QrSolver, Workspace};
     use montecarlo::rand::RngExt;
     use montecarlo::stream;
     use nalgebra::Complex;
 
     use super::*;
+    use crate::MatricesCase;
 
     fn case(terms: &str) -> Result<MatricesCase, String> {
         let text = format!("[study]\nname = \"shim\"\nsamples = 10\nseed = 1\n[brake]\nkind = \"matrices\"\n{terms}");

@@ -8,7 +8,7 @@ mod names;
 use std::io::Write;
 use std::path::PathBuf;
 
-use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
+use brakes::case::{Branch, CaseFile, FiniteElementCase, TakenMatrix};
 use brakes::{CaseBrake, FiniteElementBrake, Part, Purpose};
 use montecarlo::Progress;
 use output::{bytes_in_words, in_words, printable};
@@ -158,6 +158,10 @@ impl CheckArgs {
         lines.add("terms", terms);
         for (at, taken) in TakenMatrix::in_words(&case.files).iter().enumerate() {
             lines.add(if at == 0 { "files" } else { "" }, printable(taken));
+        }
+        if !case.branches.is_empty() {
+            let named = |branch: &Branch| branch.in_words(&case.system.terms()[branch.term].name);
+            lines.add("viscoelastic", listed(case.branches.iter().map(named)));
         }
         lines.add("patches", patches);
         lines.add("constraints", listed(case.constraints.iter().map(|set| set.name.clone())));

@@ -51,6 +51,51 @@ fn lattice(size: usize, is_symmetric: bool, has_sets: bool) -> String {
     replaced(&text, "oscillator_mass = 0.5 ", &format!("oscillator_mass = [{}] ", masses.join(", ")))
 }
 
+/// Matrices of some order, of which all is random, and a viscoelastic term of full rank with two branches: three times as many states as without.
+fn viscoelastic(order: usize) -> String {
+    let mut number = 1_u64;
+    let mut random = || {
+        number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (number >> 40) as f64 / (1_u64 << 24) as f64 - 0.5
+    };
+    let mut definite = |scale: f64| {
+        let root: Vec<Vec<f64>> = (0..order).map(|_| (0..order).map(|_| random()).collect()).collect();
+        let entry = |i: usize, j: usize| {
+            let product: f64 = root[i].iter().zip(&root[j]).map(|(a, b)| a * b).sum();
+            scale * (product / order as f64 + if i == j { 0.2 } else { 0.0 })
+        };
+        let rows: Vec<Vec<f64>> = (0..order).map(|i| (0..order).map(|j| entry(i, j)).collect()).collect();
+        format!("{rows:?}")
+    };
+    let diagonal = |value: f64| {
+        let row = |i: usize| (0..order).map(|j| if i == j { value } else { 0.0 }).collect::<Vec<f64>>();
+        format!("{:?}", (0..order).map(row).collect::<Vec<_>>())
+    };
+    format!(
+        "[study]\nname = \"Shims\"\nsamples = 8\nseed = 1\n[brake]\nkind = \"matrices\"\n\
+         [parameters.g]\ndistribution = \"uniform\"\nfrom = 0.2\nto = 0.4\n\
+         [[terms]]\nname = \"structure\"\nmass = {}\ndamping = {}\nstiffness = {}\n\
+         [[terms]]\nname = \"shim\"\nstiffness = {}\n\
+         viscoelastic = [{{ ratio = \"g\", rate = 300.0 }}, {{ ratio = \"g\", rate = 3000.0 }}]\n",
+        diagonal(1.0),
+        diagonal(5.0),
+        definite(1e6),
+        definite(3e5)
+    )
+}
+
+/// The memory that a check of a case predicts over what a run takes, MB.
+fn compared(folder: &Path, name: &str, text: String) -> f64 {
+    let case = folder.join(format!("{name}.toml"));
+    std::fs::write(&case, text).unwrap();
+    let (case, out) = (case.to_str().unwrap(), folder.join(name));
+    let (checked, of_check) = squeal_measured(&["check", case]);
+    let (_, of_run) = squeal_measured(&["run", case, "--out", out.to_str().unwrap()]);
+    let predicted = predicted(&checked);
+    println!("{name}: {predicted} MB predicted, check {of_check:.0}, run {of_run:.0}");
+    of_run / predicted
+}
+
 #[test]
 #[ignore = "a measurement of some minutes"]
 fn the_memory_of_lattices_is_predicted_within_a_factor_of_two() {
@@ -64,17 +109,23 @@ fn the_memory_of_lattices_is_predicted_within_a_factor_of_two() {
             if has_sets && size > MOST_WITH_SETS {
                 continue;
             }
-            let name = format!("{size}-{is_symmetric}-{has_sets}");
-            let case = folder.path().join(format!("{name}.toml"));
-            std::fs::write(&case, lattice(size, is_symmetric, has_sets)).unwrap();
-            let (case, out) = (case.to_str().unwrap(), folder.path().join(name));
-            let (checked, of_check) = squeal_measured(&["check", case]);
-            let (_, of_run) = squeal_measured(&["run", case, "--out", out.to_str().unwrap()]);
-            let predicted = predicted(&checked);
-            println!(
-                "{size} x {size}, symmetric {is_symmetric}, sets {has_sets}: {predicted} MB predicted, check {of_check:.0}, run {of_run:.0}"
-            );
-            assert!((0.5..=2.0).contains(&(of_run / predicted)), "{size}, {is_symmetric}, {has_sets}");
+            let name = format!("{size}-symmetric-{is_symmetric}-sets-{has_sets}");
+            let part = compared(folder.path(), &name, lattice(size, is_symmetric, has_sets));
+            assert!((0.5..=2.0).contains(&part), "{name}: {part}");
         }
+    }
+}
+
+#[test]
+#[ignore = "a measurement of a quarter of an hour"]
+fn the_memory_of_viscoelastic_terms_is_predicted_within_a_factor_of_two() {
+    if !Path::new(GNU_TIME).exists() {
+        println!("skipped: there is no {GNU_TIME} here");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for order in [50, 150] {
+        let part = compared(folder.path(), &format!("order-{order}"), viscoelastic(order));
+        assert!((0.5..=2.0).contains(&part), "{order}: {part}");
     }
 }

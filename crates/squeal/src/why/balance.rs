@@ -32,7 +32,7 @@ pub struct TermShare {
     pub name: String,
     /// Fraction of the kinetic energy in the term.
     pub kinetic: f64,
-    /// Fraction of the strain energy in the term.
+    /// Fraction of the strain energy in the term, which is that of its relaxed stiffness.
     pub strain: f64,
     /// Contribution to the growth of its damping, and of a stiffness that is not symmetric, 1/s.
     pub growth: f64,
