@@ -43,7 +43,7 @@ use sparse::SparseAffineSystem;
 
 use super::{
     CaseHeader, Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange,
-    TakenMatrix,
+    TableFunction, TakenMatrix,
 };
 
 /// A checked study of a finite element brake.
@@ -53,6 +53,8 @@ pub struct FiniteElementCase {
     pub header: CaseHeader,
     /// The drawn parameters of coefficients, in the order of their names; then those of [`PatchContact::spread`].
     pub parameters: Vec<Parameter>,
+    /// Functions that are given by points, in the order of their names; each is called by an expression.
+    pub tables: Vec<Arc<TableFunction>>,
     /// The mesh, where the case names one.
     pub mesh: Option<Mesh>,
     /// The node sets of the mesh.

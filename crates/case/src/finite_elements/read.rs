@@ -47,6 +47,7 @@ impl FiniteElementCase {
             brake,
             units,
             parameters,
+            tables,
             terms,
             holders,
             contact,
@@ -85,7 +86,8 @@ impl FiniteElementCase {
         let Terms { read, dofs, files, held } = read_terms(&check, terms)?;
         let model = Model::new(&check, deck, dofs);
         let local = spread.iter().map(|local| &local.parameter.name);
-        let mut formulas = Formulas::new(&check, &parameters).with_local(local);
+        let tables = check.tables(tables, parameters.iter().map(|own| &own.name).chain(local.clone()))?;
+        let mut formulas = Formulas::new(&check, &parameters, &tables).with_local(local);
         let (terms, coefficients) =
             terms_with_coefficients(&check, &mut formulas, read, model.dofs.len(), reduction.frequencies)?;
         let names = NamesOnMesh::new(&model)?;
@@ -155,6 +157,7 @@ impl FiniteElementCase {
             header,
             correlation,
             parameters,
+            tables,
             system,
             coefficients,
             contact,

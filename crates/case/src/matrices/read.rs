@@ -46,6 +46,7 @@ impl MatricesCase {
             study,
             brake,
             parameters,
+            tables,
             terms,
             contacts,
             bodies,
@@ -58,7 +59,8 @@ impl MatricesCase {
         let header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal, measured)?;
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
-        let mut formulas = Formulas::new(&check, &parameters);
+        let tables = check.tables(tables, parameters.iter().map(|parameter| &parameter.name))?;
+        let mut formulas = Formulas::new(&check, &parameters, &tables);
         let Terms { mut terms, coefficients, losses, branches, taken, rows } =
             read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
@@ -89,6 +91,7 @@ impl MatricesCase {
             moves: dofs.moves().to_vec(),
             dofs: dofs.into_names(),
             parameters,
+            tables,
         };
         case.check_contacts(&check)?;
         case.header.notes = check.notes();

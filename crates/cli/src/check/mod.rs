@@ -8,7 +8,7 @@ mod names;
 use std::io::Write;
 use std::path::PathBuf;
 
-use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
+use brakes::case::{CaseFile, FiniteElementCase, TableFunction, TakenMatrix};
 use brakes::{CaseBrake, FiniteElementBrake, Part, Purpose};
 use montecarlo::Progress;
 use output::{bytes_in_words, in_words, printable};
@@ -159,6 +159,7 @@ impl CheckArgs {
         for (at, taken) in TakenMatrix::in_words(&case.files).iter().enumerate() {
             lines.add(if at == 0 { "files" } else { "" }, printable(taken));
         }
+        TableFunction::in_words(&case.tables).into_iter().for_each(|words| lines.add("tables", words));
         lines.add("patches", patches);
         lines.add("constraints", listed(case.constraints.iter().map(|set| set.name.clone())));
         lines.extend(names::of(case));
