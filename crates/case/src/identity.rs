@@ -293,7 +293,7 @@ fn of_friction(to: &mut Written, friction: &FrictionDistributions) {
 }
 
 fn of_correlation(to: &mut Written, correlation: &Correlation) {
-    to.list(correlation.places(), |to, &place| to.count(place));
+    to.list(correlation.named(), |to, &place| to.count(place));
     to.list(correlation.factor(), |to, row| numbers(to, row));
 }
 

@@ -80,8 +80,8 @@ pub struct FiniteElementCase {
     pub coefficients: Vec<Expression>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
-    /// Correlation of what is drawn: of the friction parameters, then, where all patches share a draw of these, of [`Self::parameters`]; `None` where
-    /// all is independent.
+    /// Correlation of what is drawn: of the friction parameters of each contact that has a draw of its own, one after the other, then of
+    /// [`Self::parameters`]; `None` where all is independent.
     pub correlation: Option<Correlation>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,

@@ -131,12 +131,12 @@ impl FiniteElementCase {
             channels = of_contact.channels;
         }
         let places = contact.as_ref().map(|contact| draw_places(&model, contact)).transpose()?;
-        let mut correlated = contact.as_ref().map_or_else(Vec::new, |contact| friction_parameters(&contact.friction));
-        // What is drawn once for the whole brake cannot depend on one of many contacts.
-        if places.as_ref().is_none_or(|places| places.len() == 1) {
-            correlated.extend(parameters.iter().map(|own| (own.name.as_str(), &own.distribution)));
-        }
-        let of = Correlated { parameters: correlated, contacts: places.as_deref().unwrap_or(&[[0.0; 3]]) };
+        let of = Correlated {
+            friction: contact.as_ref().map_or_else(Vec::new, |contact| friction_parameters(&contact.friction)),
+            contacts: places.as_deref().unwrap_or(&[[0.0; 3]]),
+            has_numbers: contact.as_ref().is_some_and(|contact| contact.draws == Draws::Each),
+            others: parameters.iter().map(|own| (own.name.as_str(), &own.distribution)).collect(),
+        };
         let correlation = check.correlation(correlation, &of)?;
         let constraints = constraint_sets(&model, constraints, &mut missing_rows)?;
         let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;

@@ -127,7 +127,7 @@ impl MatricesCase {
     pub fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
         if let Some(correlation) = &self.correlation {
             let distributions: Vec<&Distribution> = self.parameters.iter().map(|p| &p.distribution).collect();
-            correlation.apply(&distributions, &mut [&mut values]);
+            correlation.apply(&distributions, &mut values);
         }
         values
     }

@@ -77,7 +77,8 @@ impl MatricesCase {
         }
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
-        let correlated = Correlated { parameters: named.collect(), contacts: &[[0.0; 3]] };
+        let correlated =
+            Correlated { friction: Vec::new(), contacts: &[[0.0; 3]], has_numbers: false, others: named.collect() };
         let mut case = Self {
             header,
             correlation: check.correlation(correlation, &correlated)?,
