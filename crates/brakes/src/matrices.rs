@@ -10,7 +10,7 @@ use study::{
 };
 
 use crate::any::{listed, with_family, with_unit};
-use crate::case::{MatricesCase, Parameter, TakenMatrix};
+use crate::case::{MatricesCase, Parameter, TableFunction, TakenMatrix};
 use crate::{CaseBrake, Error};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
@@ -141,8 +141,9 @@ impl DrawnInputs<Vec<f64>> for MatricesBrake {
         self.case.correlated(independent.collect())
     }
 
+    /// The one parameter that varies; `None` also of a case with tables, which may bend within any interval at whose ends and some places between a straight line is found.
     fn single_parameter(&self, _: &Scene) -> Option<SingleParameter<'_, Vec<f64>>> {
-        let only = self.only_parameter()?;
+        let only = self.only_parameter().filter(|_| self.case.tables.is_empty())?;
         let with = move |value: f64| {
             let mut sample = self.median();
             sample[only] = value;
@@ -181,9 +182,9 @@ impl CaseBrake for MatricesBrake {
         if !case.branches.is_empty() {
             lines.push(("viscoelastic", listed(relaxing.collect())));
         }
+        lines.extend([("contacts", listed(contacts.collect())), ("parameters", listed(parameters.collect()))]);
+        lines.extend(TableFunction::in_words(&case.tables).map(|words| ("tables", words)));
         lines.extend([
-            ("contacts", listed(contacts.collect())),
-            ("parameters", listed(parameters.collect())),
             ("bodies", listed(case.bodies.iter().map(|body| body.name.clone()).collect())),
             ("constraints", listed(self.plan.labels.constraints.clone())),
         ]);

@@ -1,5 +1,7 @@
 //! The table `[correlation]` of a case file of any kind: parameters that are drawn together.
 
+use std::collections::BTreeSet;
+
 use montecarlo::{Distribution, GaussianCopula};
 use nalgebra::DMatrix;
 use serde::Deserialize;
@@ -26,21 +28,69 @@ struct FieldTable {
     length: f64,
 }
 
-/// Correlation of the parameters of a draw: which of them depend on each other, and how, in one contact or in several with a draw each.
+/// Correlation of the values of a draw: which of them depend on each other, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
-    /// Indices in the list of parameters.
-    parameters: Vec<usize>,
-    /// Copula over these in the first contact, then in the second, and so on.
+    /// Indices of what the case names: among the parameters of a contact, where it names what holds in each of them, or among all values.
+    named: Vec<usize>,
+    /// Indices among all values of a draw: the friction parameters of the first contact, of the second, and so on, then all others.
+    places: Vec<usize>,
+    /// Copula over these.
     copula: GaussianCopula,
 }
 
-/// Parameters and contacts of a case that can be correlated.
+/// Values of a draw of a case that can be correlated.
 pub(super) struct Correlated<'a> {
-    /// Parameters: name and distribution.
-    pub parameters: Vec<(&'a str, &'a Distribution)>,
-    /// Positions of the contacts that have a draw of their own; one where all share a draw.
+    /// Friction parameters of a contact: name and distribution.
+    pub friction: Vec<(&'a str, &'a Distribution)>,
+    /// Positions of the contacts that have a draw of friction of their own; one where all share a draw.
     pub contacts: &'a [[f64; 3]],
+    /// True if the friction parameters of a contact can be named with its number, as `mu@1`.
+    pub has_numbers: bool,
+    /// Parameters of which the brake has one value, after those of all contacts: name and distribution.
+    pub others: Vec<(&'a str, &'a Distribution)>,
+}
+
+/// True of what has more than one value.
+fn is_drawn(distribution: &Distribution) -> bool {
+    !matches!(distribution, Distribution::Constant { .. })
+}
+
+impl<'a> Correlated<'a> {
+    /// What holds in each contact alike: its friction parameters, and of a single one all others too.
+    fn of_contact(&self) -> Vec<(&'a str, &'a Distribution)> {
+        let others = if self.contacts.len() == 1 { &self.others[..] } else { &[] };
+        self.friction.iter().chain(others).copied().collect()
+    }
+
+    /// The values of a draw, each by its own name.
+    fn values(&self) -> Vec<(String, &'a Distribution)> {
+        let numbers = 1..=self.contacts.len();
+        let friction =
+            numbers.flat_map(|number| self.friction.iter().map(move |(name, of)| (format!("{name}@{number}"), *of)));
+        friction.chain(self.others.iter().map(|(name, of)| ((*name).to_owned(), *of))).collect()
+    }
+
+    /// The contact and the friction parameter of a value; `None` of all others.
+    fn friction_at(&self, value: usize) -> Option<(usize, usize)> {
+        let of_contact = self.friction.len();
+        (value < of_contact * self.contacts.len()).then(|| (value / of_contact, value % of_contact))
+    }
+
+    /// What is drawn, where values have their own names, in words.
+    fn values_in_words(&self) -> String {
+        let drawn = |list: &[(&'a str, &'a Distribution)], end: &str| {
+            let drawn = list.iter().filter(|(_, of)| is_drawn(of));
+            drawn.map(|(name, _)| format!("{name}{end}")).collect::<Vec<_>>().join(", ")
+        };
+        let others = drawn(&self.others, "");
+        let others = if others.is_empty() { others } else { format!("; {others}") };
+        let [friction, numbered] = ["", "@N"].map(|end| drawn(&self.friction, end));
+        let count = self.contacts.len();
+        format!(
+            "what is drawn: {numbered} with the number N of the contact, 1 to {count}{others}; or names of what holds in each contact alone: {friction}"
+        )
+    }
 }
 
 impl Check<'_> {
@@ -54,50 +104,143 @@ impl Check<'_> {
         if matrix.is_none() && field.is_none() {
             return Err(self.value("correlation", "empty", "a matrix over parameters, a field over contacts, or both"));
         }
-        let is_drawn = |distribution: &Distribution| !matches!(distribution, Distribution::Constant { .. });
-        let drawn: Vec<usize> = (0..of.parameters.len()).filter(|&at| is_drawn(of.parameters[at].1)).collect();
-        let names = || drawn.iter().map(|&at| of.parameters[at].0).collect::<Vec<_>>().join(", ");
         self.no_repeats("correlation.parameters", parameters.iter().cloned())?;
-        let mut places = Vec::with_capacity(parameters.len());
-        for name in &parameters {
-            let place = drawn.iter().find(|&&at| of.parameters[at].0 == name);
-            let refused =
-                || self.value("correlation.parameters", format!("{name:?}"), &format!("what is drawn: {}", names()));
-            places.push(*place.ok_or_else(refused)?);
+        let of_contact = of.of_contact();
+        let has_own_name = |name: &String| of_contact.iter().all(|(own, _)| own != name);
+        let correlation = match of.has_numbers && parameters.iter().any(has_own_name) {
+            true => self.of_values(&parameters, matrix, field, of)?,
+            false => self.in_each_contact((&parameters, &of_contact), matrix, field, of)?,
+        };
+        Ok(Some(correlation).filter(|correlation| !correlation.copula.is_independent()))
+    }
+
+    /// Indices of names in a list of what is drawn.
+    fn places(
+        &self,
+        named: &[String],
+        all: &[(&str, &Distribution)],
+        allowed: impl Fn() -> String,
+    ) -> Result<Vec<usize>, CaseError> {
+        let place = |name: &String| {
+            let place = all.iter().position(|(own, of)| own == name && is_drawn(of));
+            place.ok_or_else(|| self.value("correlation.parameters", format!("{name:?}"), &allowed()))
+        };
+        named.iter().map(place).collect()
+    }
+
+    /// An error unless all values of these parameters have normal scores: of a value with a probability of its own others would get other distributions with any
+    /// of its scores.
+    fn no_atoms(&self, places: &[usize], all: &[(&str, &Distribution)]) -> Result<(), CaseError> {
+        let Some(&at) = places.iter().find(|&&at| all[at].1.has_atoms()) else { return Ok(()) };
+        let allowed = "parameters none of whose values has a probability of its own, as discrete and measured values that repeat have";
+        Err(self.value("correlation.parameters", format!("{:?}", all[at].0), allowed))
+    }
+
+    /// The correlation of what holds in each contact alike, between its parameters and over the contacts.
+    fn in_each_contact(
+        &self,
+        (parameters, all): (&[String], &[(&str, &Distribution)]),
+        matrix: Option<Vec<Vec<f64>>>,
+        field: Option<FieldTable>,
+        of: &Correlated<'_>,
+    ) -> Result<Correlation, CaseError> {
+        let drawn: Vec<usize> = (0..all.len()).filter(|&at| is_drawn(all[at].1)).collect();
+        let names = || drawn.iter().map(|&at| all[at].0).collect::<Vec<_>>().join(", ");
+        let mut named = self.places(parameters, all, || format!("what is drawn: {}", names()))?;
+        if named.is_empty() && matrix.is_none() {
+            named.clone_from(&drawn);
         }
-        if places.is_empty() && matrix.is_none() {
-            places.clone_from(&drawn);
-        }
-        // A value with a probability of its own has no normal score: with any of its scores others would get other distributions.
-        if let Some(&at) = places.iter().find(|&&at| of.parameters[at].1.has_atoms()) {
-            let allowed = "parameters none of whose values has a probability of its own, as discrete and measured values that repeat have";
-            return Err(self.value("correlation.parameters", format!("{:?}", of.parameters[at].0), allowed));
-        }
+        self.no_atoms(&named, all)?;
         let between = match matrix {
             Some(rows) => self.correlation_matrix(&rows, parameters.len())?,
-            None => DMatrix::identity(places.len(), places.len()),
+            None => DMatrix::identity(named.len(), named.len()),
         };
         let across = match field {
             Some(field) => self.field(field, of.contacts)?,
             None => DMatrix::identity(of.contacts.len(), of.contacts.len()),
         };
         // A parameter in one contact and a parameter in another: the product of both correlations.
-        let whole = across.kronecker(&between);
-        let rows: Vec<Vec<f64>> =
-            (0..whole.nrows()).map(|i| (0..whole.ncols()).map(|j| whole[(i, j)]).collect()).collect();
-        let Some(copula) = GaussianCopula::new(&rows) else {
-            let smallest = |matrix: DMatrix<f64>| matrix.symmetric_eigenvalues().min();
-            let (of_matrix, of_field) = (smallest(between), smallest(across));
-            let (key, smallest) = match of_matrix <= of_field {
-                true => ("matrix", of_matrix),
-                false => ("field", of_field),
-            };
-            let allowed =
-                "one whose eigenvalues are all > 0; a shorter length or the exponential kernel has larger ones";
-            let found = format!("a matrix with the eigenvalue {smallest:.3e}");
-            return Err(self.value(&format!("correlation.{key}"), found, allowed));
+        let Some(copula) = copula(&across.kronecker(&between)) else {
+            let (of_matrix, of_field) = (smallest(&between), smallest(&across));
+            return Err(match of_matrix <= of_field {
+                true => self.not_definite("matrix", of_matrix),
+                false => self.not_definite("field", of_field),
+            });
         };
-        Ok(Some(Correlation { parameters: places, copula }).filter(|correlation| !correlation.copula.is_independent()))
+        let contacts = 0..of.contacts.len();
+        let places = contacts.flat_map(|contact| named.iter().map(move |at| contact * of.friction.len() + at));
+        Ok(Correlation { places: places.collect(), named, copula })
+    }
+
+    /// The correlation of values by their own names: friction parameters of contacts, as `mu@1`, which a field correlates with those of all other contacts, and
+    /// what the brake has one value of.
+    fn of_values(
+        &self,
+        parameters: &[String],
+        matrix: Option<Vec<Vec<f64>>>,
+        field: Option<FieldTable>,
+        of: &Correlated<'_>,
+    ) -> Result<Correlation, CaseError> {
+        let values = of.values();
+        let all: Vec<(&str, &Distribution)> = values.iter().map(|(name, of)| (name.as_str(), *of)).collect();
+        let mut places = self.places(parameters, &all, || of.values_in_words())?;
+        self.no_atoms(&places, &all)?;
+        let named = places.len();
+        let given = match matrix {
+            Some(rows) => self.correlation_matrix(&rows, named)?,
+            None => DMatrix::identity(named, named),
+        };
+        let Some(field) = field else {
+            let copula = copula(&given).ok_or_else(|| self.not_definite("matrix", smallest(&given)))?;
+            return Ok(Correlation { named: places.clone(), places, copula });
+        };
+        let across = self.field(field, of.contacts)?;
+        let over: BTreeSet<usize> =
+            places.iter().filter_map(|&place| of.friction_at(place)).map(|(_, own)| own).collect();
+        if over.is_empty() {
+            let allowed = "a friction parameter of a contact among correlation.parameters, as mu@1, which the field correlates over all contacts";
+            return Err(self.value("correlation.field", "given", allowed));
+        }
+        for contact in 0..of.contacts.len() {
+            let of_contact = over.iter().map(|own| contact * of.friction.len() + own);
+            let new: Vec<usize> = of_contact.filter(|place| !places.contains(place)).collect();
+            places.extend(new);
+        }
+        // The contacts of two values of one friction parameter.
+        let two_contacts = |i: usize, j: usize| match (of.friction_at(places[i]), of.friction_at(places[j])) {
+            (Some((a, one)), Some((b, other))) if one == other && a != b => Some((a, b)),
+            _ => None,
+        };
+        let mut whole = DMatrix::identity(places.len(), places.len());
+        whole.view_mut((0, 0), (named, named)).copy_from(&given);
+        for i in 0..places.len() {
+            for j in 0..places.len() {
+                let Some(contacts) = two_contacts(i, j) else { continue };
+                if whole[(i, j)] != 0.0 {
+                    let found = format!("{} in row {}, column {}", whole[(i, j)], i + 1, j + 1);
+                    let allowed =
+                        format!("0 for {} and {}, which the field correlates", all[places[i]].0, all[places[j]].0);
+                    return Err(self.value("correlation.matrix", found, &allowed));
+                }
+                whole[(i, j)] = across[contacts];
+            }
+        }
+        let copula = copula(&whole).ok_or_else(|| match (copula(&given), copula(&across)) {
+            (None, _) => self.not_definite("matrix", smallest(&given)),
+            (_, None) => self.not_definite("field", smallest(&across)),
+            (Some(_), Some(_)) => {
+                let found = format!("a matrix and a field with the eigenvalue {:.3e} together", smallest(&whole));
+                let allowed = "ones whose eigenvalues are all > 0: smaller entries, a shorter length, or entries for further contacts, which the field ties to those named";
+                self.value("correlation", found, allowed)
+            }
+        })?;
+        Ok(Correlation { named: places.clone(), places, copula })
+    }
+
+    /// The error for a matrix of correlations that is not positive definite, by its smallest eigenvalue.
+    fn not_definite(&self, key: &str, smallest: f64) -> CaseError {
+        let allowed = "one whose eigenvalues are all > 0; a shorter length or the exponential kernel has larger ones";
+        self.value(&format!("correlation.{key}"), format!("a matrix with the eigenvalue {smallest:.3e}"), allowed)
     }
 
     /// A symmetric matrix with a diagonal of 1.
@@ -150,31 +293,42 @@ impl Check<'_> {
     }
 }
 
+/// The copula with a correlation matrix; `None` where that is not positive definite.
+fn copula(matrix: &DMatrix<f64>) -> Option<GaussianCopula> {
+    let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
+    GaussianCopula::new(&rows)
+}
+
+/// The smallest eigenvalue of a symmetric matrix.
+fn smallest(matrix: &DMatrix<f64>) -> f64 {
+    matrix.clone().symmetric_eigenvalues().min()
+}
+
 impl Correlation {
-    /// Indices in the list of parameters.
-    pub(super) fn places(&self) -> &[usize] {
-        &self.parameters
+    /// Indices of what the case names.
+    pub(super) fn named(&self) -> &[usize] {
+        &self.named
     }
 
-    /// The rows of the factor of the correlation matrix, over these parameters in one contact after the other.
+    /// The rows of the factor of the correlation matrix.
     pub(super) fn factor(&self) -> &[Vec<f64>] {
         self.copula.factor()
     }
 
-    /// True if a parameter, by its index, depends on others.
-    pub fn holds(&self, parameter: usize) -> bool {
-        self.parameters.contains(&parameter)
+    /// True if a value of a draw, by its index, depends on others: those of the friction of all contacts, one after the other, are before all others.
+    pub fn holds(&self, value: usize) -> bool {
+        self.places.contains(&value)
     }
 
-    /// Makes independent draws correlated: of each contact its value of every parameter.
-    pub fn apply(&self, distributions: &[&Distribution], contacts: &mut [&mut [f64]]) {
-        let pairs = || (0..contacts.len()).flat_map(|contact| self.parameters.iter().map(move |&at| (contact, at)));
-        let mut values: Vec<f64> = pairs().map(|(contact, at)| contacts[contact][at]).collect();
-        let of: Vec<&Distribution> = pairs().map(|(_, at)| distributions[at]).collect();
-        let places: Vec<(usize, usize)> = pairs().collect();
-        self.copula.apply(&of, &mut values);
-        for ((contact, at), value) in places.into_iter().zip(values) {
-            contacts[contact][at] = value;
+    /// Makes independent values of a draw, of the friction of all contacts, one after the other, then all others, correlated.
+    pub fn apply(&self, distributions: &[&Distribution], values: &mut [f64]) {
+        // Of another reading of the case, with a draw for all contacts, there are fewer.
+        let places: Vec<usize> = self.places.iter().copied().take_while(|&place| place < values.len()).collect();
+        let of: Vec<&Distribution> = places.iter().map(|&place| distributions[place]).collect();
+        let mut own: Vec<f64> = places.iter().map(|&place| values[place]).collect();
+        self.copula.apply(&of, &mut own);
+        for (place, value) in places.into_iter().zip(own) {
+            values[place] = value;
         }
     }
 }

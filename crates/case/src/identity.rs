@@ -1,5 +1,7 @@
 //! Identity that tells a case from another: its parts written out field by field, with matrices in other files as they were read.
 
+use std::sync::Arc;
+
 use friction::BristleDamping;
 use nalgebra_sparse::CscMatrix;
 use osc_model::{
@@ -15,7 +17,7 @@ use super::matrices::{BodyDofs, Branch, GainExpressions, LagExpressions};
 use super::types::{ConstraintSet, LatticeReadings};
 use super::{
     Correlation, Draws, Expression, FiniteElementCase, FixedDofs, FrictionDistributions, LatticeCase, MatricesCase,
-    Parameter, SpeedRange,
+    Parameter, SpeedRange, TableFunction,
 };
 
 impl LatticeCase {
@@ -48,6 +50,7 @@ impl MatricesCase {
         let Self {
             header,
             parameters,
+            tables,
             correlation,
             dofs,
             system,
@@ -58,7 +61,7 @@ impl MatricesCase {
             constraints,
             ..
         } = self;
-        Identity::named(&header.name)
+        with_tables(Identity::named(&header.name), tables)
             .part("parameters", |to| to.list(parameters, parameter))
             .part("dofs", |to| to.list(dofs, |to, dof| to.text(dof)))
             .part("terms", |to| {
@@ -98,6 +101,7 @@ impl FiniteElementCase {
         let Self {
             header,
             parameters,
+            tables,
             dofs,
             system,
             coefficients,
@@ -108,7 +112,7 @@ impl FiniteElementCase {
             reduction,
             ..
         } = self;
-        Identity::named(&header.name)
+        with_tables(Identity::named(&header.name), tables)
             .part("parameters", |to| to.list(parameters, parameter))
             .part("dofs", |to| {
                 to.list(dofs, |to, dof| {
@@ -148,8 +152,8 @@ impl FiniteElementCase {
 
     /// Identifies the brake of the case whichever of its scenes are chosen, and whatever is drawn of it.
     pub fn brake_identity(&self) -> String {
-        let Self { header, parameters, system, coefficients, branches, contact, reduction, .. } = self;
-        Identity::named(&header.name)
+        let Self { header, parameters, tables, system, coefficients, branches, contact, reduction, .. } = self;
+        with_tables(Identity::named(&header.name), tables)
             .part("parameters", |to| to.list(parameters, parameter))
             .part("terms", |to| {
                 to.list(system.terms(), of_term);
@@ -166,6 +170,19 @@ impl FiniteElementCase {
             .part("reduction", |to| of_reduction(to, reduction))
             .into_line()
     }
+}
+
+/// The identity with the points of tables, where there are some, so that other studies stay as they were.
+fn with_tables(identity: Identity, tables: &[Arc<TableFunction>]) -> Identity {
+    if tables.is_empty() {
+        return identity;
+    }
+    identity.part("tables", |to| {
+        to.list(tables, |to, table| {
+            to.text(table.name());
+            to.list(table.points(), |to, point| point.into_iter().for_each(|number| to.number(number)));
+        });
+    })
 }
 
 fn of_lattice(to: &mut Written, lattice: &LatticeParameters) {
@@ -275,7 +292,7 @@ fn of_friction(to: &mut Written, friction: &FrictionDistributions) {
 }
 
 fn of_correlation(to: &mut Written, correlation: &Correlation) {
-    to.list(correlation.places(), |to, &place| to.count(place));
+    to.list(correlation.named(), |to, &place| to.count(place));
     to.list(correlation.factor(), |to, row| numbers(to, row));
 }
 

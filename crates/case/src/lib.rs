@@ -32,6 +32,7 @@ mod schema;
 mod set;
 mod squeal;
 mod symmetry;
+mod tables;
 mod types;
 mod validate;
 mod variants;
@@ -44,7 +45,7 @@ pub use constants::with_constants;
 pub use correlation::Correlation;
 pub use draft::Draft;
 pub use error::CaseError;
-pub use expression::{Expression, ExpressionError, is_parameter_name};
+pub use expression::{Expression, ExpressionError, TableFunction, is_parameter_name};
 pub use file::CaseFile;
 pub use finite_elements::{
     Acting, ContactBalance, ContactState, DraftFiles, EQUILIBRIUM, FRICTION_FACTOR, FiniteElementCase, LOAD_FACTOR,

@@ -1,4 +1,4 @@
-//! Measured values of a distribution, in a file beside the case.
+//! Measured numbers in a file beside the case: values of a distribution, points of a table.
 
 use std::path::Path;
 
@@ -20,74 +20,128 @@ impl Check<'_> {
                 return Err(self.value(&format!("{field}.column"), format!("{column:?}"), "only beside `file`"));
             }
         }
-        let distribution = given.with_file(|file, column| {
-            let path = self.path.parent().unwrap_or(Path::new("")).join(file);
-            let refused = |found: &str, allowed: &str| {
-                self.value(&format!("{field}.file"), format!("{}: {found}", file.display()), allowed)
-            };
-            let text = read_text(&path, LARGEST_CASE)
-                .map_err(|error| refused(&error.to_string(), "a file that can be read"))?;
-            numbers(&text, column).map_err(|(found, allowed)| refused(&found, &allowed))
-        })?;
+        let distribution = given
+            .with_file(|file, column| self.of_sheet(&format!("{field}.file"), file, |sheet| sheet.column(column)))?;
         let fault = |fault: montecarlo::DistributionFault| {
             self.value(&format!("{field}.{}", fault.key), fault.value, &fault.allowed)
         };
         distribution.check().map_err(fault)?;
         Ok(distribution)
     }
+
+    /// The numbers of a file of two columns.
+    pub fn two_columns(&self, field: &str, file: &Path) -> Result<[Vec<f64>; 2], CaseError> {
+        self.of_sheet(field, file, |sheet| sheet.two_columns())
+    }
+
+    /// What is read of a file, relative to the folder of the case.
+    fn of_sheet<T>(
+        &self,
+        field: &str,
+        file: &Path,
+        read: impl FnOnce(&Sheet<'_>) -> Result<T, Fault>,
+    ) -> Result<T, CaseError> {
+        let path = self.path.parent().unwrap_or(Path::new("")).join(file);
+        let refused = |found: &str, allowed: &str| self.value(field, format!("{}: {found}", file.display()), allowed);
+        let text =
+            read_text(&path, LARGEST_CASE).map_err(|error| refused(&error.to_string(), "a file that can be read"))?;
+        read(&Sheet::new(&text)).map_err(|(found, allowed)| refused(&found, &allowed))
+    }
 }
 
-/// The numbers of a column of a table with `,`, `;` or tabs between its cells; what was found and what is allowed where there are none.
-fn numbers(text: &str, column: Option<&str>) -> Result<Vec<f64>, (String, String)> {
-    // A spreadsheet may begin a table with a byte order mark.
-    let text = text.trim_start_matches('\u{feff}');
-    let first = text.lines().next().unwrap_or_default();
-    let delimiter = [';', '\t', ','].into_iter().find(|&delimiter| first.contains(delimiter)).unwrap_or(',');
-    let cells =
-        |line: &str| line.split(delimiter).map(|cell| cell.trim().trim_matches('"').to_owned()).collect::<Vec<_>>();
-    let heads = cells(first);
-    let at = match column {
-        None if heads.len() > 1 => {
-            return Err((format!("{} columns", heads.len()), "one column, or `column` with the heading of one".into()));
-        }
-        None => 0,
-        Some(name) if heads.iter().filter(|head| *head == name).count() > 1 => {
-            return Err((format!("several columns {name:?}"), "a heading that one column has".into()));
-        }
-        Some(name) => heads
-            .iter()
-            .position(|head| head == name)
-            .ok_or_else(|| (format!("no column {name:?}"), format!("one of {}", heads.join(", "))))?,
-    };
-    // The first cell is a heading where it was asked for by its name, be it a number, and where it is no number.
-    let has_heads = column.is_some() || heads.get(at).is_none_or(|head| head.parse::<f64>().is_err());
-    let mut values = Vec::new();
-    for (number, line) in text.lines().enumerate().skip(usize::from(has_heads)) {
-        if line.trim().is_empty() {
-            continue;
-        }
-        let cells = cells(line);
-        // A decimal comma makes two cells of one.
-        if cells.len() != heads.len() {
-            let found = format!("line {}: {} cells", number + 1, cells.len());
-            return Err((found, format!("{}, as in the first line", heads.len())));
-        }
-        let cell = &cells[at];
-        match cell.parse::<f64>() {
-            Ok(value) if value.is_finite() => values.push(value),
-            _ => {
-                return Err((format!("line {}: {cell:?}", number + 1), "a finite number, with a decimal point".into()));
+/// Fault of a file: what was found, and what is allowed.
+type Fault = (String, String);
+
+/// A table with `,`, `;` or tabs between its cells.
+struct Sheet<'a> {
+    text: &'a str,
+    delimiter: char,
+    /// The cells of the first line.
+    heads: Vec<String>,
+}
+
+impl<'a> Sheet<'a> {
+    fn new(text: &'a str) -> Self {
+        // A spreadsheet may begin a table with a byte order mark.
+        let text = text.trim_start_matches('\u{feff}');
+        let first = text.lines().next().unwrap_or_default();
+        let delimiter = [';', '\t', ','].into_iter().find(|&delimiter| first.contains(delimiter)).unwrap_or(',');
+        Self { text, delimiter, heads: cells(first, delimiter) }
+    }
+
+    /// The numbers of a column.
+    fn column(&self, column: Option<&str>) -> Result<Vec<f64>, Fault> {
+        let heads = &self.heads;
+        let at = match column {
+            None if heads.len() > 1 => {
+                return Err((
+                    format!("{} columns", heads.len()),
+                    "one column, or `column` with the heading of one".into(),
+                ));
             }
+            None => 0,
+            Some(name) if heads.iter().filter(|head| *head == name).count() > 1 => {
+                return Err((format!("several columns {name:?}"), "a heading that one column has".into()));
+            }
+            Some(name) => heads
+                .iter()
+                .position(|head| head == name)
+                .ok_or_else(|| (format!("no column {name:?}"), format!("one of {}", heads.join(", "))))?,
+        };
+        // The first cell is a heading where it was asked for by its name, be it a number, and where it is no number.
+        let has_heads = column.is_some() || heads.get(at).is_none_or(|head| head.parse::<f64>().is_err());
+        self.numbers([at], has_heads).map(|[numbers]| numbers)
+    }
+
+    /// The numbers of both columns. The first line has headings where neither cell of it is a number.
+    fn two_columns(&self) -> Result<[Vec<f64>; 2], Fault> {
+        match &self.heads[..] {
+            [first, second] => {
+                let has_heads = [first, second].into_iter().all(|head| head.parse::<f64>().is_err());
+                self.numbers([0, 1], has_heads)
+            }
+            heads => Err((format!("{} columns", heads.len()), "two columns: at and value of each point".into())),
         }
     }
-    Ok(values)
+
+    /// The numbers of some columns.
+    fn numbers<const N: usize>(&self, columns: [usize; N], has_heads: bool) -> Result<[Vec<f64>; N], Fault> {
+        let mut values = [const { Vec::new() }; N];
+        for (number, line) in self.text.lines().enumerate().skip(usize::from(has_heads)) {
+            if line.trim().is_empty() {
+                continue;
+            }
+            let cells = cells(line, self.delimiter);
+            // A decimal comma makes two cells of one.
+            if cells.len() != self.heads.len() {
+                let found = format!("line {}: {} cells", number + 1, cells.len());
+                return Err((found, format!("{}, as in the first line", self.heads.len())));
+            }
+            for (at, values) in columns.into_iter().zip(&mut values) {
+                let cell = &cells[at];
+                match cell.parse::<f64>() {
+                    Ok(value) if value.is_finite() => values.push(value),
+                    _ => {
+                        let found = format!("line {}: {cell:?}", number + 1);
+                        return Err((found, "a finite number, with a decimal point".into()));
+                    }
+                }
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// The cells of a line.
+fn cells(line: &str, delimiter: char) -> Vec<String> {
+    line.split(delimiter).map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use montecarlo::Distribution;
 
-    use super::numbers;
+    use super::{Fault, Sheet};
     use crate::MatricesCase;
 
     #[test]
@@ -132,6 +186,10 @@ mod tests {
         }
     }
 
+    fn numbers(text: &str, column: Option<&str>) -> Result<Vec<f64>, Fault> {
+        Sheet::new(text).column(column)
+    }
+
     #[test]
     fn a_column_is_found_by_its_heading_or_is_the_first() {
         assert_eq!(numbers("mu,k\n0.5,1e6\n0.4, 2e6\n\n", Some("k")), Ok(vec![1e6, 2e6]));
@@ -145,5 +203,12 @@ mod tests {
         assert_eq!(numbers("mu;k\n0,5;1\n", Some("mu")).unwrap_err().0, "line 2: \"0,5\"");
         assert_eq!(numbers("mu,k\n0.5,1\n", Some("c")).unwrap_err(), ("no column \"c\"".into(), "one of mu, k".into()));
         assert_eq!(numbers("mu,k\n0.5\n", Some("k")).unwrap_err().0, "line 2: 1 cells");
+        let two = |text: &str| Sheet::new(text).two_columns();
+        assert_eq!(two("T;E\n20;1.5\n100;1.25\n\n"), Ok([vec![20.0, 100.0], vec![1.5, 1.25]]));
+        assert_eq!(two("\u{feff}20,1.5\n100,1.25"), Ok([vec![20.0, 100.0], vec![1.5, 1.25]]));
+        assert_eq!(two("20,E\n100,1.25\n").unwrap_err().0, "line 1: \"E\"");
+        assert_eq!(two("T,E\n20,1,5\n").unwrap_err().0, "line 2: 3 cells");
+        assert_eq!(two("T\n20\n").unwrap_err().0, "1 columns");
+        assert_eq!(two("T,E,nu\n20,1.5,0.3\n").unwrap_err().0, "3 columns");
     }
 }

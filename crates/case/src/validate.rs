@@ -74,7 +74,13 @@ impl LatticeCase {
             Draws::Shared => vec![[0.0; 3]],
             Draws::Each => oscillator_places(parameters.grid),
         };
-        let correlated = Correlated { parameters: friction_parameters(&friction), contacts: &contacts };
+        let correlated = Correlated {
+            friction: friction_parameters(&friction),
+            contacts: &contacts,
+            // Under another reading of the draws there is no contact 1.
+            has_numbers: readings.draws == Draws::Each && alternatives.draws.is_empty(),
+            others: Vec::new(),
+        };
         Ok(Self {
             header,
             laws,

@@ -10,7 +10,7 @@ mod kept_samples;
 use std::path::Path;
 
 use brakes::case::{CaseError, LatticeCase, MatricesCase};
-use brakes::{LatticeBrake, MatricesBrake};
+use brakes::{LatticeBrake, LatticeSample, MatricesBrake};
 use cea::BatchSolver;
 use montecarlo::stream;
 use squeal::Error;
@@ -218,6 +218,64 @@ fn a_field_over_contacts_falls_with_their_distance() {
     }
     let names: Vec<String> = far.inputs(far.plan.scenes.last().unwrap()).into_iter().map(|input| input.name).collect();
     assert!(names.contains(&"mu_k@4".to_owned()), "{names:?}");
+}
+
+/// Friction parameters of single contacts: correlated as the matrix says, over the contacts as the field says, and with no other.
+#[test]
+fn friction_of_single_contacts_is_drawn_together() {
+    let each = ("draws = \"shared\"", "draws = \"each\"");
+    let lattice = |table: &str| {
+        let table = format!("[correlation]\n{table}\n[lattice]\n");
+        LatticeBrake::new(common::case("two-by-two.toml", &[each, ("[lattice]\n", table.as_str())])).unwrap()
+    };
+    let plain = LatticeBrake::new(common::case("two-by-two.toml", &[each])).unwrap();
+    let matrix = "parameters = [\"mu_s@1\", \"mu_k@1\"]\nmatrix = [[1.0, 0.4], [0.4, 1.0]]\n";
+    let alone = lattice(matrix);
+    let over = lattice(&format!("{matrix}field = {{ kernel = \"exponential\", length = 2.0 }}"));
+    let draws = |brake: &LatticeBrake| -> Vec<_> {
+        (0..4_000).map(|index| brake.draw(&mut stream(5, index)).unwrap()).collect()
+    };
+    let of_plain = draws(&plain);
+    let across = |distance: f64| (-distance / 2.0).exp();
+    for (brake, of_field) in [(&alone, false), (&over, true)] {
+        let found = draws(brake);
+        let between = |a: (usize, bool), b: (usize, bool)| {
+            let value = |of: &LatticeSample, (contact, is_static): (usize, bool)| {
+                let draw = of.contact(contact);
+                if is_static { draw.drawn_mu_s } else { draw.mu_k }
+            };
+            rank_correlation(&found.iter().map(|of| [value(of, a), value(of, b)]).collect::<Vec<_>>())
+        };
+        let field = |distance: f64| if of_field { across(distance) } else { 0.0 };
+        for (a, b, rho) in [
+            ((0, true), (0, false), 0.4),
+            ((0, true), (1, false), 0.0),
+            ((1, true), (1, false), 0.0),
+            ((0, true), (1, true), field(1.0)),
+            ((1, false), (2, false), field(2.0_f64.sqrt())),
+        ] {
+            let of = between(a, b);
+            assert!((of - expected_rank_correlation(rho)).abs() < 0.05, "{of_field} {a:?} {b:?}: {of}, {rho}");
+        }
+        assert!(found.iter().zip(&of_plain).all(|(of, plain)| of.contact(3).mu == plain.contact(3).mu));
+        let inputs = brake.plan.scenes.iter().flat_map(|scene| brake.inputs(scene));
+        let inputs: Vec<_> = inputs.collect();
+        let correlated = |name: &str| inputs.iter().find(|input| input.name == name).unwrap().is_correlated;
+        assert_eq!((correlated("mu_k@1"), correlated("mu_s@2")), (true, of_field));
+    }
+    let refused = |table: &str| {
+        let table = format!("[correlation]\n{table}\n[lattice]\n");
+        let text =
+            std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/two-by-two.toml")).unwrap();
+        let text = text.replacen(each.0, each.1, 1).replacen("[lattice]\n", &table, 1);
+        LatticeCase::parse(Path::new("lattice.toml"), text).unwrap_err().to_string()
+    };
+    // The smallest eigenvalue is that of NumPy's eigvalsh.
+    let strong = matrix.replace("0.4", "0.6") + "field = { kernel = \"exponential\", length = 2.0 }";
+    let message = refused(&strong);
+    assert!(message.contains("correlation = a matrix and a field with the eigenvalue -7.121e-2 together"), "{message}");
+    let message = refused(&matrix.replace("mu_k@1", "mu_k@5"));
+    assert!(message.contains("\"mu_k@5\"") && message.contains("the number N of the contact, 1 to 4"), "{message}");
 }
 
 #[test]

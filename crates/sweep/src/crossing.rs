@@ -13,6 +13,7 @@
 
 use cea::{Eigentriple, Workspace};
 use linsys::SecondOrder;
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::change::{Along, Change, ChangeOf, Place};
@@ -32,6 +33,9 @@ const REAL: f64 = 1e-9;
 /// Largest squared half distance, as a fraction of the squared scale, of two eigenvalues that have met; chosen: of two that do not, and
 /// were taken for one another, it is the distance of modes.
 const SMALL_SQUARE: f64 = 1e-12;
+/// Part of a slope that one side of a zero has where the function kinks next to it, as the coefficient of a table does; chosen: no smooth function
+/// changes so much over the little distance.
+const KINKED: f64 = 0.75;
 /// Largest distance of the mean of two eigenvalues from its expected value, as a multiple of half their distance and of the length of its
 /// move; chosen.
 const LARGEST_DRIFT: f64 = 2.0;
@@ -128,6 +132,13 @@ pub(super) fn crossing(
     Ok((change.filter(is_inside).filter(counts), search.spectra))
 }
 
+/// Slope of a function by which the error of its zero follows from that of a value: over both sides of the zero, or where the function kinks that of the side that is
+/// less steep.
+fn of_error(slope: f64, sides: [f64; 2]) -> f64 {
+    let less = sides.into_iter().filter(|side| side.abs() < KINKED * slope.abs());
+    less.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(slope)
+}
+
 /// Pair of eigenvalues by their mean and their squared half distance, which are smooth where they meet.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
@@ -211,8 +222,12 @@ impl Search<'_> {
             let is_at_end = value.abs() <= bound || bracket.is_shortest();
             if is_at_end {
                 let [q, r] = [below, above].map(|at| (self.along.system)(at));
-                let change = r?.dynamic_stiffness(lambda) - q?.dynamic_stiffness(lambda);
-                let slope = measure.rate(lambda, triple.rate_over(&change, above - below));
+                let [q, here, r] = [&q?, &system, &r?].map(|system| system.dynamic_stiffness(lambda));
+                let slope = |change: &DMatrix<Complex<f64>>, distance: f64| {
+                    measure.rate(lambda, triple.rate_over(change, distance))
+                };
+                let sides = [slope(&(&here - &q), at - below), slope(&(&r - &here), above - at)];
+                let slope = of_error(slope(&(r - q), above - below), sides);
                 let (step, error) = (-value / slope, bound / slope.abs());
                 let stands = step.abs() <= 2.0 * error + 4.0 * f64::EPSILON && (slope > 0.0) == self.starts;
                 let zero = Zero { at: at + step, error: error + step.abs(), lambda, is_double: false };
@@ -253,7 +268,8 @@ impl Search<'_> {
             let is_zero = pair.square.re.abs() <= rounding;
             if is_zero || bracket.is_shortest() {
                 let left = if is_zero { 0.0 } else { bracket.length() };
-                let error = left + ROUNDINGS * rounding / slope.abs();
+                let sides = [squares[0] / (from - at), squares[1] / (to - at)];
+                let error = left + ROUNDINGS * rounding / of_error(slope, sides).abs();
                 // Of two that met at zero or on the real axis the mean is real but for rounding.
                 let is_real = pair.mean.im.abs() <= REAL * scale;
                 let lambda = if is_real { Complex::from(pair.mean.re) } else { pair.mean };

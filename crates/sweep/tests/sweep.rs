@@ -19,6 +19,8 @@ mod cases;
 mod kinds;
 #[path = "sweep/openings.rs"]
 mod openings;
+#[path = "sweep/tables.rs"]
+mod tables;
 #[path = "sweep/thresholds.rs"]
 mod thresholds;
 
@@ -51,13 +53,19 @@ fn mapped<B: UncertainBrake>(brake: &B, asked: &[Over; 2]) -> StabilityMap {
 
 /// Hoffmann's oscillator with its equal dashpots c as a second parameter, and friction as an expression in p.
 fn hoffmann(friction: &str) -> MatricesCase {
+    hoffmann_with(friction, 0.05, "")
+}
+
+/// The same with other dashpots, and with further tables of the case.
+fn hoffmann_with(friction: &str, c: f64, further: &str) -> MatricesCase {
     let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
     let text = text
-        .replace("[parameters.mu]", "[parameters.c]\ndistribution = \"constant\"\nvalue = 0.05\n[parameters.p]")
+        .replace("[parameters.mu]", "[parameters.c]\ndistribution = \"constant\"\nvalue = C\n[parameters.p]")
+        .replace("value = C", &format!("value = {c:?}"))
         .replace("name = \"dashpots\"", "name = \"dashpots\"\ncoefficient = \"c\"")
         .replace("[[0.05, 0.0], [0.0, 0.05]]", "[[1.0, 0.0], [0.0, 1.0]]")
         .replace("mu = \"mu\"", &format!("mu = \"{friction}\""));
-    written(&text)
+    written(&(text + further))
 }
 
 #[test]

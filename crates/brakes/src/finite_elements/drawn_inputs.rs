@@ -33,9 +33,10 @@ impl FiniteElementBrake {
         OF_CONTACT * self.drawn_contacts() as u32
     }
 
-    /// Number of friction parameters, which are before those of coefficients in a correlation.
-    fn friction_parameters(&self) -> usize {
-        self.case.contact.as_ref().map_or(0, |contact| contact.friction.of_draw().len())
+    /// Number of values of friction, which are before those of coefficients in a correlation.
+    fn friction_values(&self) -> usize {
+        let of_contact = self.case.contact.as_ref().map_or(0, |contact| contact.friction.of_draw().len());
+        of_contact * self.drawn_contacts()
     }
 
     fn speed_is_drawn(&self, scene: &Scene) -> bool {
@@ -65,7 +66,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
             name: parameter.name.clone(),
             unit: parameter.unit.clone(),
             coordinate: self.first_parameter() + at as u32,
-            is_correlated: self.case.correlation.as_ref().is_some_and(|of| of.holds(self.friction_parameters() + at)),
+            is_correlated: self.case.correlation.as_ref().is_some_and(|of| of.holds(self.friction_values() + at)),
             has_atoms: parameter.distribution.has_atoms(),
         }));
         inputs

@@ -7,7 +7,7 @@ use friction::{
     AmontonsCoulomb, BristleDamping, FrictionError, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters,
     Tangent, VelocityDependent, VelocityDependentParameters,
 };
-use montecarlo::{MonteCarloError, StreamRng};
+use montecarlo::{Distribution, MonteCarloError, StreamRng};
 use rand_distr::{Distribution as _, StandardUniform};
 
 use crate::case::{Correlation, Draws, FrictionDistributions, LatticeCase, Law};
@@ -167,14 +167,31 @@ impl LatticeSample {
     }
 
     /// A draw for each contact, or one for all, from independent ones.
-    pub(crate) fn correlated(mut self, friction: &FrictionDistributions, correlation: Option<&Correlation>) -> Self {
-        if let Some(correlation) = correlation {
-            let mut values: Vec<_> = self.contacts.iter().map(FrictionDraw::values).collect();
-            let mut contacts: Vec<&mut [f64]> = values.iter_mut().map(|values| &mut values[..]).collect();
-            correlation.apply(&friction.of_draw(), &mut contacts);
-            self.contacts = values.into_iter().map(FrictionDraw::from_values).collect();
+    pub(crate) fn correlated(self, friction: &FrictionDistributions, correlation: Option<&Correlation>) -> Self {
+        match correlation {
+            Some(correlation) => self.correlated_with(friction, (&[], Vec::new()), correlation).0,
+            None => self,
         }
-        self
+    }
+
+    /// A draw for each contact, or one for all, and values of other distributions, from independent ones.
+    pub(crate) fn correlated_with(
+        mut self,
+        friction: &FrictionDistributions,
+        (others, values): (&[&Distribution], Vec<f64>),
+        correlation: &Correlation,
+    ) -> (Self, Vec<f64>) {
+        let of_contact = friction.of_draw();
+        let mut all: Vec<f64> = self.contacts.iter().flat_map(FrictionDraw::values).collect();
+        let of_friction = all.len();
+        all.extend(values);
+        let mut distributions = of_contact.repeat(self.contacts.len());
+        distributions.extend(others);
+        correlation.apply(&distributions, &mut all);
+        let values = all.split_off(of_friction);
+        let draws = all.chunks_exact(of_contact.len()).filter_map(|draw| draw.first_chunk().copied());
+        self.contacts = draws.map(FrictionDraw::from_values).collect();
+        (self, values)
     }
 
     /// A sample with these draws, one for each contact or one for all.

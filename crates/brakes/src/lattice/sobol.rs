@@ -63,7 +63,9 @@ impl DrawnFriction<'_> {
                 name: if self.draws == Draws::Each { format!("{name}@{}", contact + 1) } else { name.into() },
                 unit: FrictionDistributions::UNITS[place].into(),
                 coordinate: OF_CONTACT * contact as u32 + COORDINATES[place],
-                is_correlated: self.correlation.is_some_and(|correlation| correlation.holds(place)),
+                is_correlated: self
+                    .correlation
+                    .is_some_and(|of| of.holds(contact * FrictionDistributions::DRAWN.len() + place)),
                 has_atoms: self.from.of_draw()[place].has_atoms(),
             });
         }

@@ -1,23 +1,34 @@
-//! The expressions of a case file, and the parameters that occur in them.
+//! The expressions of a case file, and the parameters and tables that occur in them.
+
+use std::sync::Arc;
 
 use crate::check::Check;
 use crate::matrices::Parameter;
 use crate::matrices::schema::Formula;
-use crate::{CaseError, Expression};
+use crate::{CaseError, Expression, TableFunction};
 
-/// Reads expressions and records the parameters that occur in them.
+/// Reads expressions and records the parameters and tables that occur in them.
 pub(crate) struct Formulas<'a> {
     check: &'a Check<'a>,
     parameters: Vec<String>,
     /// Number of parameters of which the whole brake has one value; the others are local.
     of_whole: usize,
     used: Vec<bool>,
+    tables: &'a [Arc<TableFunction>],
+    used_tables: Vec<bool>,
 }
 
 impl<'a> Formulas<'a> {
-    pub fn new(check: &'a Check<'a>, parameters: &[Parameter]) -> Self {
+    pub fn new(check: &'a Check<'a>, parameters: &[Parameter], tables: &'a [Arc<TableFunction>]) -> Self {
         let parameters: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
-        Self { check, used: vec![false; parameters.len()], of_whole: parameters.len(), parameters }
+        Self {
+            check,
+            used: vec![false; parameters.len()],
+            of_whole: parameters.len(),
+            parameters,
+            tables,
+            used_tables: vec![false; tables.len()],
+        }
     }
 
     /// Formulas with further, local parameters, after the others: those that have a value for each patch or point of a contact.
@@ -59,21 +70,34 @@ impl<'a> Formulas<'a> {
             Formula::Number(value) => self.check.finite(field, value)?.to_string(),
             Formula::Text(text) => text,
         };
-        let expression = Expression::parse(&text, &self.parameters).map_err(self.check.expression(field))?;
+        let expression =
+            Expression::with_tables(&text, &self.parameters, self.tables).map_err(self.check.expression(field))?;
         for parameter in expression.parameters() {
             self.used[parameter] = true;
+        }
+        for called in expression.tables() {
+            let known = self.tables.iter().zip(&mut self.used_tables);
+            known.filter(|(table, _)| table.name() == called.name()).for_each(|(_, used)| *used = true);
         }
         Ok(expression)
     }
 
-    /// Refuses a parameter that occurs in no expression: its name may be misspelt where it was meant.
+    /// Refuses a parameter and a table that occur in no expression: a name may be misspelt where it was meant.
     pub fn all_used(&self) -> Result<(), CaseError> {
-        match self.parameters.iter().zip(&self.used).find(|(_, used)| !**used) {
+        let unused = |kind: &str, allowed: &str, name: &str| {
+            Err(self.check.value(&format!("{kind}.{name}"), "used nowhere", allowed))
+        };
+        if let Some((name, _)) = self.parameters.iter().zip(&self.used).find(|(_, used)| !**used) {
+            let allowed = "parameters that occur in an expression of this file: a coefficient, or a field of contacts or rotation that takes one";
+            return unused("parameters", allowed, name);
+        }
+        match self.tables.iter().zip(&self.used_tables).find(|(_, used)| !**used) {
             None => Ok(()),
-            Some((name, _)) => {
-                let allowed = "parameters that occur in an expression of this file: a coefficient, or a field of contacts or rotation that takes one";
-                Err(self.check.value(&format!("parameters.{name}"), "used nowhere", allowed))
-            }
+            Some((table, _)) => unused(
+                "tables",
+                &format!("tables that an expression of this file calls, as {0}(w)", table.name()),
+                table.name(),
+            ),
         }
     }
 }

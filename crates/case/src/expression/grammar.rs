@@ -5,9 +5,12 @@
 //!
 //! - names of parameters are put in braces, so that a parameter may be called `e` or `E`, which are constants in `exmex`;
 //! - numbers are written without exponents, which `exmex` does not read;
-//! - a leading minus becomes `0 -`, because `exmex` reads `-w^2` as `(-w)^2`, and a negative number gets parentheses.
+//! - a leading minus becomes `0 -`, because `exmex` reads `-w^2` as `(-w)^2`, and a negative number gets parentheses;
+//! - a call of a table, `modulus(T)`, becomes a variable, and its argument an expression of its own.
 
-use super::ExpressionError;
+use std::sync::Arc;
+
+use super::{ExpressionError, TableFunction};
 
 /// Most characters of an expression; chosen: several times the length of a usual coefficient, and short enough that parsing
 /// and evaluating take milliseconds.
@@ -30,6 +33,28 @@ pub(super) struct Level {
     power: bool,
     /// True if the last operand is a number with a minus sign; a power of it, as in `2*-3^2`, would have two readings.
     negative: bool,
+    /// The table that is called with what is in the parentheses, and where that begins in the translated text.
+    pub(super) call: Option<(usize, usize)>,
+}
+
+/// An expression in the form that `exmex` gets.
+pub(super) struct Checked {
+    pub(super) text: String,
+    /// Calls of tables, inner ones first.
+    pub(super) calls: Vec<CheckedCall>,
+}
+
+/// A call of a table.
+pub(super) struct CheckedCall {
+    /// Index of the table.
+    pub(super) table: usize,
+    /// The argument, in the form that `exmex` gets.
+    pub(super) argument: String,
+}
+
+/// Name of the variable that stands for a call, by its index; no parameter can have it.
+pub(super) fn name_of_call(call: usize) -> String {
+    format!("#{call}")
 }
 
 /// Pass through the characters of an expression.
@@ -37,15 +62,21 @@ pub(super) struct Pass<'a> {
     pub(super) characters: Vec<char>,
     pub(super) at: usize,
     pub(super) parameters: &'a [String],
+    pub(super) tables: &'a [Arc<TableFunction>],
     levels: Vec<Level>,
     pub(super) out: String,
+    calls: Vec<CheckedCall>,
 }
 
 /// The expression in the form that `exmex` gets.
 ///
 /// # Errors
 /// The first thing in it that is not allowed, with its column.
-pub(super) fn checked(text: &str, parameters: &[String]) -> Result<String, ExpressionError> {
+pub(super) fn checked(
+    text: &str,
+    parameters: &[String],
+    tables: &[Arc<TableFunction>],
+) -> Result<Checked, ExpressionError> {
     let length = text.chars().take(LONGEST_EXPRESSION + 1).count();
     if length > LONGEST_EXPRESSION {
         return Err(ExpressionError::TooLong { text: shown(text) });
@@ -54,8 +85,10 @@ pub(super) fn checked(text: &str, parameters: &[String]) -> Result<String, Expre
         characters: text.chars().collect(),
         at: 0,
         parameters,
+        tables,
         levels: vec![Level::default()],
         out: String::new(),
+        calls: Vec::new(),
     };
     pass.run().map_err(|fault| ExpressionError::Syntax {
         text: shown(text),
@@ -63,7 +96,7 @@ pub(super) fn checked(text: &str, parameters: &[String]) -> Result<String, Expre
         found: fault.found,
         allowed: fault.allowed,
     })?;
-    Ok(pass.out)
+    Ok(Checked { text: pass.out, calls: pass.calls })
 }
 
 /// The text for a message, shortened where it is long.
@@ -170,9 +203,12 @@ impl Pass<'_> {
                             allowed: "one \"(\" for each \")\"".into(),
                         });
                     }
-                    self.levels.pop();
+                    let call = self.levels.pop().and_then(|level| level.call);
                     self.at += 1;
-                    self.out.push(')');
+                    match call {
+                        Some((table, begins)) => self.end_call(table, begins),
+                        None => self.out.push(')'),
+                    }
                 }
                 '+' | '-' | '*' | '/' | '^' => {
                     self.check_power(c)?;
@@ -214,6 +250,15 @@ impl Pass<'_> {
         self.levels.push(Level { column: self.at, ..Level::default() });
         self.out.push('(');
         Ok(())
+    }
+
+    /// Puts a variable in the place of a call of a table, whose argument begins at a place of the translated text.
+    fn end_call(&mut self, table: usize, begins: usize) {
+        let argument = self.out.split_off(begins);
+        // The parenthesis before it.
+        self.out.pop();
+        self.out += &format!("{{{}}}", name_of_call(self.calls.len()));
+        self.calls.push(CheckedCall { table, argument });
     }
 
     fn next_character(&mut self, allowed: &str) -> Result<char, Fault> {

@@ -68,7 +68,7 @@ impl Pass<'_> {
         self.at > from
     }
 
-    /// Reads a parameter or constant (`true`), or a function with its opening parenthesis (`false`).
+    /// Reads a parameter or constant (`true`), or a function or table with its opening parenthesis (`false`).
     pub(super) fn name(&mut self) -> Result<bool, Fault> {
         self.level().begun = true;
         let start = self.at;
@@ -78,15 +78,13 @@ impl Pass<'_> {
         let name: String = self.characters[start..self.at].iter().collect();
         if is_function(&name) {
             self.out += &name;
-            self.skip_spaces();
-            return match self.characters.get(self.at) {
-                Some('(') => self.open().map(|()| false),
-                _ => Err(Fault {
-                    column: self.at + 1,
-                    found: format!("the function {name} without an argument"),
-                    allowed: format!("parentheses, as in {name}(w)"),
-                }),
-            };
+            return self.argument("function", &name).map(|()| false);
+        }
+        if let Some(table) = self.tables.iter().position(|table| table.name() == name) {
+            self.argument("table", &name)?;
+            let begins = self.out.len();
+            self.level().call = Some((table, begins));
+            return Ok(false);
         }
         if let Some(value) = constant(&name) {
             self.out += &value.to_string();
@@ -96,10 +94,28 @@ impl Pass<'_> {
             return Err(Fault {
                 column: start + 1,
                 found: format!("unknown name {:?}", shown(&name)),
-                allowed: format!("{}; {}", self.known_parameters(), known_functions()),
+                allowed: format!("{}; {}{}", self.known_parameters(), known_functions(), self.known_tables()),
             });
         }
         Ok(true)
+    }
+
+    /// Reads the opening parenthesis after the name of a function or table.
+    fn argument(&mut self, kind: &str, name: &str) -> Result<(), Fault> {
+        self.skip_spaces();
+        match self.characters.get(self.at) {
+            Some('(') => self.open(),
+            _ => Err(Fault {
+                column: self.at + 1,
+                found: format!("the {kind} {name} without an argument"),
+                allowed: format!("parentheses, as in {name}(w)"),
+            }),
+        }
+    }
+
+    fn known_tables(&self) -> String {
+        let names: Vec<&str> = self.tables.iter().map(|table| table.name()).collect();
+        if names.is_empty() { String::new() } else { format!("; the tables {}", names.join(", ")) }
     }
 
     fn known_parameters(&self) -> String {

@@ -187,6 +187,8 @@ proptest! {
 /// Random expressions with their values by the rules of a textbook, from the inside out.
 struct Textbook {
     state: u64,
+    /// Tables that are called too.
+    tables: Vec<Arc<TableFunction>>,
     /// Largest argument of a function so far: rounding of a large one is all of its sine.
     largest: f64,
 }
@@ -199,7 +201,7 @@ impl Textbook {
     }
 
     fn primary(&mut self, depth: usize) -> (String, f64) {
-        match self.below(if depth == 0 { 2 } else { 4 }) {
+        match self.below(if depth == 0 { 2 } else { 4 + self.tables.len() }) {
             0 => {
                 let number = (1 + self.below(39)) as f64 / 10.0;
                 (number.to_string(), number)
@@ -211,6 +213,11 @@ impl Textbook {
             2 => {
                 let (text, value) = self.sum(depth - 1);
                 (format!("({text})"), value)
+            }
+            table @ 4.. => {
+                let table = Arc::clone(&self.tables[table - 4]);
+                let (text, value) = self.sum(depth - 1);
+                (format!("{}({text})", table.name()), interpolated(&table, value))
             }
             _ => {
                 let functions = [
@@ -268,7 +275,7 @@ fn random_expressions_have_the_values_of_a_textbook() {
     ] {
         assert_relative_eq!(value(text), expected, max_relative = 1e-14);
     }
-    let (mut textbook, mut compared) = (Textbook { state: 5, largest: 0.0 }, 0);
+    let (mut textbook, mut compared) = (Textbook { state: 5, tables: Vec::new(), largest: 0.0 }, 0);
     while compared < 5_000 {
         textbook.largest = 0.0;
         let (text, expected) = textbook.sum(3);
@@ -280,4 +287,105 @@ fn random_expressions_have_the_values_of_a_textbook() {
         assert!((found - expected).abs() <= 1e-6 * (1.0 + expected.abs()), "{text}: {found}, {expected}");
         compared += 1;
     }
+}
+
+/// The value of a table on the chord of the interval that has the argument; NaN beyond its ends.
+fn interpolated(table: &TableFunction, x: f64) -> f64 {
+    let points: Vec<[f64; 2]> = table.points().collect();
+    let chord = |[a, b]: [[f64; 2]; 2]| (a[1] * (b[0] - x) + b[1] * (x - a[0])) / (b[0] - a[0]);
+    let mut intervals = points.windows(2).map(|pair| [pair[0], pair[1]]);
+    intervals.find(|[a, b]| a[0] <= x && x <= b[0]).map_or(f64::NAN, chord)
+}
+
+fn table(name: &str, points: &[[f64; 2]]) -> Arc<TableFunction> {
+    let of = |place: usize| points.iter().map(|point| point[place]).collect();
+    Arc::new(TableFunction::new(name.into(), of(0), of(1)))
+}
+
+/// A table of random points that begins at an argument.
+fn random_table(name: &'static str) -> impl Strategy<Value = Arc<TableFunction>> {
+    (-6.0..0.0, prop::collection::vec((1e-3..4.0, -3.0..3.0), 2..8)).prop_map(move |(first, steps)| {
+        let mut at: f64 = first;
+        let points = steps.into_iter().map(|(step, value)| {
+            at += step;
+            [at, value]
+        });
+        table(name, &points.collect::<Vec<_>>())
+    })
+}
+
+proptest! {
+    /// Calls of tables, within functions and each other, have the values of a linear interpolation, and none beyond the ends.
+    #[test]
+    fn tables_are_linear_between_points(f in random_table("f"), g in random_table("g"), state: u64) {
+        let tables = vec![f, g];
+        let mut textbook = Textbook { state, tables: tables.clone(), largest: 0.0 };
+        for _ in 0..20 {
+            textbook.largest = 0.0;
+            let (text, expected) = textbook.sum(4);
+            if text.len() > 400 || textbook.largest > 30.0 || expected.abs() > 1e3 {
+                continue;
+            }
+            let found = Expression::with_tables(&text, &names(), &tables).unwrap().value(&VALUES);
+            match found {
+                Ok(found) => prop_assert!((found - expected).abs() <= 1e-6 * (1.0 + expected.abs()), "{text}: {found}, {expected}"),
+                Err(error) => prop_assert!(expected.is_nan(), "{text}: {error}, {expected}"),
+            }
+        }
+    }
+
+    /// Every point of a table is met to the last bit, and what is just beyond the ends has no value.
+    #[test]
+    fn points_are_met(f in random_table("f")) {
+        for [at, value] in f.points() {
+            prop_assert_eq!(f.value(at), Some(value));
+        }
+        let [first, last] = f.ends();
+        for beyond in [first.next_down(), last.next_up(), f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            prop_assert_eq!(f.value(beyond), None);
+        }
+    }
+}
+
+#[test]
+fn tables_are_called_by_name_with_one_argument() {
+    let tables = [table("E", &[[20.0, 1.0], [100.0, 0.5]]), table("T", &[[0.0, 20.0], [2.0, 100.0]])];
+    let names: Vec<String> = ["w", "mu"].map(String::from).to_vec();
+    let read = |text: &str| Expression::with_tables(text, &names, &tables);
+    let value = |text: &str, w: f64| read(text).unwrap().value(&[w, 3.0]).map_err(|error| error.to_string());
+    for (text, w, expected) in [
+        ("E(60)", 0.0, 0.75),
+        ("mu*E( T (w) )^2 - 1", 1.0, 3.0 * 0.5625 - 1.0),
+        ("-E(T(w))^2", 1.0, -0.5625),
+        ("E(-(-60))", 0.0, 0.75),
+        ("2^E(T(E(20)))", 0.0, 2.0_f64.powf(0.75)),
+        ("E(w)*E(w)", 100.0, 0.25),
+    ] {
+        assert_relative_eq!(value(text, w).unwrap(), expected, max_relative = 1e-15);
+    }
+    let beyond = "\"E(T(w)+1)\": E(101) at w = 2; allowed: an argument from 20 to 100, between the ends of the table";
+    assert_eq!(value("E(T(w)+1)", 2.0).unwrap_err(), beyond);
+    assert!(value("E(0)", 2.0).unwrap_err().starts_with("\"E(0)\": E(0); allowed"));
+    assert!(value("E(1/w)", 0.0).unwrap_err().contains("E(inf) at w = 0"));
+    assert_eq!(read("E(T(w)) + mu").unwrap().parameters().collect::<Vec<_>>(), [1, 0]);
+    let fault = |text: &str| read(text).unwrap_err().to_string();
+    for (text, column, part) in [
+        ("E", 2, "the table E without an argument; allowed: parentheses, as in E(w)"),
+        ("E + 1", 3, "the table E without an argument"),
+        ("E()", 3, "unexpected \")\""),
+        ("E(w, mu)", 4, "unexpected \",\""),
+        (
+            "1 + E(T(x))",
+            9,
+            "unknown name \"x\"; allowed: the parameters w, mu; the functions sin cos tan exp ln sqrt abs tanh; pi; the tables E, T",
+        ),
+        ("E(T(w)", 2, "never closed"),
+        ("E(2*-w)", 5, "a second sign"),
+    ] {
+        let message = fault(text);
+        assert!(message.contains(&format!("column {column}: ")) && message.contains(part), "{message}");
+    }
+    let other = [table("E", &[[20.0, 1.0], [100.0, 0.25]])];
+    let [one, two] = [&tables[..1], &other[..]].map(|tables| Expression::with_tables("E(w)", &names, tables).unwrap());
+    assert_ne!(one, two);
 }

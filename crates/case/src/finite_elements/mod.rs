@@ -45,7 +45,7 @@ use sparse::SparseAffineSystem;
 use super::matrices::relaxing::gains_of;
 use super::{
     Branch, CaseError, CaseHeader, Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter,
-    SpeedRange, TakenMatrix,
+    SpeedRange, TableFunction, TakenMatrix,
 };
 
 /// A checked study of a finite element brake.
@@ -55,6 +55,8 @@ pub struct FiniteElementCase {
     pub header: CaseHeader,
     /// The drawn parameters of coefficients, in the order of their names; then those of [`PatchContact::spread`].
     pub parameters: Vec<Parameter>,
+    /// Functions that are given by points, in the order of their names; each is called by an expression.
+    pub tables: Vec<Arc<TableFunction>>,
     /// The mesh, where the case names one.
     pub mesh: Option<Mesh>,
     /// The node sets of the mesh.
@@ -82,8 +84,8 @@ pub struct FiniteElementCase {
     pub branches: Vec<Branch>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
-    /// Correlation of what is drawn: of the friction parameters, then, where all patches share a draw of these, of [`Self::parameters`]; `None` where
-    /// all is independent.
+    /// Correlation of what is drawn: of the friction parameters of each contact that has a draw of its own, one after the other, then of
+    /// [`Self::parameters`]; `None` where all is independent.
     pub correlation: Option<Correlation>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,

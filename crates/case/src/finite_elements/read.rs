@@ -48,6 +48,7 @@ impl FiniteElementCase {
             brake,
             units,
             parameters,
+            tables,
             terms,
             holders,
             contact,
@@ -86,7 +87,8 @@ impl FiniteElementCase {
         let Terms { read, dofs, files, held } = read_terms(&check, terms)?;
         let model = Model::new(&check, deck, dofs);
         let local = spread.iter().map(|local| &local.parameter.name);
-        let mut formulas = Formulas::new(&check, &parameters).with_local(local);
+        let tables = check.tables(tables, parameters.iter().map(|own| &own.name).chain(local.clone()))?;
+        let mut formulas = Formulas::new(&check, &parameters, &tables).with_local(local);
         let (terms, coefficients) =
             terms_with_coefficients(&check, &mut formulas, read, model.dofs.len(), reduction.frequencies)?;
         let names = NamesOnMesh::new(&model)?;
@@ -151,12 +153,12 @@ impl FiniteElementCase {
         }
         channels.extend(relaxing);
         let places = contact.as_ref().map(|contact| draw_places(&model, contact)).transpose()?;
-        let mut correlated = contact.as_ref().map_or_else(Vec::new, |contact| friction_parameters(&contact.friction));
-        // What is drawn once for the whole brake cannot depend on one of many contacts.
-        if places.as_ref().is_none_or(|places| places.len() == 1) {
-            correlated.extend(parameters.iter().map(|own| (own.name.as_str(), &own.distribution)));
-        }
-        let of = Correlated { parameters: correlated, contacts: places.as_deref().unwrap_or(&[[0.0; 3]]) };
+        let of = Correlated {
+            friction: contact.as_ref().map_or_else(Vec::new, |contact| friction_parameters(&contact.friction)),
+            contacts: places.as_deref().unwrap_or(&[[0.0; 3]]),
+            has_numbers: contact.as_ref().is_some_and(|contact| contact.draws == Draws::Each),
+            others: parameters.iter().map(|own| (own.name.as_str(), &own.distribution)).collect(),
+        };
         let correlation = check.correlation(correlation, &of)?;
         let constraints = constraint_sets(&model, constraints, &mut missing_rows)?;
         let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;
@@ -177,6 +179,7 @@ impl FiniteElementCase {
             header,
             correlation,
             parameters,
+            tables,
             system,
             coefficients,
             branches,

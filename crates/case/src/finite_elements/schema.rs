@@ -20,6 +20,7 @@ use crate::matrices::schema::{Formula, ParameterTable};
 use crate::schema::{BristleDampingEntry, SpeedsTable};
 use crate::squeal::SquealTable;
 use crate::symmetry::SymmetryEntry;
+use crate::tables::PointsTable;
 use crate::{Draws, Law};
 
 #[derive(Debug, Deserialize)]
@@ -30,6 +31,8 @@ pub(super) struct FiniteElementsFile {
     pub units: Option<UnitsTable>,
     #[serde(default)]
     pub parameters: BTreeMap<String, ParameterTable>,
+    #[serde(default)]
+    pub tables: BTreeMap<String, PointsTable>,
     pub terms: Vec<TermTable>,
     #[serde(default)]
     pub holders: Vec<HolderTable>,

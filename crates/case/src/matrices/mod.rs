@@ -15,12 +15,14 @@ mod terms;
 
 pub use relaxing::Branch;
 
+use std::sync::Arc;
+
 use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 use study::Moves;
 
 use super::check::{Check, field};
-use super::{CaseError, CaseHeader, Correlation, Expression, TakenMatrix};
+use super::{CaseError, CaseHeader, Correlation, Expression, TableFunction, TakenMatrix};
 
 /// A checked study of a brake given by its matrices.
 #[derive(Debug, Clone)]
@@ -29,6 +31,8 @@ pub struct MatricesCase {
     pub header: CaseHeader,
     /// The drawn parameters, in the order of their names; each occurs in an expression.
     pub parameters: Vec<Parameter>,
+    /// Functions that are given by points, in the order of their names; each is called by an expression.
+    pub tables: Vec<Arc<TableFunction>>,
     /// Correlation of the parameters; `None` where they are independent.
     pub correlation: Option<Correlation>,
     /// Names of the degrees of freedom, in the order of rows and columns.
@@ -123,7 +127,7 @@ impl MatricesCase {
     pub fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
         if let Some(correlation) = &self.correlation {
             let distributions: Vec<&Distribution> = self.parameters.iter().map(|p| &p.distribution).collect();
-            correlation.apply(&distributions, &mut [&mut values]);
+            correlation.apply(&distributions, &mut values);
         }
         values
     }

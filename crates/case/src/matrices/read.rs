@@ -46,6 +46,7 @@ impl MatricesCase {
             study,
             brake,
             parameters,
+            tables,
             terms,
             contacts,
             bodies,
@@ -58,7 +59,8 @@ impl MatricesCase {
         let header = check.header(text, (study.name, study.samples, study.seed), accuracy, squeal, measured)?;
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
-        let mut formulas = Formulas::new(&check, &parameters);
+        let tables = check.tables(tables, parameters.iter().map(|parameter| &parameter.name))?;
+        let mut formulas = Formulas::new(&check, &parameters, &tables);
         let Terms { mut terms, coefficients, losses, branches, taken, rows } =
             read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
@@ -76,7 +78,8 @@ impl MatricesCase {
         }
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
-        let correlated = Correlated { parameters: named.collect(), contacts: &[[0.0; 3]] };
+        let correlated =
+            Correlated { friction: Vec::new(), contacts: &[[0.0; 3]], has_numbers: false, others: named.collect() };
         let mut case = Self {
             header,
             correlation: check.correlation(correlation, &correlated)?,
@@ -90,6 +93,7 @@ impl MatricesCase {
             moves: dofs.moves().to_vec(),
             dofs: dofs.into_names(),
             parameters,
+            tables,
         };
         case.check_contacts(&check)?;
         case.header.notes = check.notes();

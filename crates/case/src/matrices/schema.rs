@@ -12,6 +12,7 @@ use crate::heard::MeasuredTable;
 use crate::random_field::Kernel;
 use crate::squeal::SquealTable;
 use crate::symmetry::SymmetryEntry;
+use crate::tables::PointsTable;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -20,6 +21,8 @@ pub(super) struct MatricesFile {
     pub brake: BrakeTable,
     #[serde(default)]
     pub parameters: BTreeMap<String, ParameterTable>,
+    #[serde(default)]
+    pub tables: BTreeMap<String, PointsTable>,
     pub terms: Vec<TermTable>,
     #[serde(default)]
     pub contacts: Vec<ContactTable>,

@@ -8,7 +8,7 @@ mod names;
 use std::io::Write;
 use std::path::PathBuf;
 
-use brakes::case::{Branch, CaseFile, FiniteElementCase, TakenMatrix};
+use brakes::case::{Branch, CaseFile, FiniteElementCase, TableFunction, TakenMatrix};
 use brakes::{CaseBrake, FiniteElementBrake, Part, Purpose};
 use montecarlo::Progress;
 use output::{bytes_in_words, in_words, printable};
@@ -163,6 +163,7 @@ impl CheckArgs {
             let named = |branch: &Branch| branch.in_words(&case.system.terms()[branch.term].name);
             lines.add("viscoelastic", listed(case.branches.iter().map(named)));
         }
+        TableFunction::in_words(&case.tables).into_iter().for_each(|words| lines.add("tables", words));
         lines.add("patches", patches);
         lines.add("constraints", listed(case.constraints.iter().map(|set| set.name.clone())));
         lines.extend(names::of(case));

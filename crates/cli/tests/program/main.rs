@@ -33,6 +33,7 @@ mod strengths;
 mod study_tables;
 mod sweep;
 mod tables;
+mod tables_of_points;
 mod terminal;
 mod two_runs;
 mod words;
