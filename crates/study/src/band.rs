@@ -1,7 +1,7 @@
 //! Names of the modes that a brake finds itself: by MAC with the modes of the reference and, where one is in doubt, by continuation of all, in fewer
 //! coordinates where the brake has some. Most samples need no matrices.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, real_count};
+use cea::{EigenSolver, Mode, Modes, Verdict, Workspace, real_count};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -36,18 +36,15 @@ impl BandNames<'_> {
         system: impl FnOnce() -> Result<SecondOrder, Error>,
         memory: &mut Memory,
     ) -> Result<SectorModes, Error> {
-        let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
+        let verdict = |mode: &BandMode| mode.verdict(&self.plan.threshold);
         let studied = found.into_iter().filter(|mode| self.plan.is_studied(mode.lambda));
         let (real, studied): (Vec<BandMode>, Vec<BandMode>) = studied.partition(|mode| real_count(mode.lambda) > 0);
-        // What is on the axis grows nowhere; of a threshold beside the axis its margin tells.
-        let is_marginal = |mode: &BandMode| mode.is_on_axis && self.plan.threshold.is_axis();
-        let marginal = studied.iter().filter(|mode| is_marginal(mode)).count() as u32;
-        let is_open =
-            |mode: &&BandMode| !is_marginal(mode) && (margin(mode).abs() <= mode.bound || mode.bound.is_nan());
+        let grows = |mode: &&BandMode| verdict(mode) == Verdict::Unstable;
+        let is_open = |mode: &&BandMode| matches!(verdict(mode), Verdict::Undecided { .. });
+        let marginal = studied.iter().filter(|mode| matches!(verdict(mode), Verdict::Marginal { .. })).count() as u32;
         let undecided_real = real.iter().filter(is_open).count() as u32;
-        let divergent = real.iter().filter(|mode| margin(mode) > mode.bound).map(|mode| mode.lambda.re).collect();
-        let surely = |at: &usize| !is_marginal(&studied[*at]) && margin(&studied[*at]) > studied[*at].bound;
-        let mut to_name: Vec<usize> = (0..studied.len()).filter(surely).collect();
+        let divergent = real.iter().filter(grows).map(|mode| mode.lambda.re).collect();
+        let mut to_name: Vec<usize> = (0..studied.len()).filter(|&at| grows(&&studied[at])).collect();
         let unstable = to_name.len();
         to_name.extend((0..studied.len()).filter(|&at| is_open(&&studied[at])));
         let mode = |&at: &usize| Mode::weighted(mass, studied[at].lambda, studied[at].shape.clone());

@@ -68,7 +68,7 @@ pub use kept_samples::{KeptMode, KeptSample, KeptSamples};
 pub use measured::{Measured, MeasuredFrequency};
 pub use mode_label::ModeLabel;
 pub use mode_naming::{ModeIdentity, ModeNaming};
-pub use mode_source::{BandMode, Bridge, CoarsePath, ModeResidual, ModeSource, WholeEigenvalue, is_alone};
+pub use mode_source::{BandMode, Bridge, CoarsePath, ModeResidual, ModeSource, WholeEigenvalue};
 pub use modifiable::{Direction, Modifiable, ModifiablePlan, Moves, OwnSize, Place, Symmetry, WholeContact};
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;

@@ -1,6 +1,6 @@
 //! The capability of a brake that finds its modes itself: a reduction of a full model, which knows some of its modes.
 
-use cea::Mode;
+use cea::{Mode, Threshold, Verdict};
 use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -32,16 +32,14 @@ pub struct BandMode {
     pub residual: Option<ModeResidual>,
 }
 
-/// Distance from all others, as a multiple of its error, from which on an eigenvalue is alone: without damping its mirror image at the imaginary axis is
-/// within three errors of it, and another one within one of its own; chosen twice that.
-const ALONE: f64 = 8.0;
-
-/// True if no other one of some eigenvalues, which have this relative error, can be where the one at an index is, or its mirror image at the imaginary axis where it is
-/// within its error of the axis.
-pub fn is_alone(lambdas: &[Complex<f64>], at: usize, error: f64) -> bool {
-    let lambda = lambdas[at];
-    let is_apart = |other: &Complex<f64>| (other - lambda).norm() > ALONE * error * lambda.norm().max(other.norm());
-    lambdas.iter().enumerate().all(|(other, value)| other == at || is_apart(value))
+impl BandMode {
+    /// The verdict on the mode: what is on the axis is marginal where any growth counts, and of a threshold beside the axis its margin tells.
+    pub fn verdict(&self, threshold: &Threshold) -> Verdict {
+        match self.is_on_axis && threshold.is_axis() {
+            true => Verdict::Marginal { tolerance: self.bound },
+            false => threshold.verdict(self.lambda, self.bound),
+        }
+    }
 }
 
 /// An eigenvalue of the full model, of which the brake is a reduction.

@@ -2,14 +2,14 @@
 
 use cea::{
     Anchors, CeaError, CertifiedError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict,
-    Workspace, verdicts_beyond,
+    Workspace, is_alone, verdicts_beyond,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
 use tracking::{Path, PathEnd, PathStart};
 
 use super::scratch::{Memory, timed};
-use super::{ModeLabel, ModeResidual, Plan, Reference, is_alone};
+use super::{ModeLabel, ModeResidual, Plan, Reference};
 
 /// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
@@ -267,14 +267,13 @@ impl ModesWithVerdicts {
             .chain(real.filter(|lambda| plan.is_studied(*lambda)))
             .collect();
         let verdicts = verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?;
+        let known: Vec<_> = lambdas.iter().map(|&lambda| (lambda, relative_error * lambda.norm())).collect();
         for (at, (&lambda, verdict)) in lambdas.iter().zip(verdicts).enumerate() {
             let margin = plan.threshold.margin(lambda).abs();
             let is_open = relative_error > 0.0 && margin <= relative_error * lambda.norm();
             match (verdict, studied.get(at)) {
                 // What is on the axis with this basis is it with all of the model, unless it may have met another one there.
-                (Verdict::Marginal { .. }, _) if !is_open || is_alone(&lambdas, at, relative_error) => {
-                    judged.marginal += 1
-                }
+                (Verdict::Marginal { .. }, _) if !is_open || is_alone(&known, at) => judged.marginal += 1,
                 (Verdict::Marginal { .. }, Some(&index)) => judged.undecided.push(index),
                 (Verdict::Marginal { .. }, None) => judged.undecided_real += 1,
                 (Verdict::Undecided { .. }, Some(&index)) => judged.undecided.push(index),

@@ -44,8 +44,36 @@ impl FiniteElementBrake {
         self.parts.iter().map(|part| *part.routes.lock().unwrap_or_else(PoisonError::into_inner)).sum()
     }
 
+    /// Modes of the reduced brake of a scene at an operating point of the whole one, with what they may be off by and their residuals; open verdicts are settled
+    /// with the whole brake, where they are not too many ([`ReductionGoal::full_verdicts`](crate::case::ReductionGoal::full_verdicts)).
+    ///
+    /// # Errors
+    /// A point of another brake.
+    pub fn judged(&self, scene: &Scene, at: &OperatingPoint, found: &ReducedModes) -> Result<Vec<BandMode>, Error> {
+        let (part, error) = (self.part(scene), self.relative_error(scene));
+        let set = &self.sets[part.set];
+        let enough = self.case.reduction.residual.max(BEYOND_HELD_OUT * set.held_out_residual);
+        let on_axis = self.on_axis(scene, at, &found.lambdas);
+        let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).zip(on_axis);
+        type Found<'a> = (((&'a Complex<f64>, DVectorView<'a, Complex<f64>>), &'a f64), bool);
+        let mode = |(((&lambda, shape), &value), is_on_axis): Found<'_>| {
+            // One that is no number is above too.
+            let is_within = value <= enough;
+            let residual = Some(ModeResidual { value, is_above: !is_within });
+            BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), is_on_axis, residual }
+        };
+        let mut modes: Vec<BandMode> = each.map(mode).collect();
+        // Where not even which modes there are is known, no verdict of one of them closes anything.
+        let are_known = self.unknown_error(scene).is_none();
+        let most = if are_known { self.case.reduction.full_verdicts } else { 0 };
+        if settled::settle(&mut modes, &self.plan, (part, set), at, most)? {
+            part.settled.fetch_add(1, Ordering::Relaxed);
+        }
+        Ok(modes)
+    }
+
     /// Flags of eigenvalues at an operating point of the whole brake, rad/s, that are on the imaginary axis because nothing damps the brake.
-    pub fn on_axis(&self, scene: &Scene, at: &OperatingPoint, lambdas: &[Complex<f64>]) -> Vec<bool> {
+    fn on_axis(&self, scene: &Scene, at: &OperatingPoint, lambdas: &[Complex<f64>]) -> Vec<bool> {
         if !on_axis::is_undamped(&self.case.system, at) {
             return vec![false; lambdas.len()];
         }
@@ -63,7 +91,6 @@ impl ModeSource for FiniteElementBrake {
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
         let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
         let may_grow = |lambda: Complex<f64>, also: f64| threshold.margin(lambda) >= -(error + also) * lambda.norm();
-        let enough = self.case.reduction.residual.max(BEYOND_HELD_OUT * self.sets[part.set].held_out_residual);
         let points: Vec<OperatingPoint> = at.iter().map(|at| self.full_point(scene, at)).collect();
         let found = part.reduced.modes_of_all(&points, &may_grow);
         let mut counts = RouteCounts::default();
@@ -71,37 +98,8 @@ impl ModeSource for FiniteElementBrake {
         let mut routes = part.routes.lock().unwrap_or_else(PoisonError::into_inner);
         *routes = *routes + counts;
         drop(routes);
-        let modes = |found: ReducedModes, at: &OperatingPoint| {
-            let on_axis = self.on_axis(scene, at, &found.lambdas);
-            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).zip(on_axis);
-            type Found<'a> = (((&'a Complex<f64>, DVectorView<'a, Complex<f64>>), &'a f64), bool);
-            let mode = |(((&lambda, shape), &value), is_on_axis): Found<'_>| {
-                // One that is no number is above too.
-                let is_within = value <= enough;
-                let residual = Some(ModeResidual { value, is_above: !is_within });
-                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), is_on_axis, residual }
-            };
-            each.map(mode).collect::<Vec<_>>()
-        };
-        // Where not even which modes there are is known, no verdict of one of them closes anything.
-        let are_known = self.unknown_error(scene).is_none();
-        let settled = |(found, at): (Result<ReducedModes, _>, &OperatingPoint)| {
-            let mut modes = modes(found?, at);
-            if are_known
-                && settled::settle(
-                    &mut modes,
-                    &self.plan,
-                    (part, &self.sets[part.set]),
-                    at,
-                    self.case.reduction.full_verdicts,
-                )?
-            {
-                part.settled.fetch_add(1, Ordering::Relaxed);
-            }
-            Ok(modes)
-        };
         let found = found.into_iter().zip(&points);
-        found.map(|found| settled(found).map_err(|error: Error| error.into())).collect()
+        found.map(|(found, at)| Ok(self.judged(scene, at, &found.map_err(Error::from)?)?)).collect()
     }
 
     fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {

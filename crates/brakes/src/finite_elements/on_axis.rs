@@ -4,10 +4,10 @@
 //! brake is within the error of a reduced one, and no other is anywhere near, it is its own mirror image: it lies on the axis, as all do before two of them
 //! meet.
 
+use cea::is_alone;
 use linsys::OperatingPoint;
 use num_complex::Complex;
 use sparse::SparseAffineSystem;
-use study::is_alone;
 
 /// True if nothing damps a brake at an operating point or relaxes in it, and friction has no slope.
 pub(super) fn is_undamped(system: &SparseAffineSystem, at: &OperatingPoint) -> bool {
@@ -21,8 +21,8 @@ pub(super) fn is_undamped(system: &SparseAffineSystem, at: &OperatingPoint) -> b
 pub(super) fn on_axis(lambdas: &[Complex<f64>], error: f64, band: [f64; 2]) -> Vec<bool> {
     // At the ends there may be others beyond.
     let ends = band.map(|omega| Complex::new(0.0, omega));
-    let all = [lambdas, &ends].concat();
-    let is_on = |at: usize| lambdas[at].re.abs() <= error * lambdas[at].norm() && is_alone(&all, at, error);
+    let all: Vec<_> = lambdas.iter().chain(&ends).map(|&lambda| (lambda, error * lambda.norm())).collect();
+    let is_on = |at: usize| lambdas[at].re.abs() <= all[at].1 && is_alone(&all, at);
     (0..lambdas.len()).map(is_on).collect()
 }
 

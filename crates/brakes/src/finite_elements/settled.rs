@@ -1,6 +1,6 @@
 //! Open verdicts of a reduced brake, settled: where the error of the reduction leaves open whether a mode grows, the whole brake says it.
 
-use cea::Threshold;
+use cea::Verdict;
 use linsys::OperatingPoint;
 use num_complex::Complex;
 use study::{BandMode, Plan, WholeEigenvalue};
@@ -11,12 +11,6 @@ use crate::Error;
 /// Part of the error that is assumed of a mode up to which the eigenvalue of the whole brake that is found from it is taken for its own; chosen: as that error is
 /// a hundred times the largest distance that was measured, ten times this distance.
 const SAME: f64 = 0.1;
-
-/// True of a mode of which its error leaves open whether it grows.
-fn is_open(mode: &BandMode, threshold: &Threshold) -> bool {
-    let is_marginal = mode.is_on_axis && threshold.is_axis();
-    !is_marginal && threshold.margin(mode.lambda).abs() <= mode.bound
-}
 
 /// Gives modes of a reduced brake at an operating point of the whole one, whose verdict is open, the eigenvalues of the whole brake next to them, with the
 /// errors of these; and whether any was asked for. Where more than `most` are open none is. Where that eigenvalue is not found, is farther away than the mode of the
@@ -31,7 +25,8 @@ pub(super) fn settle(
     at: &OperatingPoint,
     most: usize,
 ) -> Result<bool, Error> {
-    let is_asked = |&index: &usize| plan.is_studied(modes[index].lambda) && is_open(&modes[index], &plan.threshold);
+    let is_open = |mode: &BandMode| matches!(mode.verdict(&plan.threshold), Verdict::Undecided { .. });
+    let is_asked = |&index: &usize| plan.is_studied(modes[index].lambda) && is_open(&modes[index]);
     let open: Vec<usize> = (0..modes.len()).filter(is_asked).collect();
     if open.is_empty() || open.len() > most {
         return Ok(false);

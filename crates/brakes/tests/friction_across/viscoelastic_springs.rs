@@ -188,9 +188,9 @@ fn a_mass_on_a_viscoelastic_spring_is_the_closed_form_with_its_limits() {
         let brake = FiniteElementBrake::new(case, &()).unwrap();
         let scene = &brake.plan.scenes[0];
         let at = brake.full_point(scene, &brake.operating_point(scene, &brake.median()).unwrap());
-        let modes = brake.part(scene).reduced.modes(&at).unwrap().lambdas;
-        let on_axis = brake.on_axis(scene, &at, &modes).into_iter().filter(|&is_on| is_on).count();
-        (modes, on_axis)
+        let modes = brake.part(scene).reduced.modes(&at).unwrap();
+        let on_axis = brake.judged(scene, &at, &modes).unwrap().iter().filter(|mode| mode.is_on_axis).count();
+        (modes.lambdas, on_axis)
     };
     for (g, a) in [(0.3, 5.0), (1.2, 150.0), (4.0, 300.0), (0.7, 4e4)] {
         let (modes, on_axis) = found(k_t, &format!("viscoelastic = [{{ ratio = {g:e}, rate = {a:e} }}]"));

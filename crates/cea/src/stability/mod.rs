@@ -1,11 +1,13 @@
 //! Stability: the verdict on one eigenvalue, the census of a system, thresholds from where on growth counts.
 
+mod alone;
 mod census;
 mod counted;
 mod coupling;
 mod judge;
 mod threshold;
 
+pub use alone::is_alone;
 pub use census::{StabilityCensus, stability_census};
 pub use counted::CountedSpectrum;
 pub use judge::{ROUNDED_DATA, verdict, verdicts, verdicts_beyond};

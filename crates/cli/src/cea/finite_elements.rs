@@ -2,7 +2,7 @@
 
 use brakes::case::FiniteElementCase;
 use brakes::{BESIDE, CaseBrake, FiniteElementBrake};
-use cea::{EigenSolver, Mode, QrSolver, Spectrum, Verdict, Workspace, damping_ratio, frequency_hz};
+use cea::{EigenSolver, Mode, QrSolver, Spectrum, Workspace, damping_ratio, frequency_hz};
 use linsys::OperatingPoint;
 use nalgebra::DVectorView;
 use num_complex::Complex;
@@ -25,18 +25,11 @@ impl CeaArgs {
         let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
         let full = brake.full_point(scene, &at);
         let modes = reduced.modes(&full)?;
-        let rows = modes.lambdas.iter().zip(&modes.residuals);
+        let judged = brake.judged(scene, &full, &modes)?;
+        let rows = judged.iter().map(|mode| &mode.lambda).zip(&modes.residuals);
         let threshold = &brake.plan.threshold;
-        let on_axis = brake.on_axis(scene, &full, &modes.lambdas);
-        let verdict = |place: usize| {
-            let lambda = modes.lambdas[place];
-            let bound = brake.relative_error(scene) * lambda.norm();
-            let found = match on_axis[place] && threshold.is_axis() {
-                true => Verdict::Marginal { tolerance: bound },
-                false => threshold.verdict(lambda, bound),
-            };
-            verdict_in_words(found, lambda, threshold)
-        };
+        let verdict =
+            |place: usize| verdict_in_words(judged[place].verdict(threshold), judged[place].lambda, threshold);
         let whys = if self.why { whys(brake, scene, Some(&modes.lambdas))? } else { Whys::default() };
         let shapes = if self.modes { on_rows(brake, scene, &at, &modes)? } else { Vec::new() };
         let spectrum = QrSolver.eigenvalues(&reduced.system().assemble(&full)?, &mut Workspace::default())?;
@@ -54,7 +47,7 @@ impl CeaArgs {
                         "residual": residual,
                         "verdict": verdict(place),
                     });
-                    if let Some(why) = whys.of_modes.iter().find(|why| is_of(*lambda, why)) {
+                    if let Some(why) = whys.of_modes.iter().find(|why| is_of(modes.lambdas[place], why)) {
                         mode["why"] = json!(why);
                     }
                     if let Some((shape, energy)) = shapes.get(place) {
