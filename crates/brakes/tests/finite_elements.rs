@@ -153,6 +153,26 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
     assert!(matches!(refused.downcast_ref(), Some(brakes::Error::SeveralBases { .. })));
 }
 
+/// Names go from one arrangement to another along a bridge; under a law with internal states both its ends have those of their closed patches.
+#[test]
+fn the_end_of_a_bridge_has_the_modes_of_its_arrangement_under_a_law_with_states() {
+    let text = two_arrangements().header.text.replace("laws = [\"amontons-coulomb\", \"lugre\"]", "laws = [\"lugre\"]");
+    let CaseFile::FiniteElements(case) = CaseFile::parse(&folder().join("lugre.toml"), text).unwrap() else { panic!() };
+    let brake = FiniteElementBrake::new(*case, &()).unwrap();
+    let study = Study::new(&brake, &cea::BatchSolver).unwrap();
+    let modes = |configuration: usize| &study.references()[configuration].modes[..];
+    let bridge = brake.bridge(1, [modes(0), modes(1)]).unwrap().unwrap();
+    for (system, configuration) in [(&bridge.from, 0), (&bridge.to, 1)] {
+        assert!(system.states() > 0);
+        let found =
+            cea::EigenSolver::eigenvalues(&cea::QrSolver, system, &mut cea::Workspace::default()).unwrap().eigenvalues;
+        for mode in modes(configuration) {
+            let distance = found.iter().map(|lambda| (lambda - mode.lambda).norm()).fold(f64::INFINITY, f64::min);
+            assert!(distance < 1e-6 * mode.lambda.norm(), "{configuration}: {} {distance:e}", mode.lambda);
+        }
+    }
+}
+
 /// The case with all patches in contact and modes around 6 kHz alone.
 fn around_six_kilohertz() -> FiniteElementCase {
     let mut case = nine_in_contact();

@@ -8,7 +8,7 @@ use reduction::{ContactPath, OnContactPath, shape_directions};
 use study::Bridge;
 use tracking::{Eigenpair, OwnedPath};
 
-use super::points::{all_patches, naming_point, of_brake, without_friction};
+use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
 use crate::Error;
 use crate::case::FiniteElementCase;
@@ -43,7 +43,7 @@ pub(super) fn bridge(
         false => from + &onto * (change * &common),
     };
     let [m, c, k] = [changed(&start.m, &change.m), changed(&start.c, &change.c), changed(&start.k, &change.k)];
-    let end = SecondOrder::with_internal(m, c, k, relaxing(brake, set, &common)?)?;
+    let end = SecondOrder::with_internal(m, c, k, states(brake, set, configuration, &common)?)?;
     let highest = origin_modes.iter().chain(own_modes).map(|mode| mode.lambda.im).fold(0.0, f64::max);
     let path = ContactPath::new([&start, &end], highest)?;
     let own_path = |path| Box::new(OpeningPath { path, start: start.clone() }) as Box<dyn OwnedPath>;
@@ -78,13 +78,17 @@ fn change(brake: &FiniteElementBrake, configuration: usize) -> Result<OperatingP
     })
 }
 
-/// Internal states of what relaxes in the brake with a set of constraints, at the point where its modes are named, on the columns of a basis: contacts that
-/// open leave them.
-fn relaxing(brake: &FiniteElementBrake, set: usize, basis: &DMatrix<f64>) -> Result<Internal, Error> {
-    let (case, reduced, all) = (&brake.case, &brake.sets[set].reduced, all_patches(&brake.case));
-    let mut at = of_brake(case, &all, &naming_point(case, &all)?);
-    without_friction(reduced.channels(), &mut at);
-    Ok(reduced.assemble(&at)?.projected(basis)?.internal)
+/// Internal states of the brake with a set of constraints, at the naming point of a configuration, on the columns of a basis: those of the law in closed contacts, and of
+/// what relaxes.
+fn states(
+    brake: &FiniteElementBrake,
+    set: usize,
+    configuration: usize,
+    basis: &DMatrix<f64>,
+) -> Result<Internal, Error> {
+    let (case, closed) = (&brake.case, &brake.closed[configuration]);
+    let at = of_brake(case, closed, &naming_point(case, closed)?);
+    Ok(brake.sets[set].reduced.assemble(&at)?.projected(basis)?.internal)
 }
 
 /// The path of a bridge: contacts open, all else stays.
