@@ -153,7 +153,8 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
     assert!(matches!(refused.downcast_ref(), Some(brakes::Error::SeveralBases { .. })));
 }
 
-/// Names go from one arrangement to another along a bridge; under a law with internal states both its ends have those of their closed patches.
+/// Names go from one arrangement to another along a bridge; under a law with internal states both its ends have those of their closed patches. No basis holds what grows faster than
+/// it oscillates, or is damped more than the case wants.
 #[test]
 fn the_end_of_a_bridge_has_the_modes_of_its_arrangement_under_a_law_with_states() {
     let text = two_arrangements().header.text.replace("laws = [\"amontons-coulomb\", \"lugre\"]", "laws = [\"lugre\"]");
@@ -166,7 +167,12 @@ fn the_end_of_a_bridge_has_the_modes_of_its_arrangement_under_a_law_with_states(
         assert!(system.states() > 0);
         let found =
             cea::EigenSolver::eigenvalues(&cea::QrSolver, system, &mut cea::Workspace::default()).unwrap().eigenvalues;
-        for mode in modes(configuration) {
+        let held: Vec<_> = modes(configuration)
+            .iter()
+            .filter(|mode| mode.lambda.re > -500.0 && mode.lambda.re < mode.lambda.im)
+            .collect();
+        assert!(held.len() > 10, "{configuration}: {}", held.len());
+        for mode in held {
             let distance = found.iter().map(|lambda| (lambda - mode.lambda).norm()).fold(f64::INFINITY, f64::min);
             assert!(distance < 1e-6 * mode.lambda.norm(), "{configuration}: {} {distance:e}", mode.lambda);
         }
