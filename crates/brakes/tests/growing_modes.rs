@@ -26,7 +26,7 @@ fn case(arrangements: &str, lateral: &str) -> FiniteElementCase {
     }
 }
 
-/// Its brake by the reduction alone.
+/// Brake of the case by the reduction alone.
 fn brake(arrangements: &str, lateral: &str) -> FiniteElementBrake {
     let mut case = case(arrangements, lateral);
     case.reduction.full_verdicts = 0;

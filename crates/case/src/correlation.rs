@@ -57,7 +57,7 @@ fn is_drawn(distribution: &Distribution) -> bool {
 }
 
 impl<'a> Correlated<'a> {
-    /// What holds in each contact alike: its friction parameters, and of a single one all others too.
+    /// Values that each contact has alike: its friction parameters, and of a single one all others too.
     fn of_contact(&self) -> Vec<(&'a str, &'a Distribution)> {
         let others = if self.contacts.len() == 1 { &self.others[..] } else { &[] };
         self.friction.iter().chain(others).copied().collect()
@@ -77,7 +77,7 @@ impl<'a> Correlated<'a> {
         (value < of_contact * self.contacts.len()).then(|| (value / of_contact, value % of_contact))
     }
 
-    /// What is drawn, where values have their own names, in words.
+    /// Words on what is drawn, where values have their own names.
     fn values_in_words(&self) -> String {
         let drawn = |list: &[(&'a str, &'a Distribution)], end: &str| {
             let drawn = list.iter().filter(|(_, of)| is_drawn(of));

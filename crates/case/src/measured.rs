@@ -34,7 +34,7 @@ impl Check<'_> {
         self.of_sheet(field, file, |sheet| sheet.two_columns())
     }
 
-    /// What is read of a file, relative to the folder of the case.
+    /// Numbers of a file, relative to the folder of the case, as they are read of its sheet.
     fn of_sheet<T>(
         &self,
         field: &str,

@@ -56,7 +56,7 @@ fn hoffmann(friction: &str) -> MatricesCase {
     hoffmann_with(friction, 0.05, "")
 }
 
-/// The same with other dashpots, and with further tables of the case.
+/// Case with other dashpots, and with further tables.
 fn hoffmann_with(friction: &str, c: f64, further: &str) -> MatricesCase {
     let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
     let text = text

@@ -1,7 +1,7 @@
 //! Coordinates that the bases of two arrangements have in common, in which the modes of one become those of the other.
 
 use cea::{CeaError, Mode, NewtonStep};
-use linsys::{AffineSystem, ChannelGain, Internal, OperatingPoint, SecondOrder, real_times_complex};
+use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use reduction::{ContactPath, OnContactPath, shape_directions};
@@ -37,13 +37,16 @@ pub(super) fn bridge(
     let common = shape_directions(&[in_set(from, origin_modes), in_set(to, own_modes)].concat())?;
     let onto: DMatrix<f64> = common.transpose();
     let start = brake.naming_systems[set].projected(&common)?;
-    let change = brake.sets[set].reduced.assemble(&change(brake, configuration)?)?;
+    let (reduced, end_point) = (&brake.sets[set].reduced, own_point(&brake.case, &brake.closed[configuration])?);
+    let change = reduced.assemble(&change(&brake.case, &end_point)?)?;
     let changed = |from: &DMatrix<f64>, change: &DMatrix<f64>| match change.iter().all(|&entry| entry == 0.0) {
         true => from.clone(),
         false => from + &onto * (change * &common),
     };
     let [m, c, k] = [changed(&start.m, &change.m), changed(&start.c, &change.c), changed(&start.k, &change.k)];
-    let end = SecondOrder::with_internal(m, c, k, states(brake, set, configuration, &common)?)?;
+    // Those of the law in closed contacts, and of what relaxes.
+    let states = reduced.assemble(&end_point)?.projected(&common)?.internal;
+    let end = SecondOrder::with_internal(m, c, k, states)?;
     let highest = origin_modes.iter().chain(own_modes).map(|mode| mode.lambda.im).fold(0.0, f64::max);
     let path = ContactPath::new([&start, &end], highest)?;
     let own_path = |path| Box::new(OpeningPath { path, start: start.clone() }) as Box<dyn OwnedPath>;
@@ -59,14 +62,17 @@ pub(super) fn bridge(
 
 /// A brake that holds all arrangements, with all patches closed, at the point where modes are named.
 pub(super) fn naming_system(case: &FiniteElementCase, brake: &AffineSystem) -> Result<SecondOrder, Error> {
-    let all = all_patches(case);
-    Ok(brake.assemble(&of_brake(case, &all, &naming_point(case, &all)?))?)
+    Ok(brake.assemble(&own_point(case, &all_patches(case))?)?)
 }
 
-/// Change of the operating point from the naming point of a configuration's set of constraints to its own. A system is linear in it.
-fn change(brake: &FiniteElementBrake, configuration: usize) -> Result<OperatingPoint, Error> {
-    let at = |closed: &[usize]| Ok::<_, Error>(of_brake(&brake.case, closed, &naming_point(&brake.case, closed)?));
-    let [from, to] = [at(&all_patches(&brake.case))?, at(&brake.closed[configuration])?];
+/// The naming point of a configuration with some patches closed, as an operating point of the whole brake.
+fn own_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
+    Ok(of_brake(case, closed, &naming_point(case, closed)?))
+}
+
+/// Change of the operating point from the naming point of a set of constraints to that of a configuration. A system is linear in it.
+fn change(case: &FiniteElementCase, to: &OperatingPoint) -> Result<OperatingPoint, Error> {
+    let from = own_point(case, &all_patches(case))?;
     let gain = |(from, to): (&ChannelGain, &ChannelGain)| ChannelGain {
         mu: to.mu - from.mu,
         slope: to.slope - from.slope,
@@ -76,19 +82,6 @@ fn change(brake: &FiniteElementBrake, configuration: usize) -> Result<OperatingP
         coefficients: to.coefficients.iter().zip(&from.coefficients).map(|(to, from)| to - from).collect(),
         channels: from.channels.iter().zip(&to.channels).map(gain).collect(),
     })
-}
-
-/// Internal states of the brake with a set of constraints, at the naming point of a configuration, on the columns of a basis: those of the law in closed contacts, and of
-/// what relaxes.
-fn states(
-    brake: &FiniteElementBrake,
-    set: usize,
-    configuration: usize,
-    basis: &DMatrix<f64>,
-) -> Result<Internal, Error> {
-    let (case, closed) = (&brake.case, &brake.closed[configuration]);
-    let at = of_brake(case, closed, &naming_point(case, closed)?);
-    Ok(brake.sets[set].reduced.assemble(&at)?.projected(basis)?.internal)
 }
 
 /// The path of a bridge: contacts open, all else stays.

@@ -10,7 +10,7 @@ use crate::Error;
 
 /// Part of the error that is assumed of a mode up to which the eigenvalue of the whole brake that is found from it is taken for its own; chosen: as that error is
 /// a hundred times the largest distance that was measured, ten times this distance.
-const SAME: f64 = 0.1;
+const SAME_MODE: f64 = 0.1;
 
 /// Gives modes of a reduced brake at an operating point of the whole one, whose verdict is open, the eigenvalues of the whole brake next to them, with the
 /// errors of these; and whether any was asked for. Where more than `most` are open none is. Where that eigenvalue is not found, is farther away than the mode of the
@@ -37,7 +37,7 @@ pub(super) fn settle(
         .map(|&index| {
             let BandMode { lambda, shape, bound, .. } = &modes[index];
             let found = whole::next_to(&system, *lambda, &part.reduced.lift(shape)).ok();
-            found.filter(|found| (found.lambda - lambda).norm() <= SAME * bound)
+            found.filter(|found| (found.lambda - lambda).norm() <= SAME_MODE * bound)
         })
         .collect();
     let own: Vec<(Complex<f64>, f64)> = open.iter().map(|&index| (modes[index].lambda, modes[index].bound)).collect();
@@ -59,7 +59,7 @@ fn own_eigenvalue(
     let (lambda, error) = modes[at];
     let is_apart = |other: usize| {
         let (other_lambda, other_error) = modes[other];
-        (other_lambda - lambda).norm() > 2.0 * SAME * error.max(other_error)
+        (other_lambda - lambda).norm() > 2.0 * SAME_MODE * error.max(other_error)
             || found[other].is_some_and(|other| (other.lambda - own.lambda).norm() > other.bound + own.bound)
     };
     (0..modes.len()).all(|other| other == at || is_apart(other)).then_some(own)

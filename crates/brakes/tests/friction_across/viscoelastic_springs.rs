@@ -90,7 +90,7 @@ fn text(random: &Random, relaxes: bool) -> String {
     random.text.replace("[contact]", &format!("{springs}[contact]"))
 }
 
-/// The same springs by hand at values of a, c and g.
+/// Springs by hand at values of a, c and g.
 fn springs(random: &Random, [a, c, g]: [f64; 3]) -> Vec<Maxwell> {
     let Structure { places, pairs, .. } = &random.structure;
     let order = 3 * places.len();

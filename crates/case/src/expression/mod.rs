@@ -99,7 +99,7 @@ pub struct Expression {
 struct Compiled {
     /// Boxed: it takes some kilobytes where it stands.
     parsed: Box<FlatEx<f64, Operators>>,
-    /// Its variables, in their order.
+    /// Variables of `parsed`, in their order.
     variables: Vec<Variable>,
 }
 
