@@ -27,7 +27,7 @@ use crate::Error;
 use crate::bits::Bits;
 
 /// A file of pieces, and one piece in a folder. The version changes when what a piece holds or means does.
-const FILE: Sealed = Sealed { kind: "squeal-prepared", version: 1 };
+const FILE: Sealed = Sealed { kind: "squeal-prepared", version: 2 };
 const PIECE: Sealed = Sealed { kind: "squeal-piece", version: FILE.version };
 /// Brakes whose pieces a folder keeps, those that were used last; chosen: each takes some ten megabytes.
 const MOST_BRAKES: usize = 16;

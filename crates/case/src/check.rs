@@ -226,6 +226,15 @@ impl Check<'_> {
         if value.is_finite() { Ok(value) } else { Err(self.value(field, value, "a finite number")) }
     }
 
+    /// The loss factor, if it is finite and not negative.
+    pub fn loss_factor(&self, field: &str, value: f64) -> Result<f64, CaseError> {
+        if value.is_finite() && value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(self.value(field, value, "a finite number >= 0"))
+        }
+    }
+
     /// An error unless names of tables differ and can be used in messages and column heads.
     pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
         let allowed = format!("1 to {LONGEST_NAME} characters without {UNSEEN}");

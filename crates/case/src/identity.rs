@@ -320,11 +320,16 @@ fn fixed_dofs(to: &mut Written, FixedDofs { name, fixed }: &FixedDofs) {
     to.list(fixed, |to, &dof| to.count(dof));
 }
 
-fn of_term(to: &mut Written, SparseTerm { name, family, matrices }: &SparseTerm) {
+fn of_term(to: &mut Written, SparseTerm { name, family, matrices, loss }: &SparseTerm) {
     to.text(name);
     to.text(family);
-    let SparseSecondOrder { m, c, k, states: _ } = matrices;
+    let SparseSecondOrder { m, c, k, h: _, states: _ } = matrices;
     [m, c, k].into_iter().for_each(|matrix| sparse_matrix(to, matrix));
+    // Most terms have none, and their identity is as before there was any.
+    if *loss > 0.0 {
+        to.text("loss factor");
+        to.number(*loss);
+    }
 }
 
 fn sparse_matrix(to: &mut Written, matrix: &CscMatrix<f64>) {

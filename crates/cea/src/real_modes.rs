@@ -100,6 +100,26 @@ impl RealModes {
         })
     }
 
+    /// Dashpots, n x n, that have in every mode the loss of the imaginary stiffness `i K_t` above the real axis, where a part has K_t: of a loss factor
+    /// eta take eta times it.
+    ///
+    /// ```text
+    /// C = M Phi D Phi^T M,   D_ij = phi_i^T K_t phi_j / sqrt(omega_i omega_j)
+    /// ```
+    ///
+    /// Modes that no stiffness resists have none.
+    #[must_use]
+    pub fn equivalent_dashpots(&self, part: &DMatrix<f64>) -> DMatrix<f64> {
+        let largest = self.omega_squared.iter().fold(0.0_f64, |largest, square| largest.max(square.abs()));
+        let mut shapes = self.shapes.clone();
+        for (mut shape, &square) in shapes.column_iter_mut().zip(&self.omega_squared) {
+            shape *= if square > STILL * largest { square.powf(-0.25) } else { 0.0 };
+        }
+        let momenta = &self.mass * &self.shapes;
+        let dashpots = &momenta * shapes.tr_mul(&(part * &shapes)) * momenta.transpose();
+        (&dashpots + dashpots.transpose()) * 0.5
+    }
+
     /// Parts `|phi_j^T M x|^2 / (x^H M x)` of each mode in a shape x of length n, in the order of the modes. The parts are not
     /// negative and their sum is 1, since the modes span all that has mass.
     #[must_use]
@@ -109,6 +129,9 @@ impl RealModes {
         real_times_complex(&self.shapes.transpose(), &momentum).iter().map(|part| part.norm_sqr() / total).collect()
     }
 }
+
+/// Squares of frequencies below this part of the largest are those of motions that no stiffness resists; chosen.
+const STILL: f64 = 1e-12;
 
 /// Shapes with the motions without mass that K gives them: `B - W (W^T K W)^-1 W^T K B`.
 fn condensed(k: &DMatrix<f64>, b: DMatrix<f64>, w: &DMatrix<f64>) -> Result<DMatrix<f64>, NoRealModes> {

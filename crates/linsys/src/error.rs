@@ -12,6 +12,8 @@ pub enum Matrix {
     Damping,
     /// Stiffness matrix K, n x n.
     Stiffness,
+    /// Structural damping matrix H, n x n, of a stiffness `K + i H`.
+    StructuralDamping,
     /// Decay rates a of the internal states, length s.
     Decay,
     /// Drive matrix E, s x n: velocities into internal states.
@@ -26,6 +28,7 @@ impl fmt::Display for Matrix {
             Self::Mass => "mass",
             Self::Damping => "damping",
             Self::Stiffness => "stiffness",
+            Self::StructuralDamping => "structural damping",
             Self::Decay => "decay",
             Self::Drive => "drive",
             Self::Force => "force",

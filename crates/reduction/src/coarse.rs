@@ -55,6 +55,8 @@ pub enum Doubt {
     Moved,
     /// Two coarse modes became one, or one became what is nearer to another.
     Merged,
+    /// A mode with dashpots in the place of loss factors did not lead to one of its own with these.
+    Loss,
 }
 
 /// A coarse basis within that of a reduced brake, with the brake on it.

@@ -63,15 +63,17 @@ pub(super) struct OuterRows {
 }
 
 impl OuterRows {
-    /// `S^T W Q(lambda_j) V y_j` of the terms with some coefficients, and with the friction of all channels over the basis.
+    /// `S^T W Q(lambda_j) V y_j` of the terms with some coefficients, with those times loss factors where there are some, and with the friction of all
+    /// channels over the basis.
     pub fn of(
         &self,
         (friction, gains): (&Friction, &[ChannelGain]),
-        coefficients: &[f64],
+        (coefficients, losses): (&[f64], Option<&[f64]>),
         lambdas: &[Complex<f64>],
         y: &DMatrix<f64>,
     ) -> DMatrix<f64> {
-        let [inertia, damping, stiffness] = [0, 1, 2].map(|power| self.product(power, coefficients, y));
+        let [inertia, damping, mut stiffness] = [0, 1, 2].map(|power| self.product(power, coefficients, y));
+        losses.iter().for_each(|losses| split::add_times_i(&mut stiffness, &self.product(2, losses, y)));
         let mut outer = split::combined([&inertia, &damping], stiffness, lambdas);
         if let Some(pulls) = friction.pulls(gains, lambdas, y) {
             dense::add_product(&mut outer, 1.0, &self.force, &pulls);
@@ -127,7 +129,7 @@ mod tests {
         let matrix = DMatrix::from_fn(400, 400, |i, j| ((i * i + 7 * i * j + 3 * j) % 23) as f64 - 11.0);
         let zero = || CscMatrix::zeros(400, 400);
         let matrices = SparseSecondOrder::new(CscMatrix::from(&CooMatrix::from(&matrix)), zero(), zero()).unwrap();
-        let term = SparseTerm { name: "structure".into(), family: "structure".into(), matrices };
+        let term = SparseTerm { name: "structure".into(), family: "structure".into(), matrices, loss: 0.0 };
         let system = SparseAffineSystem::new(vec![term], Vec::new()).unwrap();
         let combinations = Combinations::new(&system, &DMatrix::identity(400, 90));
         for (whole, short) in matrix.column_iter().zip(combinations.terms[0][0].column_iter()) {

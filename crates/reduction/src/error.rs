@@ -1,6 +1,6 @@
 //! Errors of reductions.
 
-use cea::CeaError;
+use cea::{CeaError, NoRealModes};
 use linsys::LinsysError;
 use sparse::SparseError;
 
@@ -22,6 +22,12 @@ pub enum ReductionError {
     Decomposition {
         /// Name of the computation.
         what: &'static str,
+    },
+    /// Loss factors of a structure without real modes, of which dashpots could stand for them.
+    #[error("loss factors need real modes of the structure, and {source}")]
+    NoDashpots {
+        /// Reason why there are none.
+        source: NoRealModes,
     },
     /// The large system, or a search in it.
     #[error(transparent)]

@@ -7,6 +7,7 @@ use num_complex::Complex;
 use sparse::Rectangle;
 
 use super::coarse::{Coarse, CoarseBasis, Doubt, Polished};
+use super::loss::Losses;
 use super::norms::NormsAt;
 use super::residual::{Pairs, ResidualForm, reduced_residual};
 use super::spectra::spectra;
@@ -22,6 +23,8 @@ pub struct Reduced {
     basis: DMatrix<f64>,
     rectangle: Rectangle,
     form: ResidualForm,
+    /// Loss factors, whose dashpots are in the system.
+    losses: Option<Losses>,
     coarse: Option<Coarse>,
     tolerance: f64,
 }
@@ -42,12 +45,14 @@ pub struct ReducedModes {
 
 impl Reduced {
     /// The projection on a smaller basis W, k x m, within a basis V, n x k, of orthonormal columns, from the `system` on V and `combinations` for V: nothing
-    /// large is computed but V W. Modes are found to a part of the tolerance, the residual that they shall not exceed, above 0 and below 1.
+    /// large is computed but V W. Modes are found to a part of the tolerance, the residual that they shall not exceed, above 0 and below 1. Where there are
+    /// `losses` the system has their dashpots ([`Losses::with_dashpots`]), and modes are those of the complex stiffness.
     ///
     /// # Errors
     /// A tolerance out of its range, a basis of another system, a reduced mass matrix that is singular.
     pub fn within(
         (basis, system, combinations): (&DMatrix<f64>, &AffineSystem, &Combinations),
+        losses: Option<&Losses>,
         columns: &DMatrix<f64>,
         rectangle: Rectangle,
         tolerance: f64,
@@ -56,9 +61,37 @@ impl Reduced {
             return Err(ReductionError::Tolerance { value: tolerance });
         }
         let reduced = system.projected(columns)?;
-        let form = ResidualForm::new(combinations, columns, &reduced);
+        let losses = losses.map(|losses| losses.projected(columns));
+        let form = match &losses {
+            Some(losses) => ResidualForm::new(combinations, columns, &losses.without_dashpots(&reduced)?),
+            None => ResidualForm::new(combinations, columns, &reduced),
+        };
         let basis = dense::product(basis, columns);
-        Ok(Self { system: reduced, basis, rectangle, form, coarse: None, tolerance })
+        Ok(Self { system: reduced, basis, rectangle, form, losses, coarse: None, tolerance })
+    }
+
+    /// The largest distance, relative to |lambda| and to first order, of modes with dashpots from those with loss factors at some points; 0 without any.
+    ///
+    /// # Errors
+    /// A point of another system, a reduced system that the dense solver does not support.
+    pub fn distance_of_losses(&self, points: &[OperatingPoint]) -> Result<f64, ReductionError> {
+        let Some(losses) = &self.losses else { return Ok(0.0) };
+        let systems = points.iter().map(|point| self.system.assemble(point)).collect::<Result<Vec<_>, _>>()?;
+        let mut largest = 0.0_f64;
+        for ((found, point), system) in spectra(&systems).into_iter().zip(points).zip(&systems) {
+            let lambdas = self.next_to_rectangle(&found?, 0.0);
+            let own = losses.distance((&self.system, point, system), &lambdas)?;
+            largest = largest_residual([largest, own]);
+        }
+        Ok(largest)
+    }
+
+    /// The same reduction, whose modes with dashpots are taken to lead to those with loss factors within ten times a distance, relative to |lambda|, that
+    /// was measured ([`Reduced::distance_of_losses`]).
+    #[must_use]
+    pub fn with_distance_of_losses(mut self, distance: f64) -> Self {
+        self.losses = self.losses.map(|losses| losses.measured(distance));
+        self
     }
 
     /// The same reduction, whose modes are found from coarse ones where that spares time: on a smaller basis within its own, made of its modes at
@@ -153,8 +186,9 @@ impl Reduced {
         let made: Vec<_> = points.iter().map(|point| self.system.assemble(point)).collect();
         let are_made = points.iter().zip(&made).filter_map(|(point, made)| Some((point, made.as_ref().ok()?)));
         let (points, systems): (Vec<&OperatingPoint>, Vec<&SecondOrder>) = are_made.unzip();
+        let may_be_wanted = |lambda, error: f64| is_wanted(lambda, error + self.error_of_dashpots());
         let polished = match &self.coarse {
-            Some(coarse) => coarse.polished(self, (&points, &systems), is_wanted),
+            Some(coarse) => coarse.polished(self, (&points, &systems), &may_be_wanted),
             None => points.iter().map(|_| Err(None)).collect(),
         };
         let open: Vec<usize> = (0..points.len()).filter(|&at| polished[at].is_err()).collect();
@@ -167,7 +201,7 @@ impl Reduced {
                 return Err(ReductionError::Decomposition { what: NO_SPECTRUM });
             };
             match polished {
-                Ok(found) => Ok(self.judged(point, system, found, Route::Coarse, is_wanted)),
+                Ok(found) => self.judged(point, system, found, Route::Coarse, is_wanted),
                 Err(doubt) => {
                     let spectrum = spectra.next().ok_or(ReductionError::Decomposition { what: NO_SPECTRUM })?;
                     self.by_spectrum(point, system, spectrum, doubt, is_wanted)
@@ -190,10 +224,16 @@ impl Reduced {
     /// Eigenvalues of a spectrum in the rectangle or to its right, or outside by no more than a part of their size; without those that grow faster than they
     /// oscillate ([`grows_too_fast`]).
     pub(super) fn next_to_rectangle(&self, spectrum: &Spectrum, part: f64) -> Vec<Complex<f64>> {
+        let part = part + self.error_of_dashpots();
         let is_next = |lambda: &Complex<f64>| {
             self.rectangle.contains_to_the_right(*lambda, part * lambda.norm()) && !grows_too_fast(*lambda)
         };
         spectrum.eigenvalues.iter().copied().filter(is_next).collect()
+    }
+
+    /// Distance, relative to |lambda|, up to which a mode with dashpots leads to one with loss factors; 0 without any.
+    fn error_of_dashpots(&self) -> f64 {
+        self.losses.as_ref().map_or(0.0, Losses::error)
     }
 
     /// Sizes that residuals at a point are relative to.
@@ -222,10 +262,50 @@ impl Reduced {
         }
         let system = self.system.assemble(point)?;
         let y = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(y)));
-        let inner = split::norms(&reduced_residual(&system, &[lambda], &y));
-        let at = self.form.at(point);
-        let pairs = Pairs { at: &at, lambdas: &[lambda], y: &y, inner: &inner };
-        Ok(pairs.residuals().first().copied().unwrap_or(f64::NAN))
+        Ok(self.residuals(point, &system, &[lambda], &y).first().copied().unwrap_or(f64::NAN))
+    }
+
+    /// The residuals of some pairs at a point, at which the system is given, shapes split.
+    fn residuals(
+        &self,
+        point: &OperatingPoint,
+        system: &SecondOrder,
+        lambdas: &[Complex<f64>],
+        y: &DMatrix<f64>,
+    ) -> Vec<f64> {
+        let mut inner = reduced_residual(system, lambdas, y);
+        let losses = self.losses.as_ref().map(|losses| {
+            losses.at(&self.system, point).add_images(&mut inner, lambdas, y);
+            losses.factors(&point.coefficients)
+        });
+        let (at, inner) = (self.form.at(point), split::norms(&inner));
+        Pairs { at: &at, lambdas, y, losses: losses.as_deref(), inner: &inner }.residuals()
+    }
+
+    /// The modes with loss factors to which some with dashpots lead, shapes split; all next to the rectangle where one does not lead to one of its own.
+    fn with_losses(
+        &self,
+        losses: &Losses,
+        (point, system): (&OperatingPoint, &SecondOrder),
+        (lambdas, shapes): Polished,
+        route: Route,
+    ) -> Result<(Polished, Route), ReductionError> {
+        let at = losses.at(&self.system, point);
+        let guesses: Vec<_> =
+            lambdas.iter().enumerate().map(|(at, &lambda)| (lambda, split::vector(&shapes, at))).collect();
+        let (pairs, route) = match at.from_guesses(system, &guesses, losses.error()) {
+            Some(pairs) => (pairs, route),
+            None => {
+                let is_next =
+                    |lambda: Complex<f64>| self.rectangle.contains_to_the_right(lambda, 0.0) && !grows_too_fast(lambda);
+                let mut all = at.spectrum(system)?;
+                all.retain(|(lambda, _)| is_next(*lambda));
+                (all, Route::Spectrum(Some(Doubt::Loss)))
+            }
+        };
+        let mut columns = split::zeros(system.order(), pairs.len());
+        pairs.iter().enumerate().for_each(|(at, (_, shape))| split::set(&mut columns, at, shape.iter().copied()));
+        Ok(((pairs.into_iter().map(|(lambda, _)| lambda).collect(), columns), route))
     }
 
     fn by_spectrum(
@@ -236,35 +316,38 @@ impl Reduced {
         doubt: Option<Doubt>,
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> Result<ReducedModes, ReductionError> {
+        let error = self.error_of_dashpots();
         let wanted: Vec<Complex<f64>> =
-            self.next_to_rectangle(&spectrum?, 0.0).into_iter().filter(|&lambda| is_wanted(lambda, 0.0)).collect();
+            self.next_to_rectangle(&spectrum?, 0.0).into_iter().filter(|&lambda| is_wanted(lambda, error)).collect();
         let shapes = cea::right_vectors(system, &wanted, &mut Workspace::default())?;
         let mut columns = split::zeros(system.order(), wanted.len());
         shapes.iter().enumerate().for_each(|(at, shape)| split::set(&mut columns, at, shape.iter().copied()));
-        Ok(self.judged(point, system, (wanted, columns), Route::Spectrum(doubt), is_wanted))
+        self.judged(point, system, (wanted, columns), Route::Spectrum(doubt), is_wanted)
     }
 
-    /// The wanted ones of some modes, in order, their shapes scaled, with their residuals.
+    /// The wanted ones of some modes, in order, their shapes scaled, with their residuals; with loss factors, where there are some.
     fn judged(
         &self,
         point: &OperatingPoint,
         system: &SecondOrder,
-        (lambdas, shapes): Polished,
+        found: Polished,
         route: Route,
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
-    ) -> ReducedModes {
+    ) -> Result<ReducedModes, ReductionError> {
+        let ((lambdas, shapes), route) = match &self.losses {
+            Some(losses) => self.with_losses(losses, (point, system), found, route)?,
+            None => (found, route),
+        };
         let is_in = |&at: &usize| self.rectangle.contains_to_the_right(lambdas[at], 0.0) && is_wanted(lambdas[at], 0.0);
         let mut order: Vec<usize> = (0..lambdas.len()).filter(is_in).collect();
         order.sort_by(|&a, &b| cea::by_frequency(&lambdas[a], &lambdas[b]));
         let lambdas: Vec<Complex<f64>> = order.iter().map(|&at| lambdas[at]).collect();
         let shapes = split::selected(&shapes, &order);
-        let inner = split::norms(&reduced_residual(system, &lambdas, &shapes));
-        let pairs = Pairs { at: &self.form.at(point), lambdas: &lambdas, y: &shapes, inner: &inner };
-        let residuals = pairs.residuals();
+        let residuals = self.residuals(point, system, &lambdas, &shapes);
         let columns: Vec<_> = (0..lambdas.len()).map(|at| split::vector(&shapes, at).normalize()).collect();
         let shapes =
             if columns.is_empty() { DMatrix::zeros(shapes.nrows(), 0) } else { DMatrix::from_columns(&columns) };
-        ReducedModes { lambdas, shapes, residuals, route }
+        Ok(ReducedModes { lambdas, shapes, residuals, route })
     }
 }
 

@@ -72,6 +72,8 @@ pub(super) struct Pairs<'a> {
     pub lambdas: &'a [Complex<f64>],
     /// The split columns y_j.
     pub y: &'a DMatrix<f64>,
+    /// Coefficients of the terms times their loss factors, where there are some.
+    pub losses: Option<&'a [f64]>,
     /// The norms of the residuals of the reduced system.
     pub inner: &'a [f64],
 }
@@ -79,8 +81,8 @@ pub(super) struct Pairs<'a> {
 impl Pairs<'_> {
     /// Bound of the residual of each pair: the estimate by random combinations times [`FACTOR`].
     pub fn residuals(&self) -> Vec<f64> {
-        let Self { at: ResidualAt { form, point, norms }, lambdas, y, inner } = self;
-        let outer = form.rows.of((&form.friction, &point.channels), &point.coefficients, lambdas, y);
+        let Self { at: ResidualAt { form, point, norms }, lambdas, y, losses, inner } = self;
+        let outer = form.rows.of((&form.friction, &point.channels), (&point.coefficients, *losses), lambdas, y);
         let residual = |(at, (&lambda, inner)): (usize, (&Complex<f64>, &f64))| {
             let outside = FACTOR * split::norm_squared(&outer, at).sqrt();
             inner.hypot(outside) / (norms.size(lambda) * split::norm_squared(y, at).sqrt())

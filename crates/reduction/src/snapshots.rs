@@ -167,10 +167,12 @@ fn columns(modes: &[Eigenpair]) -> DMatrix<f64> {
 /// `Q(lambda_j) x_j` of a system at the eigenvalues of some modes, x n x m split.
 fn residuals(system: &SparseSecondOrder, modes: &[Eigenpair], x: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| times(matrix, x));
+    let h = system.h.as_ref().map(|h| times(h, x));
     let residual = |(at, mode): (usize, &Eigenpair)| {
         let lambda = mode.lambda;
         let mut residual =
             split::vector(&m, at) * (lambda * lambda) + split::vector(&c, at) * lambda + split::vector(&k, at);
+        h.iter().for_each(|h| residual += split::vector(h, at) * Complex::I);
         for state in &system.states {
             let drive: Complex<f64> = state
                 .drive

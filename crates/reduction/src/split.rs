@@ -103,6 +103,14 @@ pub(super) fn combined(
     out
 }
 
+/// Adds i times other vectors.
+pub(super) fn add_times_i(split: &mut DMatrix<f64>, other: &DMatrix<f64>) {
+    let half = count(split);
+    let (re, im) = (other.columns(0, half), other.columns(half, half));
+    split.columns_mut(0, half).zip_apply(&im, |own, im| *own -= im);
+    split.columns_mut(half, half).zip_apply(&re, |own, re| *own += re);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -57,7 +57,7 @@ fn plate() -> SparseAffineSystem {
     let zero = || CscMatrix::zeros(N, N);
     let term = |name: &str, m, c, k| {
         let matrices = SparseSecondOrder::new(m, c, k).unwrap();
-        SparseTerm { name: name.into(), family: name.into(), matrices }
+        SparseTerm { name: name.into(), family: name.into(), matrices, loss: 0.0 }
     };
     let terms = vec![
         term("structure", mass, zero(), stiffness),
@@ -116,7 +116,7 @@ fn basis(system: &SparseAffineSystem, points: &[OperatingPoint], rectangle: Rect
 fn on(system: &SparseAffineSystem, basis: &DMatrix<f64>, rectangle: Rectangle) -> Reduced {
     let (projected, combinations) = (system.project(basis).unwrap(), Combinations::new(system, basis));
     let all = DMatrix::identity(basis.ncols(), basis.ncols());
-    Reduced::within((basis, &projected, &combinations), &all, rectangle, TOLERANCE).unwrap()
+    Reduced::within((basis, &projected, &combinations), None, &all, rectangle, TOLERANCE).unwrap()
 }
 
 /// A system on a basis of its modes at some points.
@@ -194,7 +194,7 @@ fn residuals_on_any_basis_are_bounds() {
     };
     let matrices =
         SparseSecondOrder::new(tridiagonal(1.0, 0.1), tridiagonal(0.02, 0.0), tridiagonal(2.0, -0.9)).unwrap();
-    let term = SparseTerm { name: "chain".into(), family: "chain".into(), matrices };
+    let term = SparseTerm { name: "chain".into(), family: "chain".into(), matrices, loss: 0.0 };
     let friction = Channel::new("friction", "friction", vec![(10, 1.0), (11, -1.0)], vec![(20, 3.0), (21, -3.0)]);
     let system = SparseAffineSystem::new(vec![term], vec![friction]).unwrap();
     let wave = |i: usize, j: usize| ((j + 1) as f64 * 0.37 * i as f64 + j as f64).sin();
@@ -225,7 +225,7 @@ fn what_is_wrong_is_said() {
     let basis = DMatrix::identity(N, 3);
     let reduced = on(&system, &basis, RECTANGLE);
     let (combinations, all) = (Combinations::new(&system, &basis), DMatrix::identity(3, 3));
-    let found = Reduced::within((&basis, reduced.system(), &combinations), &all, RECTANGLE, 0.0).unwrap_err();
+    let found = Reduced::within((&basis, reduced.system(), &combinations), None, &all, RECTANGLE, 0.0).unwrap_err();
     assert_eq!(found.to_string(), "the tolerance of a reduction is 0; it must be above 0 and below 1");
     let found = reduced.residual(&draws(1)[0], Complex::new(0.0, 1.0), &DVector::zeros(2)).unwrap_err();
     assert_eq!(found.to_string(), "2 entries of the shape; expected 3");
@@ -243,7 +243,7 @@ fn plate_with_a_spring() -> SparseAffineSystem {
     let zero = || CscMatrix::zeros(N, N);
     let matrices = SparseSecondOrder::new(zero(), zero(), CscMatrix::from(&spring)).unwrap();
     let mut terms = plate.terms().to_vec();
-    terms.push(SparseTerm { name: "spring".into(), family: "spring".into(), matrices });
+    terms.push(SparseTerm { name: "spring".into(), family: "spring".into(), matrices, loss: 0.0 });
     SparseAffineSystem::new(terms, plate.channels().to_vec()).unwrap()
 }
 
@@ -282,7 +282,7 @@ fn a_smaller_basis_within_holds_the_eigenvalues_of_one_arrangement() {
         assert!((small.tr_mul(small) - DMatrix::identity(small.ncols(), small.ncols())).amax() < 1e-12);
         let combinations = Combinations::new(&system, &basis);
         let of = (&basis, &reduced, &combinations);
-        let small = Reduced::within(of, small, RECTANGLE, TOLERANCE).unwrap();
+        let small = Reduced::within(of, None, small, RECTANGLE, TOLERANCE).unwrap();
         // At the points and at others, against all eigenvalues of the plate.
         for at in (0..18).map(|at| drawn(2 * at)) {
             let (modes, expected) = (small.modes_by_spectrum(&at).unwrap(), truth(&large, &at));
@@ -306,7 +306,7 @@ fn a_poor_start_hides_no_mode_from_a_smaller_basis() {
     for leading in [1, leading / 4, leading / 2, leading, basis.ncols()] {
         let found = within((&reduced, leading), (RECTANGLE, &points), 1e-6).unwrap();
         let of = (&basis, &reduced, &combinations);
-        let small = Reduced::within(of, &found.basis, RECTANGLE, TOLERANCE).unwrap();
+        let small = Reduced::within(of, None, &found.basis, RECTANGLE, TOLERANCE).unwrap();
         let has_all = |at| small.modes_by_spectrum(at).unwrap().lambdas.len() == truth(&reduced, at).len();
         println!("{leading} of {}: {:?}", basis.ncols(), (found.is_reached, found.solved.len(), found.missed.len()));
         assert!(!found.is_reached || points.iter().all(has_all), "{leading}");
@@ -326,7 +326,7 @@ fn residuals_on_a_basis_within_are_bounds() {
     for columns in [5, basis.ncols() / 2, basis.ncols()] {
         let first = DMatrix::identity(basis.ncols(), columns);
         let of = (&basis, &reduced, &combinations);
-        let small = Reduced::within(of, &first, RECTANGLE, TOLERANCE).unwrap();
+        let small = Reduced::within(of, None, &first, RECTANGLE, TOLERANCE).unwrap();
         let at = drawn(3);
         let full = dense(&system).assemble(&at).unwrap();
         for number in 0..6 {

@@ -65,6 +65,7 @@ fn strings(n: usize) -> SparseAffineSystem {
     let sparse = |matrix: &DMatrix<f64>| CscMatrix::from(&CooMatrix::from(matrix));
     let term = |name: String, [m, c, k]: [&DMatrix<f64>; 3]| SparseTerm {
         matrices: SparseSecondOrder::new(sparse(m), sparse(c), sparse(k)).unwrap(),
+        loss: 0.0,
         family: name.clone(),
         name,
     };

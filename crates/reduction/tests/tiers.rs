@@ -7,9 +7,9 @@
 use linsys::{Channel, ChannelGain, Lag, OperatingPoint};
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use reduction::{Combinations, Reduced, RouteCounts};
+use reduction::{Combinations, Doubt, Losses, Reduced, Route, RouteCounts};
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
-use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
+use sparse::{Options, Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm, eigenpairs_in};
 
 const SAMPLES: usize = 200;
 /// Draws at which modes are known, of other numbers than those of samples.
@@ -32,7 +32,7 @@ fn brake(
 ) -> Brake {
     let [m, c, k] = [m, c, k].map(|matrix| CscMatrix::from(&CooMatrix::from(&matrix)));
     let matrices = SparseSecondOrder::new(m, c, k).unwrap();
-    let terms = vec![SparseTerm { name: "structure".into(), family: "structure".into(), matrices }];
+    let terms = vec![SparseTerm { name: "structure".into(), family: "structure".into(), matrices, loss: 0.0 }];
     Brake { system: SparseAffineSystem::new(terms, channels).unwrap(), rectangle, mu: friction.0, slopes: friction.1 }
 }
 
@@ -139,7 +139,7 @@ impl<'a> Reduction<'a> {
         let known: Vec<_> = KNOWN.map(|at| point(brake, at, is_alike)).collect();
         let all = DMatrix::identity(order, order);
         let (projected, combinations) = (brake.system.project(&all).unwrap(), Combinations::new(&brake.system, &all));
-        let reduced = Reduced::within((&all, &projected, &combinations), &all, brake.rectangle, 1e-8).unwrap();
+        let reduced = Reduced::within((&all, &projected, &combinations), None, &all, brake.rectangle, 1e-8).unwrap();
         let reduced = reduced.with_coarse(&known).unwrap();
         let points = (0..SAMPLES).map(|at| point(brake, at, is_alike)).collect();
         Self { brake, reduced, points }
@@ -208,6 +208,71 @@ fn each_way_finds_the_growing_modes_of_a_chain() {
 #[test]
 fn each_way_finds_the_growing_modes_of_a_disc_with_a_pad() {
     each_way_finds_growing_modes(&ring(40, 6));
+}
+
+/// A brake with loss factors in the place of its damping by stiffness.
+fn lossy(mut brake: Brake, loss: f64) -> Brake {
+    let mut terms = brake.system.terms().to_vec();
+    let damping = terms[0].matrices.m.clone() * 0.01;
+    terms[0].matrices.c = damping;
+    terms[0].loss = loss;
+    brake.system = SparseAffineSystem::new(terms, brake.system.channels().to_vec()).unwrap();
+    brake
+}
+
+/// Growing modes with loss factors are those of the whole complex stiffness, from dashpots with their loss at one point and from all eigenvalues where a
+/// guess is not believed. The dashpots alone are farther off.
+#[test]
+fn each_way_finds_the_growing_modes_with_loss_factors() {
+    const DRAWN: usize = 12;
+    for brake in [lossy(chain(), 0.02), lossy(ring(40, 6), 0.01)] {
+        let order = brake.system.order();
+        let at = |number: usize| {
+            let mut at = point(&brake, number, false);
+            at.coefficients[0] = 0.9 + 0.2 * ((number * 31) as f64 * 0.618_033_988_75).fract();
+            at
+        };
+        let all = DMatrix::identity(order, order);
+        let (projected, combinations) = (brake.system.project(&all).unwrap(), Combinations::new(&brake.system, &all));
+        let losses = Losses::new(&brake.system, &projected, &at(KNOWN.start)).unwrap().unwrap();
+        let with_dashpots = losses.with_dashpots(&projected).unwrap();
+        let of = (&all, &with_dashpots, &combinations);
+        let reduced = Reduced::within(of, Some(&losses), &all, brake.rectangle, 1e-8).unwrap();
+        let known: Vec<_> = KNOWN.map(at).collect();
+        let distance = reduced.distance_of_losses(&known).unwrap();
+        assert!(distance > 1e-6 && distance < 5e-3, "{distance}");
+        let doubted = reduced.clone();
+        let reduced = reduced.with_coarse(&known).unwrap().with_distance_of_losses(distance);
+        let points: Vec<_> = (0..DRAWN).map(at).collect();
+        let expected: Vec<Vec<Complex<f64>>> = points
+            .iter()
+            .map(|at| {
+                let whole = brake.system.assemble(at).unwrap();
+                let found = eigenpairs_in(&whole, &brake.rectangle, &Options::default(), &mut |_| ()).unwrap();
+                found.pairs.iter().map(|pair| pair.lambda).filter(|lambda| lambda.re >= 0.0).collect()
+            })
+            .collect();
+        assert!(expected.iter().map(Vec::len).sum::<usize>() > 10);
+        let judged = Reduction { brake: &brake, reduced: reduced.clone(), points: points.clone() };
+        let mut off = 0.0_f64;
+        for (way, reduced) in [("coarse", &reduced), ("spectra", &reduced.clone().without_coarse())] {
+            let (found, counts) = judged.growing(reduced);
+            judged.compare(&found, &expected, way);
+            assert!(way == "spectra" || counts.coarse > DRAWN as u64 / 2, "{counts:?}");
+        }
+        for (found, at) in doubted.modes_of_all(&points, &|_, _| true).into_iter().zip(&points) {
+            let found = found.unwrap();
+            assert_eq!(found.route, Route::Spectrum(Some(Doubt::Loss)));
+            assert!(found.residuals.iter().all(|residual| *residual < 1e-9), "{:?}", found.residuals);
+            // What dashpots alone would say.
+            let with_dashpots = with_dashpots.assemble(at).unwrap();
+            for lambda in &found.lambdas {
+                let q = with_dashpots.dynamic_stiffness(*lambda);
+                off = off.max(q.clone().svd(false, false).singular_values.min() / q.norm());
+            }
+        }
+        assert!(off > 1e-7, "{off}");
+    }
 }
 
 /// `cargo test -p brake-squeal-reduction --test tiers -- --ignored`

@@ -14,8 +14,10 @@ pub struct SparseTerm {
     pub name: String,
     /// The family to which the work of its damping, and of a stiffness that is not symmetric, belongs.
     pub family: String,
-    /// Matrices M, C and K, without internal states. A part that has none of one holds an empty matrix of full order.
+    /// Matrices M, C and K, without internal states and structural damping. A part that has none of one holds an empty matrix of full order.
     pub matrices: SparseSecondOrder,
+    /// Loss factor eta of the stiffness, >= 0: `K (1 + i eta)` above the real axis. 0 of most.
+    pub loss: f64,
 }
 
 /// The sparse counterpart of [`linsys::AffineSystem`]: terms, and one friction channel per contact.
@@ -29,8 +31,8 @@ impl SparseAffineSystem {
     /// A system of these terms, at least one, and channels.
     ///
     /// # Errors
-    /// No term, terms of different order, internal states in a term, a channel that acts on or reads a degree of freedom
-    /// that does not exist.
+    /// No term, terms of different order, internal states or structural damping in a term, a loss factor that is negative or not finite, a channel that
+    /// acts on or reads a degree of freedom that does not exist.
     pub fn new(terms: Vec<SparseTerm>, channels: Vec<Channel>) -> Result<Self, SparseError> {
         let order = terms.first().map(|term| term.matrices.order()).ok_or(SparseError::Empty)?;
         for term in &terms {
@@ -40,6 +42,9 @@ impl SparseAffineSystem {
             }
             if states > 0 {
                 return Err(LinsysError::TermStates { term: name, states }.into());
+            }
+            if term.matrices.h.is_some() || !(term.loss.is_finite() && term.loss >= 0.0) {
+                return Err(SparseError::Loss { term: name, loss: term.loss });
             }
         }
         channels.iter().try_for_each(|channel| channel.check(order))?;
@@ -56,6 +61,12 @@ impl SparseAffineSystem {
     #[must_use]
     pub fn terms(&self) -> &[SparseTerm] {
         &self.terms
+    }
+
+    /// True if a term has a loss factor above zero.
+    #[must_use]
+    pub fn is_structurally_damped(&self) -> bool {
+        self.terms.iter().any(|term| term.loss > 0.0)
     }
 
     /// The friction channels.
@@ -108,6 +119,11 @@ impl SparseAffineSystem {
             add_scaled(&mut c, &term.matrices.c, theta);
             add_scaled(&mut k, &term.matrices.k, theta);
         }
+        let mut h = self.is_structurally_damped().then(|| CooMatrix::new(n, n));
+        if let Some(h) = &mut h {
+            let damped = self.terms.iter().zip(&at.coefficients).filter(|(term, _)| term.loss > 0.0);
+            damped.for_each(|(term, &theta)| add_scaled(h, &term.matrices.k, theta * term.loss));
+        }
         let mut states = Vec::new();
         for (channel, gain) in self.channels.iter().zip(&at.channels) {
             for &(row, b) in &channel.force {
@@ -120,11 +136,11 @@ impl SparseAffineSystem {
                 states.push(State { decay: lag.decay, drive: scaled(-lag.drive), force: scaled(lag.force) });
             }
         }
-        Ok(SparseSecondOrder { m: (&m).into(), c: (&c).into(), k: (&k).into(), states })
+        Ok(SparseSecondOrder { m: (&m).into(), c: (&c).into(), k: (&k).into(), h: h.as_ref().map(Into::into), states })
     }
 
     /// Projection `V^T Q(lambda) V` term by term and channel by channel: the same form, dense, over the columns of the real n x k matrix
-    /// V, which should be orthonormal. A reduced brake is a brake.
+    /// V, which should be orthonormal. A reduced brake is a brake. Loss factors have no part in it, as it is real.
     ///
     /// Both sides have one basis, because a channel `b (mu r^T + lambda s b^T)` stays one only then. A matrix that is exactly
     /// symmetric stays so.
@@ -185,7 +201,7 @@ mod tests {
         let channel = Channel::new("pad", "friction", vec![(0, 1.0), (2, -0.5)], vec![(1, -5.0)]);
         let of = |(name, [m, c, k]): &(&str, [DMatrix<f64>; 3])| {
             let matrices = SparseSecondOrder::new(sparse(m), sparse(c), sparse(k)).unwrap();
-            SparseTerm { name: (*name).into(), family: (*name).into(), matrices }
+            SparseTerm { name: (*name).into(), family: (*name).into(), matrices, loss: 0.0 }
         };
         let large = SparseAffineSystem::new(parts.iter().map(of).collect(), vec![channel.clone()]).unwrap();
         let terms = parts

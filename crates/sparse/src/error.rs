@@ -104,6 +104,24 @@ pub enum SparseError {
         /// Upper border of that side, rad/s.
         to: f64,
     },
+    /// A loss factor that is none, or structural damping in the matrices of a term, where a loss factor says it.
+    #[error(
+        "term {term:?} has structural damping, loss factor {loss}; allowed: a finite loss factor >= 0 of the stiffness, and no matrix of it"
+    )]
+    Loss {
+        /// Name of the term.
+        term: String,
+        /// Loss factor of it.
+        loss: f64,
+    },
+    /// A rectangle that is not above the real axis, of a system with structural damping.
+    #[error(
+        "Im lambda from {from} rad/s; allowed with structural damping: > 0, as its stiffness is K + i H above the real axis alone"
+    )]
+    StructuralDamping {
+        /// Lower border of Im lambda, rad/s.
+        from: f64,
+    },
     /// A rectangle that needs more than is allowed.
     #[error(
         "the rectangle {}; allowed: {most_shifts} shifts and {most_pairs} eigenvalues, in {}",

@@ -8,7 +8,7 @@ use crate::SparseError;
 /// System `M u'' + C u' + K u = sum_i f_i z_i`, `z_i' = -a_i z_i + e_i^T u'`, with sparse matrices.
 ///
 /// The sparse counterpart of [`linsys::SecondOrder`]:
-/// `Q(lambda) = lambda^2 M + lambda C + K - sum_i lambda / (lambda + a_i) f_i e_i^T`.
+/// `Q(lambda) = lambda^2 M + lambda C + K + i H - sum_i lambda / (lambda + a_i) f_i e_i^T`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseSecondOrder {
     /// Mass matrix M, n x n.
@@ -17,6 +17,9 @@ pub struct SparseSecondOrder {
     pub c: CscMatrix<f64>,
     /// Stiffness matrix K, n x n.
     pub k: CscMatrix<f64>,
+    /// Structural damping H, n x n, `eta K` of parts with a loss factor eta; `None` where there is none. The stiffness is `K + i H` above the real axis and
+    /// `K - i H` below it, where eigenvalues are the conjugates of those above.
+    pub h: Option<CscMatrix<f64>>,
     /// The first-order states, none for most systems.
     pub states: Vec<State>,
 }
@@ -45,7 +48,22 @@ impl SparseSecondOrder {
         for (name, matrix) in [(Matrix::Mass, &m), (Matrix::Damping, &c), (Matrix::Stiffness, &k)] {
             check(name, matrix, order)?;
         }
-        Ok(Self { m, c, k, states: Vec::new() })
+        Ok(Self { m, c, k, h: None, states: Vec::new() })
+    }
+
+    /// The system with structural damping H.
+    ///
+    /// # Errors
+    /// Another shape, an entry that is not finite.
+    pub fn with_structural_damping(self, h: CscMatrix<f64>) -> Result<Self, SparseError> {
+        check(Matrix::StructuralDamping, &h, self.order())?;
+        Ok(Self { h: Some(h), ..self })
+    }
+
+    /// The system without structural damping, which is none on the real axis: that of real eigenvalues.
+    #[must_use]
+    pub fn without_structural_damping(self) -> Self {
+        Self { h: None, ..self }
     }
 
     /// Number n of degrees of freedom.

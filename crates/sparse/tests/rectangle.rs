@@ -211,6 +211,77 @@ proptest! {
     }
 }
 
+/// All eigenvalues of `lambda^2 M + lambda C + K + i H`, from a dense companion matrix.
+fn with_structural_damping(dense: &SecondOrder, h: &DMatrix<f64>) -> Vec<Complex<f64>> {
+    let n = dense.order();
+    let inverse = dense.m.clone().try_inverse().unwrap();
+    let mut companion = DMatrix::zeros(2 * n, 2 * n);
+    companion.view_mut((0, n), (n, n)).fill_with_identity();
+    let stiffness = (&inverse * &dense.k).zip_map(&(&inverse * h), |k, h| Complex::new(-k, -h));
+    companion.view_mut((n, 0), (n, n)).copy_from(&stiffness);
+    companion.view_mut((n, n), (n, n)).copy_from(&(&inverse * &dense.c * -1.0).map(Complex::from));
+    nalgebra::Schur::new(companion).eigenvalues().unwrap().iter().copied().collect()
+}
+
+#[test]
+fn structural_damping_is_a_complex_stiffness_above_the_real_axis() {
+    // Of springs along the ring alone, of all, and of double eigenvalues; the last one of entries that lie in rows of different units.
+    let rings = [
+        (Ring { friction: 0.8, ..RING }, 0.3),
+        (Ring { friction: 0.4, gyroscopic: 1.0, ..RING }, 0.02),
+        (Ring { disorder: 0.0, ..RING }, 0.1),
+    ];
+    let part = Rectangle { re: [-30.0, 40.0], im: [60.0, 130.0] };
+    for (ring, eta) in rings {
+        let (sparse, dense) = ring.build();
+        let h = DMatrix::from_fn(dense.order(), dense.order(), |i, j| {
+            if i % 2 == 0 && j % 2 == 0 { eta * dense.k[(i, j)] } else { 0.0 }
+        });
+        let damped = sparse.with_structural_damping(CscMatrix::from(&h)).unwrap();
+        let uneven = |row: usize| if row.is_multiple_of(2) { 1.0 } else { 1e5 };
+        let in_other_units = {
+            let scaled = |a: &CscMatrix<f64>| {
+                let mut a = a.clone();
+                a.triplet_iter_mut().for_each(|(row, column, value)| *value *= uneven(row) * uneven(column));
+                a
+            };
+            let SparseSecondOrder { m, c, k, h, .. } = &damped;
+            let [m, c, k] = [m, c, k].map(scaled);
+            SparseSecondOrder::new(m, c, k).unwrap().with_structural_damping(scaled(h.as_ref().unwrap())).unwrap()
+        };
+        let mut expected = with_structural_damping(&dense, &h);
+        expected.retain(|lambda| part.contains(*lambda, 0.0));
+        assert!(expected.len() > 20);
+        for system in [&damped, &in_other_units] {
+            let found = find(system, part);
+            assert_eq!(found.pairs.len(), expected.len(), "{eta}");
+            let mut left = expected.clone();
+            for pair in &found.pairs {
+                let distance = |at: &usize| (left[*at] - pair.lambda).norm();
+                let nearest = (0..left.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+                assert!(distance(&nearest) < 1e-8 * pair.lambda.norm(), "{eta}: {}", pair.lambda);
+                left.swap_remove(nearest);
+                assert!(pair.backward_error < 1e-11);
+            }
+        }
+        let below = Rectangle { im: [0.0, 130.0], ..part };
+        let refused = eigenpairs_in(&damped, &below, &Options::default(), &mut |_| ());
+        assert_eq!(refused, Err(SparseError::StructuralDamping { from: 0.0 }));
+        // Small systems are not certified by real matrices.
+        let certified = Options { certified: 1000, counted: 1000, ..Options::default() };
+        let found = eigenpairs_in(&damped, &part, &certified, &mut |_| ()).unwrap();
+        assert_eq!((found.pairs.len(), found.is_certified), (expected.len(), false));
+    }
+    // A loss factor of all stiffness turns the square of each frequency: lambda^2 = -omega^2 (1 + i eta).
+    let k = CscMatrix::from(&DMatrix::from_diagonal(&DVector::from_vec(vec![4.0, 9.0, 100.0])));
+    let system = SparseSecondOrder::new(CscMatrix::identity(3), CscMatrix::zeros(3, 3), k.clone()).unwrap();
+    let found =
+        find(&system.with_structural_damping(&k * 0.2).unwrap(), Rectangle { re: [-5.0, 1.0], im: [1.0, 11.0] });
+    for (pair, omega) in found.pairs.iter().zip([2.0, 3.0, 10.0]) {
+        assert!((pair.lambda - Complex::new(-1.0, -0.2).sqrt() * Complex::from(-omega)).norm() < 1e-12 * omega);
+    }
+}
+
 /// Rectangles far larger than the spectrum: the bounds that limit the search hold every eigenvalue, and all are found.
 #[test]
 fn bounds_of_the_spectrum_hold_all_eigenvalues() {

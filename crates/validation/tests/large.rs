@@ -101,6 +101,7 @@ fn a_basis_of_disk_brake4669_holds_the_speeds_between_its_points() {
         name: name.into(),
         family: name.into(),
         matrices: SparseSecondOrder::new(m, c, k).unwrap(),
+        loss: 0.0,
     };
     let terms = vec![
         term("structure", [m.clone(), &d1 + &d4 * (1.0 / (2.0 * PI * 1600.0)), &k1 + &kr - &kgeo]),

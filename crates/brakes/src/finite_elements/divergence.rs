@@ -3,7 +3,8 @@
 //! Up to the end of the band in size the whole brake is searched. Far beyond, single pairs of nodes, which have little mass, grow where the curve of friction
 //! falls more steeply than their damping holds. A basis of modes of the band does not have that; but at an eigenvalue s that contacts make, a mode is a combination
 //! of the responses `Q_0(s)^-1 b_i` and `Q_0(s)^-1 r_i` of the brake at its medians without friction to forces along all directions of friction b_i and
-//! readings r_i. These are smooth in s to the right of the band, so that those at a few real numbers hold them between.
+//! readings r_i. These are smooth in s to the right of the band, so that those at a few real numbers hold them between. Loss factors have no part in it:
+//! what does not oscillate has no complex stiffness.
 
 use std::f64::consts::TAU;
 use std::iter::repeat_n;
@@ -55,7 +56,7 @@ impl Responses {
         let all = all_patches(case);
         let mut at = of_brake(case, &all, &naming_point(case, &all)?);
         without_friction(system.channels(), &mut at);
-        let problem = Problem::new(&system.assemble(&at)?)?;
+        let problem = Problem::new(&system.assemble(&at)?.without_structural_damping())?;
         let thinned: Vec<_> = contacts.iter().step_by(step(contacts.len())).collect();
         let mut forces = DMatrix::zeros(system.order(), 2 * thinned.len());
         for (place, channel) in thinned.into_iter().enumerate() {
@@ -154,7 +155,7 @@ impl FiniteElementBrake {
     /// A point that the brake refuses, a factorisation that does not fit into memory.
     pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Diverging, Error> {
         let set = &self.sets[self.part(scene).set];
-        let system = set.system.assemble(at)?;
+        let system = set.system.assemble(at)?.without_structural_damping();
         let whole = diverging(&self.case, &system, &self.plan.threshold);
         let (end, error) = (highest(&self.case), self.relative_error(scene));
         let is_fast = |lambda: Complex<f64>| {

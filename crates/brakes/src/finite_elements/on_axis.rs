@@ -12,7 +12,7 @@ use sparse::SparseAffineSystem;
 /// True if nothing damps a brake at an operating point or relaxes in it, and friction has no slope.
 pub(super) fn is_undamped(system: &SparseAffineSystem, at: &OperatingPoint) -> bool {
     let mut terms = system.terms().iter().zip(&at.coefficients).filter(|(_, coefficient)| **coefficient != 0.0);
-    terms.all(|(term, _)| term.matrices.c.values().iter().all(|value| *value == 0.0))
+    terms.all(|(term, _)| term.loss == 0.0 && term.matrices.c.values().iter().all(|value| *value == 0.0))
         && at.channels.iter().all(|gain| gain.slope == 0.0 && gain.lag.is_none_or(|lag| lag.force == 0.0))
 }
 

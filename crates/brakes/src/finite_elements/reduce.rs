@@ -67,10 +67,11 @@ bits!(Trained { set, closed, at });
 struct PartPiece {
     within: Within,
     coarse: Option<CoarseBasis>,
+    distance_of_losses: f64,
     first: Vec<Complex<f64>>,
 }
 
-bits!(PartPiece { within, coarse, first });
+bits!(PartPiece { within, coarse, distance_of_losses, first });
 
 /// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept`, where there are some,
 /// those of all at their further points `trained`.
@@ -176,9 +177,11 @@ pub(super) fn all_bases(
 
 /// A part, from what is kept of it.
 fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, piece: PartPiece) -> Result<Part, Error> {
-    let PartPiece { within, coarse, first } = piece;
-    let reduced = set.reduced_within(&within.basis, case)?.on_coarse(coarse)?;
-    Ok(Part { set: asked.set, within, first, reduced, routes: Mutex::default(), settled: AtomicU64::default() })
+    let PartPiece { within, coarse, distance_of_losses, first } = piece;
+    let reduced =
+        set.reduced_within(&within.basis, case)?.with_distance_of_losses(distance_of_losses).on_coarse(coarse)?;
+    let (routes, settled) = (Mutex::default(), AtomicU64::default());
+    Ok(Part { set: asked.set, within, distance_of_losses, first, reduced, routes, settled })
 }
 
 /// The kept piece of a part: the fewest directions that hold it, coarse ones among them.
@@ -200,6 +203,8 @@ fn part_piece(
     let step = others.len().div_ceil(COARSE_POINTS.saturating_sub(known.len()).max(1)).max(1);
     known.extend(others.iter().step_by(step).cloned());
     let reduced = set.reduced_within(&within.basis, case)?.with_coarse(&known)?;
+    let distance_of_losses = reduced.distance_of_losses(&known)?;
+    let reduced = reduced.with_distance_of_losses(distance_of_losses);
     let (first, coarse) = (reduced.modes(&at_median)?.lambdas, reduced.coarse_basis().cloned());
-    Ok(PartPiece { within, coarse, first })
+    Ok(PartPiece { within, coarse, distance_of_losses, first })
 }

@@ -6,10 +6,11 @@ use std::sync::{Mutex, OnceLock};
 use linsys::{AffineSystem, DofMap};
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use reduction::{Combinations, Compared, Reduced, RouteCounts, Within, compared};
+use reduction::{Combinations, Compared, Losses, Reduced, RouteCounts, Within, compared};
 use sparse::SparseAffineSystem;
 
 use super::divergence::Responses;
+use super::points::at_medians;
 use super::set_basis::{HeldOut, SetBasis};
 use super::training::{AT_BORDER, rectangle};
 use crate::Error;
@@ -30,8 +31,10 @@ pub struct ReducedSet {
     has_others: bool,
     /// Combinations of residuals on smaller bases within it.
     combinations: Combinations,
-    /// The brake on it.
+    /// The brake on it, with dashpots in the place of loss factors.
     pub reduced: AffineSystem,
+    /// Loss factors; `None` where no term has one.
+    losses: Option<Losses>,
     /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
     pub modes: Vec<Complex<f64>>,
     /// Comparison of these modes with those of the reduced brake.
@@ -54,6 +57,8 @@ pub struct Part {
     pub set: usize,
     /// Basis within that of the set, what it took, and whether it was reached.
     pub within: Within,
+    /// Largest distance, relative to |lambda|, of its modes with dashpots from those with loss factors, where it was measured; 0 without any.
+    pub distance_of_losses: f64,
     /// Modes in the rectangle at the medians, rad/s.
     pub first: Vec<Complex<f64>>,
     /// The brake, with residuals in the whole one.
@@ -74,7 +79,12 @@ impl ReducedSet {
         let dofs = DofMap::new(case.dofs.len(), fixed)?;
         let system = case.system.on(&dofs)?;
         let SetBasis { basis, leading, has_others, held_out: drawn } = basis(&system)?;
-        let reduced = system.project(&basis)?;
+        let projected = system.project(&basis)?;
+        let losses = Losses::new(&system, &projected, &at_medians(case)?)?;
+        let reduced = match &losses {
+            Some(losses) => losses.with_dashpots(&projected)?,
+            None => projected,
+        };
         let combinations = Combinations::new(&system, &basis);
         let compared = compared(&[], Vec::new());
         Ok(Self {
@@ -85,6 +95,7 @@ impl ReducedSet {
             has_others,
             combinations,
             reduced,
+            losses,
             modes: Vec::new(),
             compared,
             drawn,
@@ -117,7 +128,7 @@ impl ReducedSet {
     /// The brake on a smaller basis W within that of the set.
     pub(super) fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
         let of_set = (&self.basis, &self.reduced, &self.combinations);
-        Ok(Reduced::within(of_set, columns, rectangle(case), case.reduction.residual)?)
+        Ok(Reduced::within(of_set, self.losses.as_ref(), columns, rectangle(case), case.reduction.residual)?)
     }
 }
 

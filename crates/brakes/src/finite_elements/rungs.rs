@@ -36,7 +36,7 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
     columns.dedup();
     let rung = |columns: usize| {
         let first = origin.within.basis.columns(0, columns).into_owned();
-        let reduced = set.reduced_within(&first, case)?;
+        let reduced = set.reduced_within(&first, case)?.with_distance_of_losses(origin.distance_of_losses);
         let found = points.iter().map(|at| reduced.modes(at)).collect::<Result<Vec<_>, _>>()?;
         let residual = largest_residual(found.iter().map(ReducedModes::largest_residual));
         let first = found.into_iter().next().map_or(Vec::new(), |found| found.lambdas);

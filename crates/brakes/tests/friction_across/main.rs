@@ -16,6 +16,7 @@ use nalgebra::{Complex, DMatrix, DVector, Matrix3, Vector3};
 use squeal::results::Results;
 use squeal::study::{ModeSource, Scene, Study, UncertainBrake};
 
+mod loss_factors;
 mod viscoelastic_springs;
 
 /// Nodes 1, 2, ... with three degrees of freedom each: pairs (pad, disc) at one place, then nodes of the structure between.

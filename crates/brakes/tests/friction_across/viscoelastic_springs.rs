@@ -44,7 +44,7 @@ fn with_branches(system: &SecondOrder, springs: &[Maxwell]) -> Vec<Complex<f64>>
 }
 
 /// The whole brake at an operating point as dense matrices.
-fn dense(brake: &FiniteElementBrake, scene: &Scene, sample: &FiniteElementSample) -> SecondOrder {
+pub(super) fn dense(brake: &FiniteElementBrake, scene: &Scene, sample: &FiniteElementSample) -> SecondOrder {
     let at = brake.full_point(scene, &brake.operating_point(scene, sample).unwrap());
     let system = brake.sets[0].system.assemble(&at).unwrap();
     let [m, c, k] = [&system.m, &system.c, &system.k].map(DMatrix::from);
@@ -64,7 +64,7 @@ fn oscillating(system: &SecondOrder) -> Vec<Complex<f64>> {
 }
 
 /// The largest distance of some eigenvalues from the nearest of others, relative to their size.
-fn farthest<'a>(found: impl IntoIterator<Item = &'a Complex<f64>>, others: &[Complex<f64>]) -> f64 {
+pub(super) fn farthest<'a>(found: impl IntoIterator<Item = &'a Complex<f64>>, others: &[Complex<f64>]) -> f64 {
     let distance = |l: &Complex<f64>| others.iter().map(|o| (o - l).norm() / l.norm()).fold(f64::INFINITY, f64::min);
     found.into_iter().map(distance).fold(0.0, f64::max)
 }
@@ -295,6 +295,6 @@ fn faults_of_viscoelastic_springs_are_one_line() {
         let refused = case(folder.path(), good.replace(from, to)).unwrap_err();
         assert!(refused.contains(expected) && !refused.trim_end().contains('\n'), "{refused}");
     }
-    // A loss factor of a term is a dashpot of that term alone, whatever relaxes beside it.
+    // A loss factor of a term may stand beside what relaxes.
     assert!(case(folder.path(), good.replace("rayleigh = ", "loss_factor = 0.01\nrayleigh = ")).is_ok());
 }

@@ -145,7 +145,7 @@ impl Patches {
         self.channels.extend(springs);
         let zero = || CscMatrix::zeros(order, order);
         let matrices = SparseSecondOrder::new(zero(), zero(), (&k).into()).map_err(model.check.sparse("contact"))?;
-        self.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
+        self.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices, loss: 0.0 });
         let load = load / pairs.len() as f64;
         let speeds = pairs.iter().map(|pair| pair.speed).collect();
         let place = |pair: &&Pair| PairPlace {

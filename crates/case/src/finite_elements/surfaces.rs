@@ -216,7 +216,7 @@ impl Made<'_> {
         let symmetric = (&k + k.transpose()) * 0.5;
         let matrices =
             SparseSecondOrder::new(zero(), zero(), symmetric).map_err(solids.model.check.sparse("contact"))?;
-        out.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
+        out.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices, loss: 0.0 });
         out.channels.extend(along);
         out.channels.extend(across);
         out.channels.extend(opening);

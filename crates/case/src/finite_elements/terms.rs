@@ -130,13 +130,17 @@ fn common_rows(check: &Check<'_>, all: &mut [ReadTerm]) -> Result<Vec<Dof>, Case
     Ok(labels.unwrap_or_else(|| (1..=order as i64).map(|node| Dof { node, direction: 0 }).collect()))
 }
 
-/// The terms, with Rayleigh damping and loss factors in C, and their coefficients. A loss factor eta without a frequency is that at the geometric mean of the band, Hz.
+/// Entry that differs from its mirror image by more than this part of the largest is not symmetric; chosen.
+const SYMMETRIC: f64 = 1e-10;
+
+/// The terms, with Rayleigh damping and loss factors at a frequency in C, and their coefficients. A loss factor without a frequency is that of a complex
+/// stiffness. `band` is that in which modes are wanted, Hz.
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
     all: Vec<ReadTerm>,
     order: usize,
-    [lowest, highest]: [f64; 2],
+    band: [f64; 2],
 ) -> Result<(Vec<SparseTerm>, Vec<Expression>), CaseError> {
     let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
     for ReadTerm { table, matrices } in all {
@@ -148,32 +152,41 @@ pub(super) fn terms_with_coefficients(
             let of_stiffness = check.finite(&named("stiffness"), rayleigh.stiffness)?;
             c = c + &m * of_mass + &k * of_stiffness;
         }
-        if let Some(loss) = table.loss_factor {
-            let named = |key: &str| field("terms", &table.name, &format!("loss_factor{key}"));
-            let (loss, key) = match loss {
-                LossEntry::At(loss) => (loss, ".value"),
-                LossEntry::Number(value) => (LossTable { value, at_hz: (lowest * highest).sqrt() }, ""),
-            };
-            if !(loss.value.is_finite() && loss.value >= 0.0) {
-                return Err(check.value(&named(key), loss.value, "a finite number >= 0"));
+        let named = |key: &str| field("terms", &table.name, &format!("loss_factor{key}"));
+        let loss = match table.loss_factor {
+            None => 0.0,
+            Some(LossEntry::Number(value)) => {
+                let value = check.loss_factor(&named(""), value)?;
+                let largest = k.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+                let skew = &k - k.transpose();
+                if skew.values().iter().any(|value| value.abs() > SYMMETRIC * largest) {
+                    return Err(check.value(
+                        &named(""),
+                        value,
+                        "terms of a symmetric stiffness: another one is no spring",
+                    ));
+                }
+                value
             }
-            if !(loss.at_hz.is_finite() && loss.at_hz > 0.0) {
-                return Err(check.value(&named(".at_hz"), loss.at_hz, "a frequency in Hz, > 0"));
+            Some(LossEntry::At(LossTable { value, at_hz })) => {
+                let value = check.loss_factor(&named(".value"), value)?;
+                if !(at_hz.is_finite() && at_hz > 0.0) {
+                    return Err(check.value(&named(".at_hz"), at_hz, "a frequency in Hz, > 0"));
+                }
+                let [least, most] = band.map(|hz| hz / at_hz);
+                check.note(format!(
+                    "{} = {value} is that of dashpots at {at_hz:.1} Hz: at the ends of the band their loss factor is {least:.3} and {most:.3} times that",
+                    named("")
+                ));
+                // `C = eta K / omega_0`, so that `i omega C = i eta K` at omega_0 alone.
+                c = c + &k * (value / (std::f64::consts::TAU * at_hz));
+                0.0
             }
-            let [least, most] = [lowest, highest].map(|hz| hz / loss.at_hz);
-            check.note(format!(
-                "{} = {} is that of dashpots at {:.1} Hz: at the ends of the band their loss factor is {least:.3} and {most:.3} times that",
-                named(""),
-                loss.value,
-                loss.at_hz
-            ));
-            // `C = eta K / omega_0`, so that `i omega C = i eta K` at omega_0 alone; `matrices/loss.rs` has the rule of small brakes, of every mode.
-            c = c + &k * (loss.value / (std::f64::consts::TAU * loss.at_hz));
-        }
+        };
         coefficients.push(formulas.expression(&field("terms", &table.name, "coefficient"), table.coefficient, 1.0)?);
         let family = table.family.unwrap_or_else(|| table.name.clone());
         let matrices = SparseSecondOrder::new(m, c, k).map_err(check.sparse(&format!("terms {:?}", table.name)))?;
-        terms.push(SparseTerm { name: table.name, family, matrices });
+        terms.push(SparseTerm { name: table.name, family, matrices, loss });
     }
     Ok((terms, coefficients))
 }
@@ -214,5 +227,5 @@ pub(super) fn holders_term(
     }
     let matrices = SparseSecondOrder::new(CscMatrix::zeros(order, order), (&c).into(), (&k).into());
     let matrices = matrices.map_err(check.sparse("holders"))?;
-    Ok(Some(SparseTerm { name: "holders".into(), family: "holders".into(), matrices }))
+    Ok(Some(SparseTerm { name: "holders".into(), family: "holders".into(), matrices, loss: 0.0 }))
 }

@@ -61,7 +61,7 @@ pub(super) fn rotation_terms(
         let name = format!("{} {kind}", table.name);
         let matrices = SparseSecondOrder::new(zero(), c, k).map_err(check.sparse(&key("elements")))?;
         let coefficient = formulas.expression(&key("speed"), Some(Formula::Text(formula)), 0.0)?;
-        Ok::<_, CaseError>((SparseTerm { family: name.clone(), name, matrices }, coefficient))
+        Ok::<_, CaseError>((SparseTerm { family: name.clone(), name, matrices, loss: 0.0 }, coefficient))
     };
     Ok([
         term("gyroscopic", text.clone(), transport.gyroscopic * 2.0, zero())?,
@@ -164,7 +164,7 @@ pub(super) fn spring(
     };
     let resists = |(row, share): &&(Vec<(usize, f64)>, f64)| !row.is_empty() && table.stiffness * share > 0.0;
     let directions = rows.iter().filter(resists).map(direction).collect();
-    let term = SparseTerm { name: table.name.clone(), family: table.name.clone(), matrices };
+    let term = SparseTerm { name: table.name.clone(), family: table.name.clone(), matrices, loss: 0.0 };
     Ok(Spring { term, coefficient, directions })
 }
 

@@ -14,8 +14,6 @@ use crate::check::{Check, field};
 
 /// Entry that differs from its mirror image by more than this part of the largest is not symmetric; chosen.
 const SYMMETRIC: f64 = 1e-10;
-/// Squares of frequencies below this part of the largest are those of motions that no stiffness resists; chosen.
-const STILL: f64 = 1e-12;
 /// Damping ratio below which a mode has no loss; chosen: above rounding of eigenvalues.
 const NO_LOSS: f64 = 1e-7;
 /// Most degrees of freedom with which dashpots are compared with the complex stiffness, by all eigenvalues of both; chosen: seconds.
@@ -52,9 +50,7 @@ pub(super) fn add_losses(
     for ((term, loss), dashpot) in terms.iter_mut().zip(losses).zip(&mut dashpots) {
         let Some(loss) = *loss else { continue };
         let key = field("terms", &term.name, "loss_factor");
-        if !(loss.is_finite() && loss >= 0.0) {
-            return Err(check.value(&key, loss, "a finite number >= 0"));
-        }
+        check.loss_factor(&key, loss)?;
         let SecondOrder { m: own_m, c, k: own, internal } = term.matrices().clone();
         if (&own - own.transpose()).amax() > SYMMETRIC * own.amax() {
             return Err(check.value(&key, loss, "terms of a symmetric stiffness: another one is no spring"));
@@ -63,17 +59,7 @@ pub(super) fn add_losses(
             let allowed = format!("brakes with real modes at the medians, and here {why}");
             check.value(&key, loss, &allowed)
         })?;
-        let largest = modes.omega_squared.iter().fold(0.0_f64, |largest, square| largest.max(square.abs()));
-        let scale: Vec<f64> = modes
-            .omega_squared
-            .iter()
-            .map(|&square| if square > STILL * largest { square.powf(-0.25) } else { 0.0 })
-            .collect();
-        let mut shapes = modes.shapes.clone();
-        shapes.column_iter_mut().zip(&scale).for_each(|(mut shape, scale)| shape *= *scale);
-        let momenta = &m * &modes.shapes;
-        let damping = &momenta * (shapes.tr_mul(&(&own * &shapes)) * loss) * momenta.transpose();
-        let damping = (&damping + damping.transpose()) * 0.5;
+        let damping = modes.equivalent_dashpots(&own) * loss;
         let matrices = SecondOrder { m: own_m, c: c + &damping, k: own, internal };
         *dashpot = Some(damping);
         *term = Term::new(term.name.clone(), term.family.clone(), matrices).map_err(check.system(&key))?;

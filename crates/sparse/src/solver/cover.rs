@@ -36,7 +36,7 @@ const WIDER: usize = 4;
 /// marginal.
 ///
 /// # Errors
-/// A rectangle that is none, Q singular at all shifts tried, a factorisation that does not fit into memory, solutions that
+/// A rectangle that is none, or not above the real axis where there is structural damping, Q singular at all shifts tried, a factorisation that does not fit into memory, solutions that
 /// refinement does not make accurate, two counts that contradict each other, an eigenvalue that occurs too often, more shifts or
 /// eigenvalues than allowed.
 pub fn eigenpairs_in(
@@ -46,7 +46,11 @@ pub fn eigenpairs_in(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Found, SparseError> {
     rectangle.check()?;
+    if system.h.is_some() && rectangle.im[0] <= 0.0 {
+        return Err(SparseError::StructuralDamping { from: rectangle.im[0] });
+    }
     if system.order() <= options.certified
+        && system.h.is_none()
         && let Some(found) = certified_in(system, rectangle)?
     {
         return Ok(found);
@@ -89,7 +93,9 @@ fn search(
     let mut search = Search::new(&problem, options);
     let most = 2 * system.order() + system.states.len();
     let upper = wide_enough(&problem, upper_part(rectangle));
-    let reach = if rectangle.reach() > least_reach(system) { reach(system)? } else { None };
+    // Structural damping is in no bound.
+    let is_bounded = system.h.is_none() && rectangle.reach() > least_reach(system);
+    let reach = if is_bounded { reach(system)? } else { None };
     if let Some(part) = reach.map_or(Some(upper), |reach| reach.within(&upper, problem.pencil.blur(Complex::default())))
     {
         if reach.is_some_and(|reach| reach.is_within(&upper)) {
@@ -103,7 +109,7 @@ fn search(
         let (centre, radius) = (Complex::default(), upper.reach());
         return Err(SparseError::CountsDiffer { listed: pairs.len(), counted: most, centre, radius });
     }
-    let count = if system.order() <= options.counted {
+    let count = if system.order() <= options.counted && system.h.is_none() {
         counted(&problem, &upper, &pairs, &discs, &covered, options.block)?
     } else {
         Count::SecondBlock

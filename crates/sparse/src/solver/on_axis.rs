@@ -14,7 +14,7 @@ const INSIDE: f64 = 8.0;
 
 /// Says of each eigenvalue of a system without damping whose verdict is open, and that is alone, that it is marginal.
 pub(super) fn settle_undamped(system: &SparseSecondOrder, rectangle: &Rectangle, pairs: &mut [Eigenpair]) {
-    if !system.states.is_empty() || system.c.values().iter().any(|value| *value != 0.0) {
+    if !system.states.is_empty() || system.h.is_some() || system.c.values().iter().any(|value| *value != 0.0) {
         return;
     }
     let known: Vec<_> = pairs.iter().map(|pair| (pair.lambda, pair.bound)).collect();

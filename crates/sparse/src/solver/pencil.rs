@@ -1,15 +1,16 @@
-//! M, C and K on one sparsity pattern, and what the solver multiplies with them.
+//! M, C, K and H on one sparsity pattern, and what the solver multiplies with them.
 
 use std::sync::OnceLock;
 
 use faer::Mat;
+use nalgebra_sparse::CscMatrix;
 use num_complex::Complex;
 
 use super::lanes::compute;
 use super::products::{PartProducts, Parts, Product, Rows, Side, SumOfProducts, Weights};
 use crate::{SparseSecondOrder, State};
 
-/// Q(lambda) and its parts on the union of the patterns of M, C, K, the internal states and their transposes, by compressed
+/// Q(lambda) and its parts on the union of the patterns of M, C, K, H, the internal states and their transposes, by compressed
 /// columns.
 #[derive(Debug, Clone)]
 pub(crate) struct Pencil {
@@ -24,6 +25,8 @@ pub(crate) struct Pencil {
     mass: Vec<f64>,
     damping: Vec<f64>,
     stiffness: Vec<f64>,
+    /// Structural damping H; empty where there is none.
+    structural: Vec<f64>,
     /// The values by rows, of each side that is asked for.
     sides: [OnceLock<Values>; 2],
     /// Indices in the pattern of the entries `f_k e_l` of each state, k outermost.
@@ -32,15 +35,16 @@ pub(crate) struct Pencil {
     norms: Norms,
 }
 
-/// The values in the order in which products read them: of M and C those that either has, of K all.
+/// The values in the order in which products read them: of M and C those that either has, of K and H all.
 #[derive(Debug, Clone)]
 struct Values {
     mass: Vec<f64>,
     damping: Vec<f64>,
     stiffness: Vec<f64>,
+    structural: Vec<f64>,
 }
 
-/// Frobenius norms of M, C and K, and of each state `|f_i| |e_i|`.
+/// Frobenius norms of M, C and `K + i H`, and of each state `|f_i| |e_i|`.
 #[derive(Debug, Clone)]
 struct Norms {
     mass: f64,
@@ -84,7 +88,7 @@ impl Pencil {
             next[row] - 1
         };
         let mirror: Vec<usize> = rows.iter().map(mirrored).collect();
-        let spread = |matrix: &nalgebra_sparse::CscMatrix<f64>| {
+        let spread = |matrix: &CscMatrix<f64>| {
             let mut values = vec![0.0; rows.len()];
             for (column, &start) in matrix.col_iter().zip(&column_starts) {
                 let mut at = start;
@@ -96,6 +100,7 @@ impl Pencil {
             values
         };
         let (mass, damping, stiffness) = (spread(&system.m), spread(&system.c), spread(&system.k));
+        let structural = system.h.as_ref().map_or_else(Vec::new, spread);
         let places = |state: &State| {
             let force = state.force.iter();
             force
@@ -107,7 +112,7 @@ impl Pencil {
         let norms = Norms {
             mass: norm(&mass),
             damping: norm(&damping),
-            stiffness: norm(&stiffness),
+            stiffness: norm(&stiffness).hypot(norm(&structural)),
             states: system.states.iter().map(|s| length(&s.drive) * length(&s.force)).collect(),
         };
         let states = system.states.clone();
@@ -124,6 +129,7 @@ impl Pencil {
             mass,
             damping,
             stiffness,
+            structural,
             sides: Default::default(),
             coupling,
             states,
@@ -139,10 +145,16 @@ impl Pencil {
         &self.states
     }
 
-    /// True if M, C and K are symmetric to the last bit, and there are no states: then conjugates of left vectors are right ones.
+    /// True if there is structural damping: Q is that above the real axis then, and no real matrix on it.
+    pub(crate) fn is_structurally_damped(&self) -> bool {
+        !self.structural.is_empty()
+    }
+
+    /// True if M, C, K and H are symmetric to the last bit, and there are no states: then conjugates of left vectors are right ones.
     pub(crate) fn is_symmetric(&self) -> bool {
         let is_symmetric = |values: &[f64]| values.iter().zip(&self.mirror).all(|(value, &at)| *value == values[at]);
-        self.states.is_empty() && [&self.mass, &self.damping, &self.stiffness].into_iter().all(|m| is_symmetric(m))
+        let all = [&self.mass, &self.damping, &self.stiffness, &self.structural];
+        self.states.is_empty() && all.into_iter().all(|values| is_symmetric(values))
     }
 
     /// Starts of the columns and rows of the entries, ascending in each column.
@@ -172,6 +184,8 @@ impl Pencil {
         let parts = self.mass.iter().zip(&self.damping).zip(&self.stiffness);
         let mut values: Vec<_> =
             parts.map(|((&m, &c), &k)| weights.mass * m + weights.damping * c + weights.stiffness * k).collect();
+        let structural = weights.stiffness * Complex::I;
+        values.iter_mut().zip(&self.structural).for_each(|(value, &h)| *value += structural * h);
         for ((state, places), &weight) in self.states.iter().zip(&self.coupling).zip(&weights.states) {
             let products = state.force.iter().flat_map(|&(_, f)| state.drive.iter().map(move |&(_, e)| f * e));
             places.iter().zip(products).for_each(|(&place, product)| values[place] += weight * product);
@@ -182,10 +196,16 @@ impl Pencil {
     /// The parts times each vector of a block, or the transposed parts.
     pub(crate) fn parts(&self, side: Side, x: &Block) -> Vec<Parts<'_>> {
         let mut products = [(); 3].map(|()| Mat::zeros(self.order, x.ncols()));
-        let Values { mass, damping, stiffness } = self.side(side);
+        let Values { mass, damping, stiffness, structural } = self.side(side);
         let [m, c, k] = &mut products;
         compute(PartProducts { rows: &self.inertial, values: [mass, damping], x, products: [m, c] });
-        compute(PartProducts { rows: &self.all, values: [stiffness], x, products: [k] });
+        if self.is_structurally_damped() {
+            let mut h = Mat::zeros(self.order, x.ncols());
+            compute(PartProducts { rows: &self.all, values: [stiffness, structural], x, products: [k, &mut h] });
+            *k += h * faer::Scale(Complex::I);
+        } else {
+            compute(PartProducts { rows: &self.all, values: [stiffness], x, products: [k] });
+        }
         let parts = |j: usize| {
             let driven = |state: &State| state.sides(side).0.iter().map(|&(dof, e)| x[(dof, j)] * e).sum();
             let products = products.each_ref().map(|product| product.col_as_slice(j).to_vec());
@@ -233,7 +253,11 @@ impl Pencil {
     fn side(&self, side: Side) -> &Values {
         self.sides[side as usize].get_or_init(|| {
             let [mass, damping] = [&self.mass, &self.damping].map(|values| self.read(&self.inertial, values, side));
-            Values { mass, damping, stiffness: self.read(&self.all, &self.stiffness, side) }
+            let structural = match self.is_structurally_damped() {
+                true => self.read(&self.all, &self.structural, side),
+                false => Vec::new(),
+            };
+            Values { mass, damping, stiffness: self.read(&self.all, &self.stiffness, side), structural }
         })
     }
 
@@ -266,8 +290,8 @@ impl Pencil {
     }
 }
 
-/// The union of the patterns of M, C, K, the internal states and their transposes: starts of the columns, and rows, ascending.
-fn symmetric_pattern(system: &SparseSecondOrder) -> (Vec<usize>, Vec<usize>) {
+/// The union of the patterns of M, C, K, H, the internal states and their transposes: starts of the columns, and rows, ascending.
+fn symmetric_pattern<'a>(system: &'a SparseSecondOrder) -> (Vec<usize>, Vec<usize>) {
     let order = system.order();
     let (mut starts, mut rows) = (vec![0], Vec::with_capacity(system.k.nnz()));
     let mut of_states = vec![Vec::new(); if system.states.is_empty() { 0 } else { order }];
@@ -278,11 +302,13 @@ fn symmetric_pattern(system: &SparseSecondOrder) -> (Vec<usize>, Vec<usize>) {
     }
     let mut column = Vec::new();
     for j in 0..order {
-        let parts = [&system.m, &system.c, &system.k].map(|matrix| {
+        let rows_of = |matrix: &'a CscMatrix<f64>| {
             let offsets = matrix.col_offsets();
             &matrix.row_indices()[offsets[j]..offsets[j + 1]]
-        });
-        let all = [parts[0], parts[1], parts[2], of_states.get(j).map_or(&[][..], Vec::as_slice)];
+        };
+        let [m, c, k] = [&system.m, &system.c, &system.k].map(rows_of);
+        let h = system.h.as_ref().map_or(&[][..], rows_of);
+        let all = [m, c, k, h, of_states.get(j).map_or(&[][..], Vec::as_slice)];
         add_union(&mut rows, &all, &mut column);
         starts.push(rows.len());
     }

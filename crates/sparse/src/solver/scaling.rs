@@ -59,7 +59,8 @@ impl Scaled {
         };
         let states = system.states.iter().map(state).collect();
         let (m, c, k) = (scaled(&system.m, gamma * gamma), scaled(&system.c, gamma), scaled(&system.k, 1.0));
-        Self { system: SparseSecondOrder { m, c, k, states }, gamma, left, right }
+        let h = system.h.as_ref().map(|h| scaled(h, 1.0));
+        Self { system: SparseSecondOrder { m, c, k, h, states }, gamma, left, right }
     }
 
     /// True if rows or columns are so different that a search needs the scaling: left alone what needs none keeps its bits.
@@ -140,7 +141,7 @@ fn equilibrate(system: &SparseSecondOrder, gamma: f64, left: &mut [f64], right: 
             rows[row] = rows[row].max(size);
             columns[column] = columns[column].max(size);
         };
-        for (matrix, factor) in matrices {
+        for (matrix, factor) in matrices.into_iter().chain(system.h.as_ref().map(|h| (h, 1.0))) {
             matrix.triplet_iter().for_each(|(row, column, value)| see(row, column, value * factor));
         }
         for state in &system.states {

@@ -57,7 +57,9 @@ pub(super) fn settled(
     for group in groups(&lambdas, |lambda| pencil.blur(lambda)) {
         let members: Vec<_> = group.iter().filter_map(|&i| found[i].take()).collect();
         let blur = members.iter().map(|(_, member)| pencil.blur(member.ritz)).fold(0.0, f64::max);
-        let is_on_axis = members.iter().any(|(_, member)| member.ritz.im.abs() <= blur);
+        // With structural damping nothing is sought on the real axis, and Q is not real there.
+        let is_real = !pencil.is_structurally_damped();
+        let is_on_axis = is_real && members.iter().any(|(_, member)| member.ritz.im.abs() <= blur);
         let of_one_disc = |disc: usize| members.iter().filter(|(other, _)| *other == disc).count();
         let copies = members.iter().map(|(disc, _)| of_one_disc(*disc)).max().unwrap_or(0);
         if is_on_axis
@@ -68,7 +70,8 @@ pub(super) fn settled(
             continue;
         }
         let is_fine = |(_, member): &(usize, Polished)| member.is_good && member.pair.condition < ILL;
-        if !is_on_axis && (copies == 1 || members.iter().all(is_fine)) {
+        // No real basis holds a group with structural damping: it stays, with the bounds that it has.
+        if !is_on_axis && (copies == 1 || !is_real || members.iter().all(is_fine)) {
             // A disc that has any of a group that is no wider than its margin has all, or another one does.
             let middle = members[0].1.ritz;
             let is_narrow = members.iter().all(|(_, member)| (member.ritz - middle).norm() <= 2.0 * blur);

@@ -1,0 +1,107 @@
+//! Loss factors: random small brakes against the complex stiffness assembled by hand.
+
+use super::viscoelastic_springs::farthest;
+use super::*;
+
+/// All eigenvalues with Im > 0 of `M x'' + C x' + (K + i H) x` with the internal states of a system.
+fn with_loss(system: &SecondOrder, h: &DMatrix<f64>) -> Vec<Complex<f64>> {
+    let (n, s) = (system.order(), system.states());
+    let inverse = system.m.clone().try_inverse().unwrap();
+    let unit = 1000.0;
+    let complex = |a: DMatrix<f64>| a.map(Complex::from);
+    let mut state = DMatrix::zeros(2 * n + s, 2 * n + s);
+    state.view_mut((0, n), (n, n)).fill_diagonal(Complex::from(unit));
+    let stiffness = (&inverse * &system.k).zip_map(&(&inverse * h), |k, h| Complex::new(-k, -h) / unit);
+    state.view_mut((n, 0), (n, n)).copy_from(&stiffness);
+    state.view_mut((n, n), (n, n)).copy_from(&complex(-(&inverse * &system.c)));
+    state.view_mut((n, 2 * n), (n, s)).copy_from(&complex(&inverse * &system.internal.force / unit));
+    state.view_mut((2 * n, n), (s, n)).copy_from(&complex(&system.internal.drive * unit));
+    (0..s).for_each(|at| state[(2 * n + at, 2 * n + at)] = Complex::from(-system.internal.decay[at]));
+    let all = nalgebra::Schur::new(state).eigenvalues().unwrap();
+    all.iter().copied().filter(|lambda| lambda.im > 1e-6).collect()
+}
+
+/// A random brake whose structure has a loss factor, or what else `damping` says.
+fn text(random: &Random, damping: &str) -> String {
+    let name = "name = \"structure\"\n";
+    assert!(random.text.contains(name));
+    random.text.replace(name, &format!("{name}{damping}\n"))
+}
+
+/// Under all laws, with all patches closed and with one open: the reduced brakes on both routes have the modes of the complex stiffness, far from where
+/// dashpots have its loss, and verdicts are those of these modes.
+#[test]
+fn random_brakes_with_a_loss_factor_are_those_of_the_complex_stiffness() {
+    let eta = 0.08;
+    let [mut modes, mut growing, mut of_dashpots] = [0.0_f64; 3];
+    for at in 0..2 {
+        let folder = tempfile::tempdir().unwrap();
+        let random = Random::new(&mut stream(43, at));
+        random.structure.write(folder.path());
+        let of =
+            |damping: &str| FiniteElementBrake::new(case(folder.path(), text(&random, damping)).unwrap(), &()).unwrap();
+        let [brake, plain] = [&format!("loss_factor = {eta}"), ""].map(of);
+        let [low, high] = brake.plan.band.unwrap();
+        let middle = (low * high).sqrt() / TAU;
+        let dashpots = of(&format!("loss_factor = {{ value = {eta}, at_hz = {middle:e} }}"));
+        for scene in &brake.plan.scenes {
+            for number in 0..2 {
+                let sample = brake.draw(&mut stream(1, number)).unwrap();
+                let whole = viscoelastic_springs::dense(&plain, scene, &sample);
+                let structure = plain.sets[0].system.terms().iter().position(|term| term.name == "structure").unwrap();
+                let point = brake.operating_point(scene, &sample).unwrap();
+                let full = brake.full_point(scene, &point);
+                let own = DMatrix::from(&plain.sets[0].system.terms()[structure].matrices.k);
+                let expected = with_loss(&whole, &(own * (eta * full.coefficients[structure])));
+                let is_wanted = |l: &&Complex<f64>| l.re > -149.0 && l.im > low && l.im < high && l.re < 0.5 * l.im;
+                let wanted: Vec<_> = expected.iter().filter(is_wanted).collect();
+                let error = brake.relative_error(scene);
+                assert!(error < 1e-3, "{error}");
+                let reduced = &brake.part(scene).reduced;
+                for found in [reduced.modes_by_spectrum(&full).unwrap(), reduced.modes(&full).unwrap()] {
+                    let off = farthest(wanted.iter().copied(), &found.lambdas);
+                    assert!(off <= error, "{at} {:?}: missing {off:e} {error:e}", scene.key);
+                    let off = farthest(found.lambdas.iter().filter(is_wanted), &expected);
+                    assert!(off <= error, "{at} {:?}: invented {off:e} {error:e}", scene.key);
+                    modes += found.lambdas.len() as f64;
+                }
+                let found = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0).unwrap();
+                let found: Vec<Complex<f64>> = found.iter().map(|mode| mode.lambda).collect();
+                let of = |all: &[Complex<f64>]| all.iter().filter(is_wanted).filter(|l| l.re > 1e-2).count();
+                assert_eq!(of(&found), of(&expected), "{at} {:?}", scene.key);
+                growing += of(&expected) as f64;
+                let by_dashpots = dashpots.part(scene).reduced.modes(&full).unwrap().lambdas;
+                of_dashpots = of_dashpots.max(farthest(wanted.iter().copied(), &by_dashpots));
+            }
+        }
+        // Names are those of the system with dashpots.
+        let study = Study::new(&brake, &BatchSolver).unwrap();
+        let named = |scene: usize| study.references()[scene].names.iter().filter(|names| names.len() == 1).count();
+        assert!((0..brake.plan.scenes.len()).all(|scene| 2 * named(scene) > study.references()[scene].modes.len()));
+    }
+    println!("{modes} modes, {growing} growing; dashpots at the middle of the band are off by {of_dashpots:e}");
+    assert!(modes > 200.0 && of_dashpots > 1e-2, "{modes} {growing} {of_dashpots}");
+}
+
+/// A mass on a belt whose springs have a loss factor: `m s^2 + k (1 + i eta) = 0` along the belt, and with the stiffness of the contact across it.
+#[test]
+fn a_mass_with_a_loss_factor_is_the_closed_form() {
+    let folder = tempfile::tempdir().unwrap();
+    let (m, k, k_n, eta) = (0.8, 3e4, 2e6, 0.2);
+    let mut case = mass_on_a_belt(folder.path(), [m, k, k_n], [0.35, 25.0, 0.4, 0.4], "lateral = \"none\"").unwrap();
+    let mut terms = case.system.terms().to_vec();
+    terms[0].loss = eta;
+    case.system = sparse::SparseAffineSystem::new(terms, case.system.channels().to_vec()).unwrap();
+    let brake = FiniteElementBrake::new(case, &()).unwrap();
+    let scene = &brake.plan.scenes[0];
+    let at = brake.full_point(scene, &brake.operating_point(scene, &brake.median()).unwrap());
+    let modes = brake.part(scene).reduced.modes(&at).unwrap();
+    let expected = [k, 1.7 * k, 2.9 * k].map(|own| {
+        let contact = if own == 2.9 * k { k_n } else { 0.0 };
+        (Complex::new(-(own + contact), -eta * own) / m).sqrt() * -1.0
+    });
+    let off = farthest(&modes.lambdas, &expected).max(farthest(&expected, &modes.lambdas));
+    assert!(off < 1e-9, "{off:e} {:?} {expected:?}", modes.lambdas);
+    let judged = brake.judged(scene, &at, &modes).unwrap();
+    assert!(judged.iter().all(|mode| !mode.is_on_axis && mode.lambda.re < 0.0));
+}

@@ -1,0 +1,249 @@
+//! Loss factors of a reduced brake. Above the real axis its stiffness is `K + i H` with them, which no real system has; where one is needed, dashpots stand
+//! for H that have its loss in every mode of the brake at one point ([`cea::RealModes::equivalent_dashpots`]).
+//!
+//! The modes with these dashpots are the first guess of the modes with H, to which inverse iteration on both sides leads:
+//!
+//! ```text
+//! T(lambda) = Q(lambda) - lambda sum_t theta_t D_t + i sum_t theta_t eta_t K_t
+//! ```
+//!
+//! with the dashpots D_t of a term t, which are in C. Where a guess does not lead to a mode of its own all eigenvalues of T are found.
+
+use cea::{RealModes, Workspace};
+use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use sparse::SparseAffineSystem;
+
+use super::{dense, split};
+use crate::ReductionError;
+
+/// Factor of the largest distance of a mode with dashpots from that with H at the points where it was measured; chosen.
+const MORE_DISTANCE: f64 = 10.0;
+/// Most inverse iterations of one mode, and the change, relative to |lambda|, at which it has settled; chosen: each doubles the digits at least, and
+/// the first guess has two or more.
+const MOST_ITERATIONS: usize = 6;
+const SETTLED: f64 = 1e-9;
+/// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one; chosen.
+const ONE_EIGENVALUE: f64 = 1e-9;
+const ONE_SHAPE: f64 = 0.9;
+
+/// Loss factors of the terms of a reduced brake, with the dashpots that stand for them.
+#[derive(Debug, Clone)]
+pub struct Losses {
+    terms: Vec<LossyTerm>,
+    /// Distance, relative to |lambda|, up to which a mode with dashpots is taken to lead to one with H: ten times the largest that was measured.
+    error: f64,
+}
+
+/// A term with a loss factor.
+#[derive(Debug, Clone)]
+struct LossyTerm {
+    /// Index of the term.
+    term: usize,
+    /// Loss factor eta.
+    factor: f64,
+    /// Dashpots D at a coefficient of one, k x k.
+    dashpots: DMatrix<f64>,
+}
+
+/// Both sums at an operating point: the dashpots `sum theta D` that are in C, and H, k x k.
+pub(super) struct LossesAt {
+    dashpots: DMatrix<f64>,
+    structural: DMatrix<f64>,
+}
+
+/// An eigenvalue, rad/s, with its shape.
+type Pair = (Complex<f64>, DVector<Complex<f64>>);
+
+impl Losses {
+    /// The losses of a system in its projection, with the dashpots of the modes at a point; `None` where no term has a loss factor.
+    ///
+    /// # Errors
+    /// A point of another system, a structure that has no real modes there.
+    pub fn new(
+        system: &SparseAffineSystem,
+        reduced: &AffineSystem,
+        at: &OperatingPoint,
+    ) -> Result<Option<Self>, ReductionError> {
+        if !system.is_structurally_damped() {
+            return Ok(None);
+        }
+        let SecondOrder { m, k, .. } = reduced.structure(&at.coefficients)?;
+        let modes = RealModes::new(&m, &k).map_err(|source| ReductionError::NoDashpots { source })?;
+        let lossy = system.terms().iter().zip(reduced.terms()).enumerate().filter(|(_, (term, _))| term.loss > 0.0);
+        let terms = lossy.map(|(at, (term, own))| LossyTerm {
+            term: at,
+            factor: term.loss,
+            dashpots: modes.equivalent_dashpots(&own.matrices().k) * term.loss,
+        });
+        Ok(Some(Self { terms: terms.collect(), error: 0.0 }))
+    }
+
+    /// The reduced brake with the dashpots.
+    ///
+    /// # Errors
+    /// Another brake.
+    pub fn with_dashpots(&self, reduced: &AffineSystem) -> Result<AffineSystem, ReductionError> {
+        self.with_times(1.0, reduced)
+    }
+
+    /// The reduced brake without the dashpots, which has them.
+    pub(super) fn without_dashpots(&self, reduced: &AffineSystem) -> Result<AffineSystem, ReductionError> {
+        self.with_times(-1.0, reduced)
+    }
+
+    fn with_times(&self, factor: f64, reduced: &AffineSystem) -> Result<AffineSystem, ReductionError> {
+        let mut terms = reduced.terms().to_vec();
+        for LossyTerm { term, dashpots, .. } in &self.terms {
+            let own = &terms[*term];
+            let mut matrices = own.matrices().clone();
+            matrices.c += dashpots * factor;
+            terms[*term] = Term::new(own.name.clone(), own.family.clone(), matrices)?;
+        }
+        Ok(AffineSystem::new(terms, reduced.channels().to_vec())?)
+    }
+
+    /// The losses on a smaller basis W, k x w.
+    pub(super) fn projected(&self, columns: &DMatrix<f64>) -> Self {
+        let onto = columns.transpose();
+        let term = |own: &LossyTerm| LossyTerm {
+            dashpots: dense::product(&onto, &dense::product(&own.dashpots, columns)),
+            ..*own
+        };
+        Self { terms: self.terms.iter().map(term).collect(), ..*self }
+    }
+
+    /// Coefficients of the terms times their loss factors.
+    pub(super) fn factors(&self, coefficients: &[f64]) -> Vec<f64> {
+        let mut factors = vec![0.0; coefficients.len()];
+        self.terms.iter().for_each(|own| factors[own.term] = coefficients[own.term] * own.factor);
+        factors
+    }
+
+    /// The losses of a brake at a point that belongs to it.
+    pub(super) fn at(&self, reduced: &AffineSystem, point: &OperatingPoint) -> LossesAt {
+        let zero = || DMatrix::zeros(reduced.order(), reduced.order());
+        let (mut dashpots, mut structural) = (zero(), zero());
+        for own in &self.terms {
+            let theta = point.coefficients[own.term];
+            dashpots += &own.dashpots * theta;
+            structural += &reduced.terms()[own.term].matrices().k * (theta * own.factor);
+        }
+        LossesAt { dashpots, structural }
+    }
+
+    /// Distance, relative to |lambda|, up to which a mode with dashpots leads to one with H.
+    pub(super) fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The same losses, with the largest distance, relative to |lambda|, that was measured.
+    pub(super) fn measured(self, distance: f64) -> Self {
+        Self { error: MORE_DISTANCE * distance, ..self }
+    }
+
+    /// The largest distance, relative to |lambda| and to first order, of some modes of a brake at a point, with the dashpots, from those with H:
+    /// `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one. Not a number where there are none.
+    pub(super) fn distance(
+        &self,
+        (reduced, point, system): (&AffineSystem, &OperatingPoint, &SecondOrder),
+        lambdas: &[Complex<f64>],
+    ) -> Result<f64, ReductionError> {
+        let at = self.at(reduced, point);
+        let mut work = Workspace::default();
+        let right = cea::right_vectors(system, lambdas, &mut work)?;
+        let left = cea::right_vectors(&system.transposed(), lambdas, &mut work)?;
+        let distance = |((&lambda, x), y): ((&Complex<f64>, &DVector<Complex<f64>>), &DVector<Complex<f64>>)| {
+            let lost = linsys::real_times_complex(&at.structural, x) * Complex::I
+                - linsys::real_times_complex(&at.dashpots, x) * lambda;
+            (y.dot(&lost) / (lambda * y.dot(&system.derivative_times(lambda, x)))).norm()
+        };
+        let distances = lambdas.iter().zip(&right).zip(&left).map(distance);
+        Ok(distances.fold(0.0, |largest: f64, own| if largest.is_nan() || own <= largest { largest } else { own }))
+    }
+}
+
+impl LossesAt {
+    /// Adds `(i H - lambda_j D) y_j` to split columns, y split.
+    pub fn add_images(&self, out: &mut DMatrix<f64>, lambdas: &[Complex<f64>], y: &DMatrix<f64>) {
+        split::add_times_i(out, &dense::product(&self.structural, y));
+        let zero = DMatrix::zeros(out.nrows(), out.ncols());
+        *out -= split::combined([&zero, &dense::product(&self.dashpots, y)], zero.clone(), lambdas);
+    }
+
+    /// T(lambda) of a system with dashpots.
+    fn dynamic_stiffness(&self, system: &SecondOrder, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let mut q = system.dynamic_stiffness(lambda);
+        q.zip_zip_apply(&self.structural, &self.dashpots, |q, h, d| *q += Complex::new(0.0, h) - lambda * d);
+        q
+    }
+
+    /// The modes with H that some modes of a system with dashpots lead to; `None` where one of them does not settle within a distance, relative to |lambda|,
+    /// or two end at one.
+    pub fn from_guesses(&self, system: &SecondOrder, guesses: &[Pair], error: f64) -> Option<Vec<Pair>> {
+        let found = guesses.iter().map(|guess| self.from_guess(system, guess, error)).collect::<Option<Vec<Pair>>>()?;
+        let is_one = |i: usize, j: usize| {
+            let ((lambda, shape), (other, other_shape)) = (&found[i], &found[j]);
+            (lambda - other).norm() <= ONE_EIGENVALUE * lambda.norm() && shape.dotc(other_shape).norm() > ONE_SHAPE
+        };
+        let have_merged = (0..found.len()).any(|i| (0..i).any(|j| is_one(i, j)));
+        (!have_merged).then_some(found)
+    }
+
+    fn from_guess(&self, system: &SecondOrder, (guess, shape): &Pair, error: f64) -> Option<Pair> {
+        let (mut lambda, mut right, mut left) = (*guess, shape.clone(), shape.conjugate());
+        for _ in 0..MOST_ITERATIONS {
+            // Beside the eigenvalue, where the factors are regular.
+            let shift = lambda * (1.0 + 8.0 * f64::EPSILON);
+            let t = self.dynamic_stiffness(system, shift);
+            let factors = dense::Factored::new(&t);
+            let slope = |x: &DVector<Complex<f64>>| {
+                system.derivative_times(shift, x) - linsys::real_times_complex(&self.dashpots, x)
+            };
+            right = factors.solve(&slope(&right)).ok()?.normalize();
+            left = factors.solve_adjoint(&left).ok()?.normalize();
+            let step = left.dotc(&dense::image(&t, &right)) / left.dotc(&slope(&right));
+            lambda = shift - step;
+            let moved = (lambda - guess).norm();
+            if moved.is_nan() || moved > error * guess.norm() {
+                return None;
+            }
+            if step.norm() <= SETTLED * lambda.norm() {
+                return Some((lambda, right));
+            }
+        }
+        None
+    }
+
+    /// All eigenvalues of T, of a system with dashpots, with shapes: those of both signs of Im lambda, of which the ones above the real axis are meant.
+    ///
+    /// # Errors
+    /// A mass matrix that is singular.
+    pub fn spectrum(&self, system: &SecondOrder) -> Result<Vec<Pair>, ReductionError> {
+        let (n, s) = (system.order(), system.states());
+        let c = &system.c - &self.dashpots;
+        let inverse = dense::solve_real(&system.m, &DMatrix::identity(n, n))?;
+        // In units of the highest frequencies, so that rounding of their squares is not in all entries.
+        let unit = (&inverse * &system.k).amax().sqrt();
+        let stiffness = (&inverse * &system.k).zip_map(&(&inverse * &self.structural), Complex::new);
+        let complex = |a: DMatrix<f64>| a.map(Complex::from);
+        let mut companion = DMatrix::zeros(2 * n + s, 2 * n + s);
+        companion.view_mut((0, n), (n, n)).fill_with_identity();
+        companion.view_mut((n, 0), (n, n)).copy_from(&(stiffness / Complex::from(-unit * unit)));
+        companion.view_mut((n, n), (n, n)).copy_from(&complex(&inverse * c / -unit));
+        companion.view_mut((n, 2 * n), (n, s)).copy_from(&complex(&inverse * &system.internal.force / (unit * unit)));
+        companion.view_mut((2 * n, n), (s, n)).copy_from(&complex(system.internal.drive.clone()));
+        system
+            .internal
+            .decay
+            .iter()
+            .enumerate()
+            .for_each(|(at, decay)| companion[(2 * n + at, 2 * n + at)] = Complex::from(-decay / unit));
+        let (lambdas, vectors) = dense::eigen_complex(&companion)?;
+        let pair = |(lambda, vector): (&Complex<f64>, nalgebra::DVectorView<'_, Complex<f64>>)| {
+            (lambda * unit, vector.rows(0, n).normalize())
+        };
+        Ok(lambdas.iter().zip(vectors.column_iter()).map(pair).collect())
+    }
+}
