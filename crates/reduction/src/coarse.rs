@@ -16,6 +16,7 @@ use num_complex::Complex;
 use super::basis::{ROUNDING, directions, fewest};
 use super::coarse_states::{CoarseStates, apart, of_mode, with_states};
 use super::compared::compared;
+use super::inverse_iteration::{Nonlinear, Pair, have_merged};
 use super::residual::reduced_residual;
 use super::spectra::{Shapes, spectra, vectors};
 use super::{Reduced, dense, split};
@@ -33,18 +34,11 @@ const MORE_DISTANCE: f64 = 10.0;
 const MOST_ERROR: f64 = 1e-3;
 /// Columns of the coarse basis, as a part of those of the reduced brake, from which on it spares nothing; chosen.
 const WORTH: f64 = 0.8;
-/// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
-const MOST_ITERATIONS: usize = 4;
 /// Distance of two modes next to each other without their coupling, at most, as a part of |lambda|; chosen: an error of the coupling, times that, moves the
 /// square of half their distance, so that near a coalescence the error of each is the root of it.
 const DETUNING: f64 = 0.05;
 /// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen.
 const SETTLED: f64 = 1e-7;
-/// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one; chosen: settled eigenvalues
-/// differ by less, and shapes of double ones may be any.
-const ONE_EIGENVALUE: f64 = 1e-7;
-const ONE_SHAPE: f64 = 0.9;
-
 /// Why a sample got the whole spectrum of the reduced brake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -264,31 +258,16 @@ impl Coarse {
 
 /// The mode of a reduced brake next to a coarse one with an error, relative to |lambda|, by inverse iteration on both sides; `None` where it does not
 /// converge, or not there.
-fn next_to(
-    reduced: &Reduced,
-    at: &OperatingPoint,
-    system: &SecondOrder,
-    (coarse, shape): (Complex<f64>, DVector<Complex<f64>>),
-    error: f64,
-) -> Option<(Complex<f64>, DVector<Complex<f64>>)> {
-    let (mut lambda, mut right, mut left) = (coarse, shape.clone(), shape);
-    for _ in 0..MOST_ITERATIONS {
-        let q = dense::Factored::new(&system.dynamic_stiffness(lambda));
-        right = q.solve(&system.derivative_times(lambda, &right)).ok()?.normalize();
-        left = q.solve_adjoint(&left).ok()?.normalize();
-        let step = left.dotc(&image(system, lambda, &right)) / left.dotc(&system.derivative_times(lambda, &right));
-        lambda -= step;
-        let moved = (lambda - coarse).norm();
-        if moved.is_nan() || moved > error * coarse.norm() {
-            return None;
-        }
-        let shape = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(&right)));
-        let has_settled = step.norm() <= SETTLED * lambda.norm();
-        if has_settled && residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged() {
-            return Some((lambda, right));
-        }
-    }
-    None
+fn next_to(reduced: &Reduced, at: &OperatingPoint, system: &SecondOrder, coarse: Pair, error: f64) -> Option<Pair> {
+    let problem = Nonlinear {
+        matrix: |lambda| system.dynamic_stiffness(lambda),
+        image: |lambda, x: &DVector<Complex<f64>>| image(system, lambda, x),
+        slope: |lambda, x: &DVector<Complex<f64>>| system.derivative_times(lambda, x),
+    };
+    problem.led_from(coarse, error, |lambda, right, step| {
+        let shape = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(right)));
+        step <= SETTLED * lambda.norm() && residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged()
+    })
 }
 
 /// `Q(lambda) x`.
@@ -325,12 +304,4 @@ fn nearest_other(lambdas: &[Complex<f64>], own: usize) -> f64 {
 /// Columns of a reduced brake.
 fn columns_of(reduced: &Reduced) -> f64 {
     reduced.basis().ncols() as f64
-}
-
-fn have_merged(modes: &[(Complex<f64>, DVector<Complex<f64>>)]) -> bool {
-    let is_one = |i: usize, j: usize| {
-        let ((lambda, shape), (other, other_shape)) = (&modes[i], &modes[j]);
-        (lambda - other).norm() <= ONE_EIGENVALUE * lambda.norm() && shape.dotc(other_shape).norm() > ONE_SHAPE
-    };
-    (0..modes.len()).any(|i| (0..i).any(|j| is_one(i, j)))
 }

@@ -25,6 +25,7 @@ mod compared;
 mod contact_path;
 mod dense;
 mod error;
+mod inverse_iteration;
 mod loss;
 mod nearest;
 mod norms;

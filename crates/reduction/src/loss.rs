@@ -15,18 +15,15 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::SparseAffineSystem;
 
+use super::inverse_iteration::{Nonlinear, Pair, have_merged};
+use super::residual::reduced_residual;
 use super::{dense, split};
 use crate::ReductionError;
 
 /// Factor of the largest distance of a mode with dashpots from that with H at the points where it was measured; chosen.
 const MORE_DISTANCE: f64 = 10.0;
-/// Most inverse iterations of one mode, and the change, relative to |lambda|, at which it has settled; chosen: each doubles the digits at least, and
-/// the first guess has two or more.
-const MOST_ITERATIONS: usize = 6;
+/// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen: what is left is of the order of its square.
 const SETTLED: f64 = 1e-9;
-/// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one; chosen.
-const ONE_EIGENVALUE: f64 = 1e-9;
-const ONE_SHAPE: f64 = 0.9;
 
 /// Loss factors of the terms of a reduced brake, with the dashpots that stand for them.
 #[derive(Debug, Clone)]
@@ -52,9 +49,6 @@ pub(super) struct LossesAt {
     dashpots: DMatrix<f64>,
     structural: DMatrix<f64>,
 }
-
-/// An eigenvalue, rad/s, with its shape.
-type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
 impl Losses {
     /// The losses of a system in its projection, with the dashpots of the modes at a point; `None` where no term has a loss factor.
@@ -182,38 +176,22 @@ impl LossesAt {
     /// The modes with H that some modes of a system with dashpots lead to; `None` where one of them does not settle within a distance, relative to |lambda|,
     /// or two end at one.
     pub fn from_guesses(&self, system: &SecondOrder, guesses: &[Pair], error: f64) -> Option<Vec<Pair>> {
-        let found = guesses.iter().map(|guess| self.from_guess(system, guess, error)).collect::<Option<Vec<Pair>>>()?;
-        let is_one = |i: usize, j: usize| {
-            let ((lambda, shape), (other, other_shape)) = (&found[i], &found[j]);
-            (lambda - other).norm() <= ONE_EIGENVALUE * lambda.norm() && shape.dotc(other_shape).norm() > ONE_SHAPE
+        let problem = Nonlinear {
+            matrix: |lambda| self.dynamic_stiffness(system, lambda),
+            image: |lambda, x: &DVector<Complex<f64>>| {
+                let x = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(x)));
+                let mut image = reduced_residual(system, &[lambda], &x);
+                self.add_images(&mut image, &[lambda], &x);
+                split::vector(&image, 0)
+            },
+            slope: |lambda, x: &DVector<Complex<f64>>| {
+                system.derivative_times(lambda, x) - linsys::real_times_complex(&self.dashpots, x)
+            },
         };
-        let have_merged = (0..found.len()).any(|i| (0..i).any(|j| is_one(i, j)));
-        (!have_merged).then_some(found)
-    }
-
-    fn from_guess(&self, system: &SecondOrder, (guess, shape): &Pair, error: f64) -> Option<Pair> {
-        let (mut lambda, mut right, mut left) = (*guess, shape.clone(), shape.conjugate());
-        for _ in 0..MOST_ITERATIONS {
-            // Beside the eigenvalue, where the factors are regular.
-            let shift = lambda * (1.0 + 8.0 * f64::EPSILON);
-            let t = self.dynamic_stiffness(system, shift);
-            let factors = dense::Factored::new(&t);
-            let slope = |x: &DVector<Complex<f64>>| {
-                system.derivative_times(shift, x) - linsys::real_times_complex(&self.dashpots, x)
-            };
-            right = factors.solve(&slope(&right)).ok()?.normalize();
-            left = factors.solve_adjoint(&left).ok()?.normalize();
-            let step = left.dotc(&dense::image(&t, &right)) / left.dotc(&slope(&right));
-            lambda = shift - step;
-            let moved = (lambda - guess).norm();
-            if moved.is_nan() || moved > error * guess.norm() {
-                return None;
-            }
-            if step.norm() <= SETTLED * lambda.norm() {
-                return Some((lambda, right));
-            }
-        }
-        None
+        let led_from =
+            |guess: &Pair| problem.led_from(guess.clone(), error, |lambda, _, step| step <= SETTLED * lambda.norm());
+        let found = guesses.iter().map(led_from).collect::<Option<Vec<Pair>>>()?;
+        (!have_merged(&found)).then_some(found)
     }
 
     /// All eigenvalues of T, of a system with dashpots, with shapes: those of both signs of Im lambda, of which the ones above the real axis are meant.

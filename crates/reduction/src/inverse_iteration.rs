@@ -1,0 +1,64 @@
+//! Inverse iteration on both sides: from a guess to an eigenvalue of a dense nonlinear problem.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::dense;
+
+/// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
+const MOST_ITERATIONS: usize = 4;
+/// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one; chosen: settled eigenvalues
+/// differ by less, and shapes of double ones may be any.
+const ONE_EIGENVALUE: f64 = 1e-7;
+const ONE_SHAPE: f64 = 0.9;
+
+/// An eigenvalue, rad/s, with its shape.
+pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
+
+/// Problem `T(lambda) x = 0`: T, its product with a vector, and that of its derivative.
+pub(super) struct Nonlinear<M, I, S> {
+    pub matrix: M,
+    pub image: I,
+    pub slope: S,
+}
+
+impl<M, I, S> Nonlinear<M, I, S>
+where
+    M: Fn(Complex<f64>) -> DMatrix<Complex<f64>>,
+    I: Fn(Complex<f64>, &DVector<Complex<f64>>) -> DVector<Complex<f64>>,
+    S: Fn(Complex<f64>, &DVector<Complex<f64>>) -> DVector<Complex<f64>>,
+{
+    /// The eigenvalue to which a guess leads, when it `is_settled` by its last change; `None` where it does not settle, or moves farther than a part of |lambda|.
+    pub fn led_from(
+        &self,
+        (guess, shape): Pair,
+        error: f64,
+        is_settled: impl Fn(Complex<f64>, &DVector<Complex<f64>>, f64) -> bool,
+    ) -> Option<Pair> {
+        let (mut lambda, mut right, mut left) = (guess, shape.clone(), shape);
+        for _ in 0..MOST_ITERATIONS {
+            let factors = dense::Factored::new(&(self.matrix)(lambda));
+            right = factors.solve(&(self.slope)(lambda, &right)).ok()?.normalize();
+            left = factors.solve_adjoint(&left).ok()?.normalize();
+            let step = left.dotc(&(self.image)(lambda, &right)) / left.dotc(&(self.slope)(lambda, &right));
+            lambda -= step;
+            let moved = (lambda - guess).norm();
+            if moved.is_nan() || moved > error * guess.norm() {
+                return None;
+            }
+            if is_settled(lambda, &right, step.norm()) {
+                return Some((lambda, right));
+            }
+        }
+        None
+    }
+}
+
+/// True if two modes became one.
+pub(super) fn have_merged(modes: &[Pair]) -> bool {
+    let is_one = |i: usize, j: usize| {
+        let ((lambda, shape), (other, other_shape)) = (&modes[i], &modes[j]);
+        (lambda - other).norm() <= ONE_EIGENVALUE * lambda.norm() && shape.dotc(other_shape).norm() > ONE_SHAPE
+    };
+    (0..modes.len()).any(|i| (0..i).any(|j| is_one(i, j)))
+}
