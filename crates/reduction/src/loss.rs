@@ -82,6 +82,19 @@ impl Losses {
         self.with_times(1.0, reduced)
     }
 
+    /// Eigenvalues, rad/s, above the real axis, of a reduced brake with the dashpots at a point: all of them, by a whole spectrum.
+    ///
+    /// # Errors
+    /// A point of another system, a mass matrix that is singular.
+    pub fn eigenvalues(
+        &self,
+        reduced: &AffineSystem,
+        point: &OperatingPoint,
+    ) -> Result<Vec<Complex<f64>>, ReductionError> {
+        let all = self.at(reduced, point).spectrum(&reduced.assemble(point)?)?;
+        Ok(all.into_iter().map(|(lambda, _)| lambda).filter(|lambda| lambda.im > 0.0).collect())
+    }
+
     /// The reduced brake without the dashpots, which has them.
     pub(super) fn without_dashpots(&self, reduced: &AffineSystem) -> Result<AffineSystem, ReductionError> {
         self.with_times(-1.0, reduced)

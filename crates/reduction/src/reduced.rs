@@ -231,8 +231,9 @@ impl Reduced {
         spectrum.eigenvalues.iter().copied().filter(is_next).collect()
     }
 
-    /// Distance, relative to |lambda|, up to which a mode with dashpots leads to one with loss factors; 0 without any.
-    fn error_of_dashpots(&self) -> f64 {
+    /// Distance, relative to |lambda|, up to which a mode of the [`system`](Self::system), which has dashpots, leads to one with loss factors; 0 without any.
+    #[must_use]
+    pub fn error_of_dashpots(&self) -> f64 {
         self.losses.as_ref().map_or(0.0, Losses::error)
     }
 

@@ -100,7 +100,8 @@ pub trait ModeSource: Sync {
     /// Medians that have no operating point.
     fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, Error>;
 
-    /// Relative error of an eigenvalue of a scene against that of the full model: a rule, not a bound.
+    /// Relative error of an eigenvalue of the reduced system of a scene against that of the full model: a rule, not a bound. That of a mode by
+    /// [`band_modes`](Self::band_modes) is smaller where a real system is no more than near the brake.
     fn relative_error(&self, scene: &Scene) -> f64;
 
     /// Reason why nothing is known of the errors of a scene, which leaves all its verdicts open; `None` where they are known.

@@ -122,14 +122,14 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let Compared { distance, missed, left, pairs } = compared(&whole, reduced);
     let next_to_axis = pairs.iter().filter(|[of_whole, _]| is_next_to_axis(*of_whole));
     let distances = next_to_axis.map(|[of_whole, of_reduced]| (of_whole - of_reduced).norm() / of_whole.norm());
-    let off = distances.reduce(f64::max).filter(|&distance| distance > brake.relative_error(scene));
+    let off = distances.reduce(f64::max).filter(|&distance| distance > brake.error_of_modes(scene));
     // What samples count, which is found in another way.
     let sampled = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0)?;
     let counts = |mode: &&BandMode| brake.plan.is_studied(mode.lambda) && threshold.margin(mode.lambda) > mode.bound;
     let counted: Vec<Complex<f64>> = sampled.iter().filter(counts).map(|mode| mode.lambda).collect();
     let beyond = |error: f64| whole.iter().copied().filter(move |l| threshold.margin(*l) > error * l.norm());
     // Well beyond what is open, so that rounding makes no other verdict.
-    let error = 2.0 * brake.relative_error(scene);
+    let error = 2.0 * brake.error_of_modes(scene);
     let surely: Vec<Complex<f64>> = beyond(error).collect();
     let growing: Vec<Complex<f64>> = beyond(0.0).collect();
     let verdicts = compared(&surely, counted);

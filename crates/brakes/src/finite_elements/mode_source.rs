@@ -50,7 +50,7 @@ impl FiniteElementBrake {
     /// # Errors
     /// A point of another brake.
     pub fn judged(&self, scene: &Scene, at: &OperatingPoint, found: &ReducedModes) -> Result<Vec<BandMode>, Error> {
-        let (part, error) = (self.part(scene), self.relative_error(scene));
+        let (part, error) = (self.part(scene), self.error_of_modes(scene));
         let set = &self.sets[part.set];
         let enough = self.case.reduction.residual.max(BEYOND_HELD_OUT * set.held_out_residual);
         let on_axis = self.on_axis(scene, at, &found.lambdas);
@@ -78,7 +78,15 @@ impl FiniteElementBrake {
             return vec![false; lambdas.len()];
         }
         let band = self.case.reduction.frequencies.map(|hz| std::f64::consts::TAU * hz);
-        on_axis::on_axis(lambdas, self.relative_error(scene), band)
+        on_axis::on_axis(lambdas, self.error_of_modes(scene), band)
+    }
+
+    /// Relative error of an eigenvalue of a sample of a scene against that of the whole brake: a rule, not a bound.
+    pub(super) fn error_of_modes(&self, scene: &Scene) -> f64 {
+        let part = self.part(scene);
+        let set = &self.sets[part.set];
+        let of_part = if self.is_known(part) { part.within.distance } else { 1.0 };
+        (ALLOWANCE * (of_part + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
     }
 
     /// True if the distance of the modes of a part from those of its set was measured, on a basis that holds them.
@@ -89,7 +97,7 @@ impl FiniteElementBrake {
 
 impl ModeSource for FiniteElementBrake {
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
-        let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
+        let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.error_of_modes(scene));
         let may_grow = |lambda: Complex<f64>, also: f64| threshold.margin(lambda) >= -(error + also) * lambda.norm();
         let points: Vec<OperatingPoint> = at.iter().map(|at| self.full_point(scene, at)).collect();
         let found = part.reduced.modes_of_all(&points, &may_grow);
@@ -114,10 +122,8 @@ impl ModeSource for FiniteElementBrake {
     }
 
     fn relative_error(&self, scene: &Scene) -> f64 {
-        let part = self.part(scene);
-        let set = &self.sets[part.set];
-        let of_part = if self.is_known(part) { part.within.distance } else { 1.0 };
-        (ALLOWANCE * (of_part + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
+        // The reduced system has dashpots in the place of loss factors.
+        self.error_of_modes(scene) + self.part(scene).reduced.error_of_dashpots()
     }
 
     fn unknown_error(&self, scene: &Scene) -> Option<&'static str> {

@@ -7,7 +7,7 @@ use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{ReductionError, Snapshot, Snapshots, grows_too_fast};
+use reduction::{Losses, ReductionError, Snapshot, Snapshots, grows_too_fast};
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};
@@ -153,8 +153,11 @@ fn without_others(
     given: Directions,
 ) -> Result<(Directions, bool), Error> {
     let has_others = |basis: &DMatrix<f64>| -> Result<bool, Error> {
-        let reduced = system.project(basis)?.assemble(at)?;
-        let mut modes = QrSolver.eigenvalues(&reduced, &mut Workspace::default())?.eigenvalues;
+        let reduced = system.project(basis)?;
+        let mut modes = match Losses::new(system, &reduced, at)? {
+            Some(losses) => losses.eigenvalues(&losses.with_dashpots(&reduced)?, at)?,
+            None => QrSolver.eigenvalues(&reduced.assemble(at)?, &mut Workspace::default())?.eigenvalues,
+        };
         modes.retain(|&lambda| !grows_too_fast(lambda));
         Ok(!whole.has_all(&modes))
     };
