@@ -24,6 +24,8 @@ const NOTE: &str = "\nholds to: change of the value up to which that of the grow
 pub(super) struct Whys {
     /// Answers, one for each mode.
     pub of_modes: Vec<Why>,
+    /// Eigenvalues of the system of which these are, for those of the brake that were asked for, in their order; not a number where there is none.
+    pub counterparts: Vec<Complex<f64>>,
     /// The modes surely are unstable; otherwise none is, and there is one answer, of the least damped.
     are_unstable: bool,
 }
@@ -38,7 +40,9 @@ pub(super) fn first_scene<B: UncertainBrake>(brake: &B) -> Result<Whys, Error> {
 pub(super) fn whys<B: UncertainBrake>(brake: &B, scene: &Scene, among: Option<&[Complex<f64>]>) -> Result<Whys, Error> {
     let mut work = Workspace::default();
     let explainer = Explainer::new(brake, scene, &mut work)?;
-    let is_wanted = |mode: &Complex<f64>| among.is_none_or(|among| among.iter().any(|lambda| is_same(*lambda, *mode)));
+    let counterpart = |lambda: &Complex<f64>| explainer.counterpart(*lambda).unwrap_or(Complex::from(f64::NAN));
+    let counterparts: Vec<Complex<f64>> = among.unwrap_or_default().iter().map(counterpart).collect();
+    let is_wanted = |mode: &Complex<f64>| among.is_none() || counterparts.contains(mode);
     let [mut modes, mut all] = [explainer.unstable(&mut work)?, explainer.oscillating()];
     modes.retain(is_wanted);
     all.retain(is_wanted);
@@ -46,16 +50,12 @@ pub(super) fn whys<B: UncertainBrake>(brake: &B, scene: &Scene, among: Option<&[
     if !are_unstable {
         modes.extend(least_damped(all));
     }
-    Ok(Whys { of_modes: explainer.why(&modes, &mut work)?, are_unstable })
+    Ok(Whys { of_modes: explainer.why(&modes, &mut work)?, counterparts, are_unstable })
 }
 
 /// True if an answer is that of the mode with this eigenvalue.
 pub(super) fn is_of(lambda: Complex<f64>, why: &Why) -> bool {
-    is_same(lambda, why.lambda)
-}
-
-fn is_same(a: Complex<f64>, b: Complex<f64>) -> bool {
-    (a - b).norm() <= EQUAL_BUT_FOR_ROUNDING * a.norm()
+    (lambda - why.lambda).norm() <= EQUAL_BUT_FOR_ROUNDING * lambda.norm()
 }
 
 /// Answers, each under a heading with the name of its mode.

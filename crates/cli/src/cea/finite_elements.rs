@@ -47,7 +47,7 @@ impl CeaArgs {
                         "residual": residual,
                         "verdict": verdict(place),
                     });
-                    if let Some(why) = whys.of_modes.iter().find(|why| is_of(modes.lambdas[place], why)) {
+                    if let Some(why) = whys.of_modes.iter().find(|why| is_of(whys.counterparts[place], why)) {
                         mode["why"] = json!(why);
                     }
                     if let Some((shape, energy)) = shapes.get(place) {
@@ -109,7 +109,7 @@ impl CeaArgs {
             + "\nrank: by frequency, of the modes listed here; a study numbers its modes so, at the medians with all patches in contact; damping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in \
                the unreduced brake\n"
             + &reasons(&whys, |why| {
-                let rank = modes.lambdas.iter().position(|lambda| is_of(*lambda, why));
+                let rank = whys.counterparts.iter().position(|lambda| is_of(*lambda, why));
                 rank.map_or_else(String::new, |place| format!(" {}", place + 1))
             }))
     }

@@ -1,8 +1,8 @@
 //! A scene prepared for the question why its modes grow.
 
 use cea::{
-    EigenSolver, Eigentriple, Expansion, Mode, QrSolver, RealModes, Separation, Spectrum, Verdict, Workspace,
-    damping_ratio, verdicts_beyond,
+    EQUAL_BUT_FOR_ROUNDING, EigenSolver, Eigentriple, Expansion, Mode, QrSolver, RealModes, Separation, Spectrum,
+    Verdict, Workspace, damping_ratio, verdicts_beyond,
 };
 use linsys::{Internal, OperatingPoint, SecondOrder};
 use num_complex::Complex;
@@ -81,18 +81,31 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         Ok(Self { brake, scene, at, system, spectrum, structure: RealModes::new(&structure.m, &structure.k) })
     }
 
-    /// Modes that surely are unstable, ascending in frequency: beyond the threshold of the plan, by more than rounding and the error of a
-    /// reduction.
+    /// Modes that surely are unstable, ascending in frequency: beyond the threshold of the plan by more than rounding; of a brake that finds its modes itself
+    /// those of which it says so, as in a study.
     ///
     /// # Errors
-    /// Those of [`verdicts_beyond`].
+    /// Those of the brake and of [`verdicts_beyond`].
     pub fn unstable(&self, work: &mut Workspace) -> Result<Vec<Complex<f64>>, Error> {
         let (modes, threshold) = (self.oscillating(), &self.brake.plan().threshold);
-        let error = self.brake.mode_source().map_or(0.0, |source| source.relative_error(self.scene));
+        if let Some(source) = self.brake.mode_source() {
+            let found = source.band_modes(self.scene, std::slice::from_ref(&self.at)).remove(0)?;
+            let unstable = found.iter().filter(|mode| mode.verdict(threshold) == Verdict::Unstable);
+            let unstable: Vec<_> = unstable.filter_map(|mode| self.counterpart(mode.lambda)).collect();
+            return Ok(modes.into_iter().filter(|mode| unstable.contains(mode)).collect());
+        }
         let verdicts = verdicts_beyond(threshold, &self.system, &modes, &self.spectrum, work)?;
-        let is_sure = |lambda: Complex<f64>| threshold.margin(lambda) > error * lambda.norm();
         let unstable = modes.into_iter().zip(verdicts);
-        Ok(unstable.filter(|(mode, of)| *of == Verdict::Unstable && is_sure(*mode)).map(|(mode, _)| mode).collect())
+        Ok(unstable.filter(|(_, of)| *of == Verdict::Unstable).map(|(mode, _)| mode).collect())
+    }
+
+    /// The eigenvalue of the system of this scene that stands for one of the brake, rad/s: itself, or the nearest within the error of the system where dashpots
+    /// stand in it for loss factors; `None` where there is none.
+    pub fn counterpart(&self, lambda: Complex<f64>) -> Option<Complex<f64>> {
+        let error = self.brake.error_of_reduction(self.scene).max(EQUAL_BUT_FOR_ROUNDING);
+        let distance = |own: &Complex<f64>| (own - lambda).norm();
+        let nearest = self.spectrum.oscillatory().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.filter(|own| distance(own) <= error * lambda.norm())
     }
 
     /// Oscillating modes, ascending in frequency.
