@@ -13,7 +13,8 @@ use study::identity::{channel, naming};
 
 use super::choices::Law;
 use super::finite_elements::{OwnSpeed, Patch, PatchContact, ReductionGoal, Spread, SpreadParameters};
-use super::matrices::{BodyDofs, Branch, GainExpressions, LagExpressions};
+use super::matrices::{BodyDofs, GainExpressions, LagExpressions};
+use super::relaxing::Branch;
 use super::types::{ConstraintSet, LatticeReadings};
 use super::{
     Correlation, Draws, Expression, FiniteElementCase, FixedDofs, FrictionDistributions, LatticeCase, MatricesCase,

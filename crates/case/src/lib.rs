@@ -27,7 +27,9 @@ mod identity;
 pub mod input;
 mod matrices;
 mod measured;
+mod parameter;
 mod random_field;
+mod relaxing;
 mod schema;
 mod set;
 mod squeal;
@@ -53,7 +55,9 @@ pub use finite_elements::{
     Side, Spread, SpreadParameter, SpreadParameters,
 };
 pub use header::CaseHeader;
-pub use matrices::{BodyDofs, Branch, FixedDofs, GainExpressions, MatricesCase, Parameter};
+pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase};
+pub use parameter::Parameter;
+pub use relaxing::Branch;
 pub use set::parameter_of;
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};
 pub use variants::Variant;

@@ -23,7 +23,7 @@ pub struct NewArgs {
     /// The case file to write; it must not exist
     pub case: PathBuf,
     /// An input deck of Abaqus or CalculiX with nodes, elements and sets
-    #[arg(long, value_name = "MESH", required_unless_present = "mass")]
+    #[arg(long, value_name = "MESH")]
     pub from: Option<PathBuf>,
     /// File with the mass, FILE or FILE:NAME; with a mesh, instead of the one beside it
     #[arg(long, value_name = "FILE", requires = "stiffness")]

@@ -107,7 +107,7 @@ impl fmt::Display for Doubt {
                  that is meant, as of friction, say symmetry = \"whole\"",
             ),
             Self::BesideStructural => f.write_str(
-                "the file has structural damping too, which is NOT in the model: say it as loss_factor of the stiffness, or as viscous damping",
+                "the file has structural damping too, which is NOT read: a loss_factor of the stiffness, or viscous damping, stands for it",
             ),
         }
     }

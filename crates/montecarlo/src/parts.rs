@@ -27,7 +27,6 @@ pub fn tiled<T: Merge + PartialEq>(
 ) -> Result<Summary<T>, MonteCarloError> {
     parts.sort_by_key(|(_, part)| (part.first, part.samples));
     let mut merged: Option<(String, Summary<T>)> = None;
-    let mut last: Option<(String, Range<u64>)> = None;
     let mut kept: Vec<(String, Summary<T>)> = Vec::with_capacity(parts.len());
     for (name, part) in parts {
         match kept.last() {
@@ -40,11 +39,10 @@ pub fn tiled<T: Merge + PartialEq>(
         }
     }
     for (name, part) in kept {
-        let next = last.as_ref().map_or(0, |(_, range)| range.end);
+        let next = merged.as_ref().map_or(0, |(_, so_far)| so_far.next());
         if part.first > next {
             return Err(MonteCarloError::PartsMissing { from: next, to: part.first, samples });
         }
-        last = Some((name.clone(), part.range()));
         merged = Some(match merged {
             None => (name, part),
             Some((first, so_far)) => (first, so_far.merge(part)?),

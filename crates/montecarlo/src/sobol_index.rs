@@ -14,7 +14,7 @@
 use crate::confidence::{Confidence, Interval};
 use crate::few_terms::FewTerms;
 
-/// Fewest samples of which an index and its error are computed; chosen: with 200 samples of the functions of `tests/sobol_indices.rs`
+/// Fewest samples of which an index and its error are computed; chosen: with 200 samples of the functions of `tests/all/sobol_indices.rs`
 /// intervals of 95 % still cover in 92 % of the cases and more.
 const FEWEST_SAMPLES: usize = 100;
 

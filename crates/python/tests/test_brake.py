@@ -98,6 +98,19 @@ def test_a_callable_is_the_expressions_to_the_bit():
     assert first.to_pandas().equals(second.to_pandas())
 
 
+def test_a_function_given_by_points_is_the_callable_that_interpolates():
+    at, value = np.array([0.0, 0.4, 1.0, 1.5]), [0.4, 0.9, 0.7, 1.1]
+    belt = sq.Contact("belt", force={"x": -1.0}, reading={"y": 4 / 3}, mu="friction(t)")
+    drawn = {"t": sq.Uniform(0.2, 1.4)}
+    by_points = sq.run(hoffmann(contacts=[belt], parameters=drawn, tables={"friction": (at, value)}), keep_samples=True, progress=False)
+    called = hoffmann(**OPEN, parameters=drawn, coefficients=lambda p: {"belt.mu": np.interp(p["t"], at, value)})
+    by_callable = sq.run(called, keep_samples=True, progress=False)
+    assert np.array_equal(by_points.samples["t"], by_callable.samples["t"])
+    # `np.interp` rounds otherwise.
+    growth, expected = (np.array([float(of.split(":")[1]) if of else 0.0 for of in r.samples["unstable"]]) for r in (by_points, by_callable))
+    assert 0 < np.count_nonzero(growth) < len(growth) and np.allclose(growth, expected, rtol=0.0, atol=1e-6)
+
+
 def test_a_callable_is_asked_for_blocks():
     sizes = []
 
@@ -251,6 +264,11 @@ def nothing(p):
         (lambda: hoffmann(parameters={"mu": 0.5}), sq.ArgumentError, "parameters['mu'] = 0.5"),
         (lambda: hoffmann(parameters={"mu": sq.Uniform(1.0, 0.5)}), sq.CaseError, "parameters.mu.to"),
         (lambda: hoffmann(parameters={"nu": sq.Uniform(0.5, 1.0)}), sq.CaseError, "mu"),
+        (lambda: hoffmann(tables={"f": 3}), sq.ArgumentError, "tables['f'] = 3; allowed: (at, value)"),
+        (lambda: hoffmann(tables={"f": ([0.0, 1.0], [1.0])}), sq.ArgumentError, "shapes (2,) and (1,)"),
+        (lambda: hoffmann(tables={"f": ([0.0, 1.0], [1.0, np.nan])}), sq.ArgumentError, "tables['f']: value[1] = nan"),
+        (lambda: hoffmann(tables={"f": ([1.0, 0.0], [1.0, 2.0])}), sq.CaseError, "tables.f.at"),
+        (lambda: hoffmann(tables={"f": ([0.0, 1.0], [1.0, 2.0])}), sq.CaseError, "tables.f = used nowhere"),
         (lambda: hoffmann(dofs=["x"]), sq.CaseError, "brake.dofs"),
         (lambda: hoffmann(constraints={"held": ["z"]}), sq.CaseError, "constraints"),
         (lambda: hoffmann(samples=0), sq.ArgumentError, "samples = 0"),

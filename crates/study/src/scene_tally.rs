@@ -6,7 +6,6 @@ use montecarlo::{LabelTally, Merge as _, Proportion, QuantileSketch};
 use serde::{Deserialize, Serialize};
 
 use super::third_octave::{InThirdOctave, ThirdOctave};
-use super::unstable_names::{candidate_names, open_names};
 use super::{ModeLabel, Outcome};
 
 /// Counts of one scene.
@@ -100,7 +99,8 @@ impl SceneTally {
         }
         let unstable: Vec<_> = outcome.unstable.iter().map(|mode| [mode.rank]).collect();
         self.ranked.record_with_open(&unstable, &outcome.open.iter().map(|mode| [mode.rank]).collect::<Vec<_>>());
-        self.tracked.record_with_open(&candidate_names(&outcome.unstable), &open_names(&outcome.open));
+        let [unstable, open] = outcome.candidate_names();
+        self.tracked.record_with_open(&unstable, &open);
     }
 
     /// Enters the third octaves in which a mode is unstable, or may be.

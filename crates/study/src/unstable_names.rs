@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use montecarlo::{Trial, occurring_labels};
 
-use super::{ModeLabel, OpenMode, Outcome, UnstableMode};
+use super::{ModeLabel, Outcome};
 
 /// Names of unstable modes, from the candidate names of each; the value says whether the name is sure. A mode without a name may be any
 /// of `all`, and is listed as unnamed.
@@ -41,8 +41,9 @@ impl Outcome {
 
     /// Names of all that is unstable, or may be, each with whether it is sure; divergence is listed as [`ModeLabel::DIVERGENCE`].
     pub(crate) fn unstable_names(&self, all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
-        let mut names = unstable_names(&candidate_names(&self.unstable), all);
-        for (name, _) in unstable_names(&open_names(&self.open), all) {
+        let [unstable, open] = self.candidate_names();
+        let mut names = unstable_names(&unstable, all);
+        for (name, _) in unstable_names(&open, all) {
             names.entry(name).or_insert(false);
         }
         if self.divergent > 0 || self.undecided_real > 0 {
@@ -50,14 +51,12 @@ impl Outcome {
         }
         names
     }
-}
 
-pub(crate) fn candidate_names(modes: &[UnstableMode]) -> Vec<&[ModeLabel]> {
-    modes.iter().map(|mode| mode.names.as_slice()).collect()
-}
-
-pub(crate) fn open_names(modes: &[OpenMode]) -> Vec<&[ModeLabel]> {
-    modes.iter().map(|mode| mode.names.as_slice()).collect()
+    /// Names that each unstable mode may have, and those of each mode whose verdict is open.
+    pub(crate) fn candidate_names(&self) -> [Vec<&[ModeLabel]>; 2] {
+        let unstable = self.unstable.iter().map(|mode| mode.names.as_slice()).collect();
+        [unstable, self.open.iter().map(|mode| mode.names.as_slice()).collect()]
+    }
 }
 
 #[cfg(test)]

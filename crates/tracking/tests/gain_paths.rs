@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
 #[allow(dead_code)] // Shared with the tests of the secular equation; not all of it is used here.
-#[path = "../../cea/tests/secular/chains.rs"]
+#[path = "../../cea/tests/all/secular/chains.rs"]
 mod chains;
 
 use std::cell::Cell;

@@ -3,7 +3,7 @@
     python3 rectangle.py FOLDER SQUEAL [RUNS]
 
 FOLDER has the files of disk_brake4669, here at w = 4 pi, or of ccx_brake, here with three coefficients of friction, as
-crates/validation/tests/large.rs says; SQUEAL is the program. Processor seconds, all of the program's, with reading and writing,
+crates/validation/tests/all/large.rs says; SQUEAL is the program. Processor seconds, all of the program's, with reading and writing,
 against those of factorisations and eigenvalues in SciPy. SciPy gives neither left vectors nor error bounds; it is called as its
 documentation shows it, and with what was found to be fastest here.
 """

@@ -2,10 +2,19 @@
 
 use std::sync::Arc;
 
+use serde::Deserialize;
+
 use crate::check::Check;
-use crate::matrices::Parameter;
-use crate::matrices::schema::Formula;
+use crate::parameter::Parameter;
 use crate::{CaseError, Expression, TableFunction};
+
+/// A number, or an expression in the parameters.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "expected a number or an expression in quotes")]
+pub(crate) enum Formula {
+    Number(f64),
+    Text(String),
+}
 
 /// Reads expressions and records the parameters and tables that occur in them.
 pub(crate) struct Formulas<'a> {

@@ -20,8 +20,7 @@ use super::{
 };
 use crate::arrangements::arrangements_by_number;
 use crate::check::{Check, field};
-use crate::expression::formulas::Formulas;
-use crate::matrices::schema::Formula;
+use crate::expression::formulas::{Formula, Formulas};
 use crate::schema::BristleDampingEntry;
 use crate::validate::{distributions, speed_ranges};
 use crate::{CaseError, Draws, Expression, FrictionDistributions, Law, schema};

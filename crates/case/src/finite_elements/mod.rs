@@ -42,7 +42,7 @@ use linsys::ChannelGain;
 use osc_model::ContactArrangement;
 use sparse::SparseAffineSystem;
 
-use super::matrices::relaxing::gains_of;
+use super::relaxing::gains_of;
 use super::{
     Branch, CaseError, CaseHeader, Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter,
     SpeedRange, TableFunction, TakenMatrix,

@@ -22,8 +22,8 @@ use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
 use crate::draft::waiting;
 use crate::expression::formulas::Formulas;
-use crate::matrices::read::parameter;
-use crate::matrices::relaxing::{Relaxing, gains_of};
+use crate::parameter::parameter;
+use crate::relaxing::{Relaxing, gains_of};
 use crate::validate::friction_parameters;
 use crate::{CaseError, Draws, FixedDofs};
 

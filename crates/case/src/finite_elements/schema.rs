@@ -15,8 +15,9 @@ use super::units::UnitsTable;
 
 use crate::check::Accuracy;
 use crate::correlation::CorrelationTable;
+use crate::expression::formulas::Formula;
 use crate::heard::MeasuredTable;
-use crate::matrices::schema::{Formula, ParameterTable};
+use crate::parameter::ParameterTable;
 use crate::schema::{BristleDampingEntry, SpeedsTable};
 use crate::squeal::SquealTable;
 use crate::symmetry::SymmetryEntry;

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::{Patch, PatchContact};
 use crate::check::Check;
-use crate::matrices::schema::{OverEntry, OverField};
+use crate::parameter::{OverEntry, OverField};
 use crate::random_field::{FieldModes, Kernel};
 use crate::{CaseError, Expression, ExpressionError, Parameter};
 

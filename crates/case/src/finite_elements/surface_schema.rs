@@ -6,7 +6,8 @@ use serde::Deserialize;
 
 use super::entries::{LateralEntry, Nodes, SlidingEntry};
 use crate::Draws;
-use crate::matrices::schema::{BranchTable, Formula};
+use crate::expression::formulas::Formula;
+use crate::relaxing::BranchTable;
 use crate::schema::BristleDampingEntry;
 
 /// A contact between faces that need not match.

@@ -14,8 +14,7 @@ use super::missing::MissingRows;
 use super::nodes::Model;
 use super::surface_schema::{ActsEntry, RotationTable, SpringTable};
 use crate::check::field;
-use crate::expression::formulas::Formulas;
-use crate::matrices::schema::Formula;
+use crate::expression::formulas::{Formula, Formulas};
 use crate::{CaseError, Expression};
 
 /// The symmetric part of a gyroscopic matrix, as a part of the skew one, above which the body is none of revolution; chosen: a coarse mesh of

@@ -8,7 +8,7 @@ use super::dofs::DofNames;
 use super::{GainExpressions, LagExpressions, schema};
 use crate::CaseError;
 use crate::check::{Check, field};
-use crate::expression::formulas::Formulas;
+use crate::expression::formulas::{Formula, Formulas};
 
 /// The family of a contact without a `family`.
 const FAMILY_OF_FRICTION: &str = "friction";
@@ -58,7 +58,7 @@ pub(super) fn channels_with_gains(
         });
         let [load, speed, stiffness] = motion;
         let mut expression =
-            |key: &str, given: Option<schema::Formula>| formulas.expression(&field("contacts", &name, key), given, 0.0);
+            |key: &str, given: Option<Formula>| formulas.expression(&field("contacts", &name, key), given, 0.0);
         gains.push(GainExpressions {
             load: load?,
             speed: speed?,

@@ -4,8 +4,8 @@ use cea::RealModes;
 use linsys::{SecondOrder, Term};
 use nalgebra::DMatrix;
 
-use super::Parameter;
 use crate::check::{Check, field};
+use crate::parameter::Parameter;
 use crate::{CaseError, Expression};
 
 /// Coefficients of all terms at the medians of the parameters, and away from them.

@@ -8,12 +8,10 @@ mod draft;
 mod elsewhere;
 mod loss;
 mod motion;
-pub(super) mod read;
-pub(crate) mod relaxing;
-pub(super) mod schema;
+mod read;
+mod relaxing;
+mod schema;
 mod terms;
-
-pub use relaxing::Branch;
 
 use std::sync::Arc;
 
@@ -22,6 +20,8 @@ use montecarlo::{Distribution, MonteCarloError, StreamRng};
 use study::Moves;
 
 use super::check::{Check, field};
+use super::parameter::Parameter;
+use super::relaxing::{Branch, gains_of};
 use super::{CaseError, CaseHeader, Correlation, Expression, TableFunction, TakenMatrix};
 
 /// A checked study of a brake given by its matrices.
@@ -53,17 +53,6 @@ pub struct MatricesCase {
     pub bodies: Vec<BodyDofs>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,
-}
-
-/// A drawn parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
-    /// Name in expressions.
-    pub name: String,
-    /// Unit, for information only.
-    pub unit: String,
-    /// Distribution from which the parameter is drawn.
-    pub distribution: Distribution,
 }
 
 /// The gain of one friction channel.
@@ -170,7 +159,7 @@ impl MatricesCase {
             })
         });
         let mut channels = contacts.collect::<Result<Vec<_>, CaseError>>()?;
-        channels.extend(relaxing::gains_of(&self.header.path, &self.branches, values, &coefficients)?);
+        channels.extend(gains_of(&self.header.path, &self.branches, values, &coefficients)?);
         Ok(OperatingPoint { coefficients, channels })
     }
 }

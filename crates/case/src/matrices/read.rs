@@ -5,22 +5,23 @@ use std::path::Path;
 use cea::{CeaError, check_mass};
 use formats::{Entry, Kind};
 use linsys::{AffineSystem, Term};
-use montecarlo::Distribution;
 use nalgebra::DMatrix;
 
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::elsewhere::Places;
 use super::loss::add_losses;
-use super::relaxing::{self, Relaxing};
+use super::relaxing::branches_of_terms;
 use super::schema::{self, MatricesFile};
 use super::terms::{Terms, read_terms};
-use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
+use super::{BodyDofs, FixedDofs, MatricesCase};
+use crate::CaseError;
 use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
 use crate::expression::formulas::Formulas;
 use crate::held::HeldRows;
-use crate::{CaseError, is_parameter_name};
+use crate::parameter::{CUT, Parameter, parameter};
+use crate::relaxing::Relaxing;
 
 impl MatricesCase {
     /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
@@ -67,7 +68,7 @@ impl MatricesCase {
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (mut channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
         let Relaxing { branches, channels: relaxing } =
-            relaxing::branches(&check, &mut formulas, &terms, &losses, branches)?;
+            branches_of_terms(&check, &mut formulas, &terms, &losses, branches)?;
         channels.extend(relaxing);
         let all_used = formulas.all_used();
         let constraints = constraint_sets(&check, &dofs, constraints)?;
@@ -159,37 +160,6 @@ impl MatricesCase {
         }
         Ok(())
     }
-}
-
-/// Part of a normal distribution below 0 from which on a line says that it is left out; chosen: less moves no occurrence that anyone reads.
-const CUT: f64 = 1e-3;
-
-pub(crate) fn parameter(
-    check: &Check<'_>,
-    name: String,
-    given: schema::ParameterTable,
-) -> Result<Parameter, CaseError> {
-    if !is_parameter_name(&name) {
-        let allowed = "a letter or _, then letters, digits and _, no function and not pi";
-        return Err(check.value("parameters", format!("{name:?}"), allowed));
-    }
-    let schema::ParameterTable { unit, over, distribution } = given;
-    if over.is_some() {
-        let allowed = "finite elements, whose contacts have patches and faces";
-        return Err(check.value(&format!("parameters.{name}.over"), "given", allowed));
-    }
-    check.line(&format!("parameters.{name}.unit"), &unit)?;
-    let distribution = check.distribution(&format!("parameters.{name}"), distribution)?;
-    if let Distribution::Normal { mean, deviation, at_least: 0.0, at_most: None } = distribution {
-        let cut = Distribution::Normal { mean, deviation, at_least: f64::NEG_INFINITY, at_most: None }.cumulative(0.0);
-        if cut > CUT {
-            check.note(format!(
-                "parameters.{name}: {:.1} % of the normal distribution lie below 0 and are left out; at_least = -inf takes it whole",
-                100.0 * cut
-            ));
-        }
-    }
-    Ok(Parameter { name, unit, distribution })
 }
 
 /// A matrix of a term.

@@ -1,14 +1,12 @@
-//! Viscoelastic terms and springs: stiffness that relaxes, as internal states of the directions in which it acts.
+//! Viscoelastic terms: the directions in which the stiffness of each acts, each a channel of each of its branches.
 
-use std::path::Path;
-
-use linsys::{Channel, ChannelGain, Lag, Term};
+use linsys::Term;
 use nalgebra::{DMatrix, DVector};
 
-use super::schema::BranchTable;
+use crate::CaseError;
 use crate::check::{Check, field};
 use crate::expression::formulas::Formulas;
-use crate::{CaseError, Expression};
+use crate::relaxing::{BranchTable, Relaxing};
 
 /// Roundings of the diagonal of a matrix, for each of its rows, below which what is left of it is rounding; chosen: larger ones take soft springs beside stiff ones
 /// for nothing, smaller ones make directions of rounding, which are as soft.
@@ -16,68 +14,11 @@ const ROUNDINGS: f64 = 4.0;
 /// Part of the diagonal up to which a matrix may be indefinite; chosen: files print ten digits at least.
 const INDEFINITE: f64 = 1e-10;
 
-/// A branch of a viscoelastic term or spring: `ratio K lambda / (lambda + rate)` beside its `K`, a spring in series with a dashpot at each of its springs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Branch {
-    /// Index of the term.
-    pub term: usize,
-    /// Stiffness of the branch over that of the term, 1.
-    pub ratio: Expression,
-    /// Rate at which its force relaxes, 1/s.
-    pub rate: Expression,
-    /// Field of the case file.
-    pub field: String,
-    /// Directions in which the stiffness of the term acts: its rank.
-    pub directions: usize,
-}
-
-impl Branch {
-    /// Words on a branch of a term with a name.
-    pub fn in_words(&self, term: &str) -> String {
-        format!("{term} in {} direction{}", self.directions, if self.directions == 1 { "" } else { "s" })
-    }
-}
-
-/// Branches of a case, and a channel for each direction of each of them.
-#[derive(Default)]
-pub(crate) struct Relaxing {
-    pub branches: Vec<Branch>,
-    pub channels: Vec<Channel>,
-}
-
-impl Relaxing {
-    /// Adds the branches of a term, by its index, name and family, whose stiffness is `sum b b^T` over its directions b; `key` is their field.
-    ///
-    /// # Errors
-    /// An expression that is none.
-    pub fn add(
-        &mut self,
-        formulas: &mut Formulas<'_>,
-        key: &str,
-        (term, name, family): (usize, &str, &str),
-        directions: &[Vec<(usize, f64)>],
-        given: Vec<BranchTable>,
-    ) -> Result<(), CaseError> {
-        for (number, BranchTable { ratio, rate }) in given.into_iter().enumerate() {
-            let field = format!("{key}[{}]", number + 1);
-            self.branches.push(Branch {
-                term,
-                ratio: formulas.expression(&format!("{field}.ratio"), Some(ratio), 0.0)?,
-                rate: formulas.expression(&format!("{field}.rate"), Some(rate), 0.0)?,
-                field,
-                directions: directions.len(),
-            });
-            self.channels.extend(directions.iter().map(|b| Channel::relaxing(name, family, b.clone())));
-        }
-        Ok(())
-    }
-}
-
 /// The branches of terms, and a channel for each direction of each of them.
 ///
 /// # Errors
 /// A viscoelastic term whose stiffness is not symmetric positive semi-definite, loss factors in the same case; an expression that is none.
-pub(super) fn branches(
+pub(super) fn branches_of_terms(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
     terms: &[Term],
@@ -102,32 +43,6 @@ pub(super) fn branches(
         relaxing.add(formulas, &key, (at, &term.name, &term.family), &directions, tables)?;
     }
     Ok(relaxing)
-}
-
-/// Gains of the channels of branches, at values of the parameters and the coefficients of the terms there; `path` is that of the case.
-///
-/// # Errors
-/// An expression without a value; a ratio below 0, a rate that is not above it.
-pub(crate) fn gains_of(
-    path: &Path,
-    branches: &[Branch],
-    values: &[f64],
-    coefficients: &[f64],
-) -> Result<Vec<ChannelGain>, CaseError> {
-    let check = Check::new(path);
-    let mut gains = Vec::new();
-    for Branch { term, ratio, rate, field, directions } in branches {
-        let value = |expression: &Expression, key: &str, is_allowed: fn(f64) -> bool, allowed: &str| {
-            let field = format!("{field}.{key}");
-            let value = expression.value(values).map_err(|source| check.expression(&field)(source))?;
-            if is_allowed(value) { Ok(value) } else { Err(check.value(&field, value, allowed)) }
-        };
-        let ratio = value(ratio, "ratio", |ratio| ratio >= 0.0, "a number >= 0")?;
-        let decay = value(rate, "rate", |rate| rate > 0.0, "a rate > 0, in 1/s")?;
-        let lag = Lag { decay, drive: 1.0, force: coefficients[*term] * ratio };
-        gains.extend(std::iter::repeat_n(ChannelGain { lag: Some(lag), ..ChannelGain::default() }, *directions));
-    }
-    Ok(gains)
 }
 
 /// Vectors b with `K = sum b b^T`, by a Cholesky factorisation with pivots, as entries that are not 0; none where K is not symmetric positive semi-definite,
@@ -160,6 +75,8 @@ fn directions(stiffness: &DMatrix<f64>) -> Option<Vec<Vec<(usize, f64)>>> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use cea::{EigenSolver, QrSolver, Workspace};
     use montecarlo::rand::RngExt;
     use montecarlo::stream;

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::check::Accuracy;
 use crate::correlation::CorrelationTable;
+use crate::expression::formulas::Formula;
 use crate::heard::MeasuredTable;
-use crate::random_field::Kernel;
+use crate::parameter::ParameterTable;
+use crate::relaxing::BranchTable;
 use crate::squeal::SquealTable;
 use crate::symmetry::SymmetryEntry;
 use crate::tables::PointsTable;
@@ -58,47 +59,6 @@ pub(super) enum MatricesKind {
     Matrices,
 }
 
-/// A unit, and a distribution whose fields are in the same table.
-#[derive(Debug, Deserialize)]
-pub(crate) struct ParameterTable {
-    #[serde(default)]
-    pub unit: String,
-    pub over: Option<OverEntry>,
-    #[serde(flatten)]
-    pub distribution: Distribution,
-}
-
-/// Places of the values of a parameter, as a case file says them.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected \"patches\", or { kernel = \"exponential\" or \"gaussian\", length = a distance, share = of the variance }"
-)]
-pub(crate) enum OverEntry {
-    Word(OverWord),
-    Field(OverField),
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum OverWord {
-    Patches,
-}
-
-/// A random field over the faces of contacts.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct OverField {
-    pub kernel: Kernel,
-    pub length: f64,
-    #[serde(default = "share")]
-    pub share: f64,
-}
-
-fn share() -> f64 {
-    0.95
-}
-
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TermTable {
@@ -112,22 +72,6 @@ pub(super) struct TermTable {
     pub loss_factor: Option<f64>,
     #[serde(default)]
     pub viscoelastic: Vec<BranchTable>,
-}
-
-/// A branch of a viscoelastic term.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct BranchTable {
-    pub ratio: Formula,
-    pub rate: Formula,
-}
-
-/// A number, or an expression in the parameters.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged, expecting = "expected a number or an expression in quotes")]
-pub(crate) enum Formula {
-    Number(f64),
-    Text(String),
 }
 
 /// Rows, or a file with a matrix.

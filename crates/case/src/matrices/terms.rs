@@ -6,10 +6,11 @@ use formats::{Dof, FormatsError, Kind, Limits, Matrix, Wanted, on_common_rows, s
 use linsys::{SecondOrder, Term};
 use nalgebra::DMatrix;
 
-use super::schema::{BranchTable, MatrixEntry, TermTable};
+use super::schema::{MatrixEntry, TermTable};
 use crate::check::{Check, TakenMatrix, field};
 use crate::expression::formulas::Formulas;
 use crate::input::{LARGEST_MATRIX, LARGEST_ORDER, check_size};
+use crate::relaxing::BranchTable;
 use crate::symmetry::wanted;
 use crate::{CaseError, Expression};
 

@@ -46,7 +46,8 @@ fn failed_samples_are_listed_and_missing_from_every_count() {
     assert!(partly > 0 && solved > 0, "some samples fail and some do not");
 }
 
-/// Where nothing is known of the errors of a reduced brake its answers are printed, and no script takes them for answers.
+/// Where nothing is known of the errors of a reduced brake its answers are printed, and no script takes them for answers. As the case asks for it, the same command
+/// succeeds (`prepared.rs`).
 #[test]
 fn a_reduced_brake_of_unknown_errors_ends_with_exit_code_1() {
     let folder = tempfile::tempdir().unwrap();
@@ -63,6 +64,4 @@ fn a_reduced_brake_of_unknown_errors_ends_with_exit_code_1() {
         let last = said.lines().last().unwrap();
         assert!(last.contains("the reduced brake does not have the modes of the whole one"), "{command}: {last}");
     }
-    // As the case asks for it, the same command succeeds.
-    assert!(asked("cea", &case, &["--no-cache"]).status.success());
 }

@@ -18,7 +18,7 @@ fn folder(command: &str) -> tempfile::TempDir {
     }
     match command {
         "new" => ["inp", "mas.gz", "sti.gz", "dof.gz"].iter().for_each(|end| {
-            copy(&root.join(format!("cases/disc-pad/disc-pad.{end}")), &format!("model.{end}"));
+            copy(&root.join(format!("cases/two-pads/two-pads.{end}")), &format!("model.{end}"));
         }),
         "prepare" => drop(prepared::case(dir.path())),
         "rare" => std::fs::write(dir.path().join("brake.toml"), RARE).unwrap(),

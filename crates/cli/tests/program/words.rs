@@ -17,6 +17,10 @@ fn a_brake_whose_friction_is_a_term_has_no_word_about_contacts() {
     let dir = folder.path().join("disc");
     let text = run(&case("wobbling-disc.toml"), &dir, &["--samples", "50"]);
     assert!(text.starts_with("mode 2 at ") && !text.contains("contact"), "{text}");
+    for file in ["summary.md", "report.html"] {
+        let words = std::fs::read_to_string(dir.join(file)).unwrap();
+        assert!(words.contains("with 50 random draws of N0, Omega and mu."), "{words}");
+    }
     let figure = std::fs::read_to_string(dir.join("occurrence-none.svg")).unwrap();
     assert!(figure.contains("all draws") && !figure.contains("contact"), "{figure}");
 }

@@ -1,6 +1,5 @@
 //! A small experiment with three scenes, float and integer outcomes, failed draws and failed evaluations.
 
-#![allow(dead_code)] // Each test program uses a part of it.
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use montecarlo::{

@@ -1,5 +1,5 @@
 //! Shared by the tests of this crate: the lattice of the published case, and the comparison of spectra as sets.
-#![allow(dead_code, clippy::unwrap_used)]
+#![allow(clippy::unwrap_used)]
 
 use cea::{EigenSolver, QrSolver, Workspace};
 use friction::{AmontonsCoulomb, BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent};

@@ -160,7 +160,8 @@ class Brake(AnyBrake):
 
     `coefficients` is a callable by blocks: it gets a dict from the names of the parameters to arrays of one length, and returns a dict
     from names of terms, `"CONTACT.mu"` and `"CONTACT.slope"` to arrays of that length or numbers; it may be called by several threads,
-    one at a time. What it does not return has its expressions. `correlation` is (names of parameters, matrix) for a Gaussian copula,
+    one at a time. What it does not return has its expressions. `tables` maps names of functions that expressions call to their points
+    (at, value), two arrays. `correlation` is (names of parameters, matrix) for a Gaussian copula,
     `constraints` maps names of sets to names of degrees of freedom, `bodies` likewise. A growing mode counts as unstable from a growth
     rate `growth_above`, 1/s, and a damping ratio `damping_ratio_below` on. `text` is the brake as a case file, without `coefficients`.
     """
@@ -171,6 +172,7 @@ class Brake(AnyBrake):
         terms: Sequence[Term],
         contacts: Sequence[Contact] = (),
         parameters: Mapping[str, Distribution] | None = None,
+        tables: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike]] | None = None,
         dofs: Sequence[str] | None = None,
         coefficients: Coefficients | None = None,
         correlation: tuple[Sequence[str], npt.ArrayLike] | None = None,
@@ -182,10 +184,11 @@ class Brake(AnyBrake):
         samples: int = 1000,
         seed: int = 1,
     ) -> None:
-        parameters, bodies, constraints = (
+        parameters, tables, bodies, constraints = (
             {} if given is None else mapped(argument, given, of)
             for argument, given, of in (
                 ("parameters", parameters, "distributions"),
+                ("tables", tables, "points (at, value)"),
                 ("bodies", bodies, "lists of degrees of freedom"),
                 ("constraints", constraints, "lists of degrees of freedom"),
             )
@@ -204,20 +207,21 @@ class Brake(AnyBrake):
         for argument, given, least in (("samples", samples, 1), ("seed", seed, 0)):
             # Case files have whole numbers of 63 bits.
             study[argument] = _whole(argument, least - 1 if given is None else given, least, 63)
-        tables: dict[str, Any] = {"study": study, "brake": {"kind": "matrices"}}
+        document: dict[str, Any] = {"study": study, "brake": {"kind": "matrices"}}
         if dofs is not None:
-            tables["brake"]["dofs"] = names_of("dofs", dofs, "names of degrees of freedom")
-        tables["parameters"] = {key: distribution.table() for key, distribution in parameters.items()}
-        tables["terms"] = [_term(term) for term in terms]
-        tables["contacts"] = [_contact(contact, coefficients is not None) for contact in contacts]
-        tables["bodies"] = [{"name": key, "dofs": _dofs(f"bodies[{key!r}]", of)} for key, of in bodies.items()]
-        tables["constraints"] = [{"name": key, "fixed": _dofs(f"constraints[{key!r}]", of)} for key, of in constraints.items()]
+            document["brake"]["dofs"] = names_of("dofs", dofs, "names of degrees of freedom")
+        document["parameters"] = {key: distribution.table() for key, distribution in parameters.items()}
+        document["tables"] = {key: _points(f"tables[{key!r}]", points) for key, points in tables.items()}
+        document["terms"] = [_term(term) for term in terms]
+        document["contacts"] = [_contact(contact, coefficients is not None) for contact in contacts]
+        document["bodies"] = [{"name": key, "dofs": _dofs(f"bodies[{key!r}]", of)} for key, of in bodies.items()]
+        document["constraints"] = [{"name": key, "fixed": _dofs(f"constraints[{key!r}]", of)} for key, of in constraints.items()]
         squeal = {"growth_above": growth_above, "damping_ratio_below": damping_ratio_below}
-        tables["squeal"] = {key: number(key, of) for key, of in squeal.items() if of is not None}
+        document["squeal"] = {key: number(key, of) for key, of in squeal.items() if of is not None}
         if correlation is not None:
-            tables["correlation"] = _correlation(correlation)
+            document["correlation"] = _correlation(correlation)
         #: The brake as a case file.
-        self.text = _toml.document({key: table for key, table in tables.items() if table})
+        self.text = _toml.document({key: table for key, table in document.items() if table})
         try:
             self.text.encode()
         except UnicodeEncodeError as error:
@@ -262,6 +266,16 @@ def _correlation(given: Any) -> dict[str, Any]:
     if matrix.shape != (len(of), len(of)):
         raise refused("correlation", f"a matrix of shape {matrix.shape}", f"{(len(of), len(of))}, a row for each of its parameters")
     return {"parameters": of, "matrix": matrix}
+
+
+def _points(argument: str, given: Any) -> dict[str, Any]:
+    """A table of the points of a function."""
+    if not isinstance(given, tuple | list) or len(given) != 2:
+        raise refused(argument, repr(given), "(at, value), two arrays of one length")
+    at, value = (real(f"{argument}: {key}", numbers) for key, numbers in zip(("at", "value"), given, strict=True))
+    if at.ndim != 1 or at.shape != value.shape:
+        raise refused(argument, f"arrays of shapes {at.shape} and {value.shape}", "(at, value), two arrays of one length")
+    return {"at": at, "value": value}
 
 
 def _formula(argument: str, given: Any) -> Formula:

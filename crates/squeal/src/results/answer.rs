@@ -69,6 +69,9 @@ impl Results {
     }
 }
 
+/// Largest number of drawn inputs that are named; chosen: those of the laws of friction.
+const NAMED: usize = 8;
+
 /// True if an evaluation of a set of constraints failed, or has a verdict that is open.
 fn is_open(results: &Results, set: usize) -> bool {
     let scenes = results.panels().iter().filter(|panel| panel.key.constraints == set).flat_map(|panel| &panel.scenes);
@@ -180,6 +183,19 @@ fn helps(results: &Results) -> Vec<Block> {
     ]
 }
 
+/// Words for the inputs that are drawn, by their names.
+fn drawn_in_words(names: &[String]) -> String {
+    let mut shown: Vec<String> = names.iter().take(NAMED).map(|name| printable(name)).collect();
+    if names.len() > NAMED {
+        shown.push(format!("{} more", names.len() - NAMED));
+    }
+    match shown.split_last() {
+        None => "all that is uncertain".into(),
+        Some((only, [])) => only.clone(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+    }
+}
+
 fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
     let OpenCounts { unstable_modes, ambiguous_modes, divergent, undecided, marginal, failures } =
         OpenCounts::new(results);
@@ -190,10 +206,11 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
         false => [" for each arrangement of contacts, friction law and speed range", " of an arrangement"],
     };
     let meaning = format!(
-        "Nobody knows friction exactly, so the analysis was repeated with {} random draws of it{each}. The share of the draws in which a mode \
-         is unstable is its **occurrence**. Each occurrence has limits in parentheses: if the whole study were repeated with other draws, \
+        "Nobody knows every number of a brake exactly, so the analysis was repeated with {} random draws of {}{each}. The share of the draws in \
+         which a mode is unstable is its **occurrence**. Each occurrence has limits in parentheses: if the whole study were repeated with other draws, \
          about 95 of 100 such limits would enclose the true share.",
-        results.summary.samples
+        results.summary.samples,
+        drawn_in_words(&results.drawn)
     );
     let panels = " A **panel** is one friction law with one number of contacts and one speed range; its occurrence is the median over its \
                   arrangements.";
@@ -389,4 +406,18 @@ fn percent(part: f64) -> String {
 
 fn with_limits(e: &Estimate) -> String {
     format!("{} ({:.1} to {:.1})", percent(e.value), 100.0 * e.lower, 100.0 * e.upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NAMED, drawn_in_words};
+
+    #[test]
+    fn inputs_are_named_as_far_as_there_are_few() {
+        let names: Vec<String> = (1..=NAMED + 3).map(|number| format!("mu@{number}")).collect();
+        assert_eq!(drawn_in_words(&[]), "all that is uncertain");
+        assert_eq!(drawn_in_words(&names[..1]), "mu@1");
+        assert_eq!(drawn_in_words(&names[..3]), "mu@1, mu@2 and mu@3");
+        assert_eq!(drawn_in_words(&names), "mu@1, mu@2, mu@3, mu@4, mu@5, mu@6, mu@7, mu@8 and 3 more");
+    }
 }

@@ -8,8 +8,8 @@ use montecarlo::{
 };
 use num_complex::Complex;
 use study::{
-    Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, ModeSource, Panel, Plan, Reference, Study,
-    StudyTally, ThirdOctave, UncertainBrake, origin_of_set,
+    Comparison, ComparisonKind, DrawnInputs, FullChecks, ModeLabel, ModeNaming, ModeSource, Panel, Plan, Reference,
+    Study, StudyTally, ThirdOctave, UncertainBrake, origin_of_set,
 };
 
 use crate::Error;
@@ -59,6 +59,8 @@ pub struct Results {
     pub summary: Summary<StudyTally>,
     /// Naming of modes in the report.
     pub labels: ModeNaming,
+    /// Names of the inputs that are drawn for its scenes, each once; none of a brake that does not tell them.
+    pub(super) drawn: Arc<[String]>,
     /// Counts of draws of a reduced brake checked against the full model.
     pub full_checks: Option<FullChecks>,
     /// The brake finds its modes itself, those of a band, and so shows no divergence.
@@ -73,6 +75,13 @@ pub struct Results {
     comparisons: Vec<Comparison>,
     /// Notes beside the counts, for the manifest.
     notes: Mutex<Vec<String>>,
+}
+
+/// Names of the inputs that are drawn for the scenes of a plan, each once, those of the first scene first.
+fn drawn_names<S>(of: &dyn DrawnInputs<S>, plan: &Plan) -> Arc<[String]> {
+    let mut known = BTreeSet::new();
+    let names = plan.scenes.iter().flat_map(|scene| of.inputs(scene)).map(|input| input.name);
+    names.filter(|name| known.insert(name.clone())).collect()
 }
 
 impl Results {
@@ -103,10 +112,12 @@ impl Results {
         };
         let whole_shapes = source
             .map(|source| Arc::new((0..plan.labels.constraints.len()).map(|set| of_set((set, source))).collect()));
+        let drawn = study.brake().drawn_inputs().map_or_else(Default::default, |of| drawn_names(of, &plan));
         let notes = Mutex::default();
         Self {
             whole_shapes,
             labels,
+            drawn,
             plan,
             origins,
             references,
@@ -133,6 +144,7 @@ impl Results {
             errors_of_reduction: self.errors_of_reduction.clone(),
             whole_shapes: self.whole_shapes.clone(),
             notes: Mutex::default(),
+            drawn: Arc::clone(&self.drawn),
             plan: Arc::clone(&self.plan),
             origins: Arc::clone(&self.origins),
             references: Arc::clone(&self.references),

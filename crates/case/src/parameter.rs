@@ -1,0 +1,91 @@
+//! Drawn parameters: their names, units and distributions.
+
+use montecarlo::Distribution;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::random_field::Kernel;
+use crate::{CaseError, is_parameter_name};
+
+/// A drawn parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Name in expressions.
+    pub name: String,
+    /// Unit, for information only.
+    pub unit: String,
+    /// Distribution from which the parameter is drawn.
+    pub distribution: Distribution,
+}
+
+/// A unit, and a distribution whose fields are in the same table.
+#[derive(Debug, Deserialize)]
+pub(crate) struct ParameterTable {
+    #[serde(default)]
+    pub unit: String,
+    pub over: Option<OverEntry>,
+    #[serde(flatten)]
+    pub distribution: Distribution,
+}
+
+/// Places of the values of a parameter, as a case file says them.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected \"patches\", or { kernel = \"exponential\" or \"gaussian\", length = a distance, share = of the variance }"
+)]
+pub(crate) enum OverEntry {
+    Word(OverWord),
+    Field(OverField),
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum OverWord {
+    Patches,
+}
+
+/// A random field over the faces of contacts.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OverField {
+    pub kernel: Kernel,
+    pub length: f64,
+    #[serde(default = "share")]
+    pub share: f64,
+}
+
+fn share() -> f64 {
+    0.95
+}
+
+/// Part of a normal distribution below 0 from which on a line says that it is left out; chosen: less moves no occurrence that anyone reads.
+pub(crate) const CUT: f64 = 1e-3;
+
+/// A parameter with a name, from its table.
+///
+/// # Errors
+/// Another name than an expression can have, places of values, a unit or a distribution that is none.
+pub(crate) fn parameter(check: &Check<'_>, name: String, given: ParameterTable) -> Result<Parameter, CaseError> {
+    if !is_parameter_name(&name) {
+        let allowed = "a letter or _, then letters, digits and _, no function and not pi";
+        return Err(check.value("parameters", format!("{name:?}"), allowed));
+    }
+    let ParameterTable { unit, over, distribution } = given;
+    if over.is_some() {
+        let allowed = "finite elements, whose contacts have patches and faces";
+        return Err(check.value(&format!("parameters.{name}.over"), "given", allowed));
+    }
+    check.line(&format!("parameters.{name}.unit"), &unit)?;
+    let distribution = check.distribution(&format!("parameters.{name}"), distribution)?;
+    if let Distribution::Normal { mean, deviation, at_least: 0.0, at_most: None } = distribution {
+        let cut = Distribution::Normal { mean, deviation, at_least: f64::NEG_INFINITY, at_most: None }.cumulative(0.0);
+        if cut > CUT {
+            check.note(format!(
+                "parameters.{name}: {:.1} % of the normal distribution lie below 0 and are left out; at_least = -inf takes it whole",
+                100.0 * cut
+            ));
+        }
+    }
+    Ok(Parameter { name, unit, distribution })
+}

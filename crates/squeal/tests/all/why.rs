@@ -1,0 +1,215 @@
+//! Why modes grow: against differences, closed forms and identities.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
+
+use std::f64::consts::TAU;
+
+use brakes::case::{CaseFile, LatticeCase, Law, MatricesCase};
+use brakes::{LatticeBrake, MatricesBrake};
+use cea::{EigenSolver, Eigentriple, QrSolver, Workspace};
+use linsys::{OperatingPoint, SecondOrder};
+use num_complex::Complex;
+use squeal::run_study;
+use squeal::study::{Parametrised, UncertainBrake};
+use squeal::why::{Explainer, Influence, InfluenceKind, Why};
+
+use crate::cases::{cases, paper};
+
+/// Hoffmann's oscillator with another median of mu.
+fn hoffmann(mu: f64) -> MatricesCase {
+    let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
+    let text =
+        text.replace("from = 0.5", &format!("from = {}", mu - 0.1)).replace("to = 1.1", &format!("to = {}", mu + 0.1));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text).unwrap();
+    let CaseFile::Matrices(case) = CaseFile::read(&path).unwrap() else { unreachable!("it has matrices") };
+    *case
+}
+
+fn whys<B: UncertainBrake>(brake: &B) -> Vec<Why> {
+    let mut work = Workspace::default();
+    let explainer = Explainer::new(brake, &brake.plan().scenes[0], &mut work).unwrap();
+    let modes = explainer.asked_for(&mut work).unwrap();
+    let before = work.counters;
+    let whys = explainer.why(&modes, &mut work).unwrap();
+    // One spectrum, and three factorisations for each mode.
+    assert_eq!((before.eigenvalue_solves, work.counters.eigenvalue_solves), (1, 1));
+    assert_eq!(work.counters.factorisations - before.factorisations, 3 * modes.len() as u64);
+    whys
+}
+
+/// The eigenvalue of a system next to another.
+fn next_to(system: &SecondOrder, lambda: Complex<f64>) -> Complex<f64> {
+    let mut work = Workspace::default();
+    let all = QrSolver.eigenvalues(system, &mut work).unwrap().eigenvalues;
+    let nearest = all.into_iter().min_by(|a, b| (a - lambda).norm().total_cmp(&(b - lambda).norm())).unwrap();
+    Eigentriple::new(system, nearest, &mut work).unwrap().refined(system)
+}
+
+/// Checks an influence against the central difference of eigenvalues over a hundredth of the change to which it holds.
+fn check(influence: &Influence, lambda: Complex<f64>, mut system: impl FnMut(f64) -> SecondOrder) {
+    let size = if influence.value == 0.0 { 1.0 } else { influence.value.abs() };
+    let reach = influence.growth_holds_to.min(influence.frequency_holds_to);
+    let step = (0.01 * reach).clamp(1e-6 * size, 1e-3 * size);
+    let mut at = |by: f64| next_to(&system(influence.value + by), lambda);
+    let difference = match influence.value == 0.0 {
+        false => (at(step) - at(-step)) / (2.0 * step),
+        // What is 0 may not be negative.
+        true => (4.0 * at(step) - 3.0 * at(0.0) - at(2.0 * step)) / (2.0 * step),
+    };
+    let rate = Complex::new(influence.growth, TAU * influence.frequency_hz);
+    // Rounding of the eigenvalues, and of the differences the third order.
+    let allowed = 1e-4 * rate.norm() + 1e-11 * lambda.norm() / step;
+    assert!((rate - difference).norm() <= allowed, "{influence:?}: {difference}");
+}
+
+#[test]
+fn every_derivative_of_a_lattice_is_the_limit_of_differences() {
+    for law in Law::ALL {
+        let brake = paper(law);
+        let scene = &brake.plan.scenes[0];
+        let parameters = brake.parameters(scene);
+        let model = brake.plan.brake(scene);
+        let at = brake.operating_point(scene, &brake.median()).unwrap();
+        let explained = whys(&brake);
+        assert!(!explained.is_empty());
+        for why in &explained {
+            assert!(why.is_simple && why.blur < 1e-8, "{law}: {}", why.lambda);
+            assert_eq!(why.not_varied, Vec::<String>::new());
+            for influence in &why.influences {
+                check(influence, why.lambda, |value| match influence.kind {
+                    InfluenceKind::Parameter => {
+                        let place = parameters.iter().position(|parameter| parameter.name == influence.name).unwrap();
+                        brake.system_with(scene, &[(place, value)]).unwrap()
+                    }
+                    InfluenceKind::Term => {
+                        let mut system = model.system.assemble(&at).unwrap();
+                        let SecondOrder { m, c, k, .. } = model.system.terms()[0].matrices();
+                        match influence.name.as_str() {
+                            "mass of structure" => system.m += m * (value - 1.0),
+                            "damping of structure" => system.c += c * (value - 1.0),
+                            "stiffness of structure" => system.k += k * (value - 1.0),
+                            other => panic!("{other}"),
+                        }
+                        system
+                    }
+                    InfluenceKind::Contact => {
+                        let mut at: OperatingPoint = at.clone();
+                        let (what, contact) = influence.name.split_once(" of contact ").unwrap();
+                        let place = model.system.channels().iter().position(|channel| channel.name == contact).unwrap();
+                        let gain = &mut at.channels[place];
+                        match what {
+                            "mu" => gain.mu = value,
+                            "slope" => gain.slope = value,
+                            "lag" => gain.lag.as_mut().unwrap().force = value,
+                            other => panic!("{other}"),
+                        }
+                        model.system.assemble(&at).unwrap()
+                    }
+                    InfluenceKind::Family => panic!("nine contacts are listed one by one"),
+                });
+            }
+            let kinds = |kind| why.influences.iter().filter(|influence| influence.kind == kind).count();
+            let of_contact = if law == Law::LuGre { 3 } else { 2 };
+            assert_eq!((kinds(InfluenceKind::Term), kinds(InfluenceKind::Contact)), (3, 9 * of_contact));
+            assert_eq!(kinds(InfluenceKind::Parameter), parameters.len());
+            assert!(parameters.iter().filter(|p| p.name.starts_with("contact_stiffness.")).count() == 9);
+        }
+    }
+}
+
+#[test]
+fn a_balance_is_complete() {
+    for law in Law::ALL {
+        for why in whys(&paper(law)) {
+            let (growth, balance) = (why.lambda.re, &why.balance);
+            let size: f64 = balance.families.iter().map(|family| family.growth.abs()).sum();
+            let families: f64 = balance.families.iter().map(|family| family.growth).sum();
+            let contacts: f64 = balance.contacts.iter().map(|contact| contact.growth).sum();
+            let terms: f64 = balance.terms.iter().map(|term| term.growth).sum();
+            let bodies: f64 = balance.bodies.iter().flat_map(|body| &body.growth).sum();
+            for sum in [families, contacts + terms, bodies] {
+                assert!((sum - growth).abs() < 1e-9 * size, "{law}: {sum} {growth}");
+            }
+            let friction = balance.families.iter().find(|family| family.name == "friction").unwrap();
+            assert!((contacts - friction.growth).abs() < 1e-9 * size);
+            let sum = |of: &dyn Fn(&squeal::why::BodyShare) -> f64| balance.bodies.iter().map(of).sum::<f64>();
+            assert!((sum(&|body| body.kinetic) - 1.0).abs() < 1e-12 && (sum(&|body| body.strain) - 1.0).abs() < 1e-10);
+            let parts: f64 = why.structure_modes.iter().map(|mode| mode.part).sum();
+            assert!((parts - 1.0).abs() < 1e-12 && why.structure_modes.len() == 30);
+            assert!(why.structure_modes.windows(2).all(|pair| pair[0].part >= pair[1].part));
+        }
+    }
+}
+
+#[test]
+fn hoffmanns_oscillator_has_its_closed_form() {
+    // lambda^2 + c lambda + 2 = i sqrt(D - 1) with D = mu k3 for the growing mode.
+    let (mu, k3, c) = (0.8, 4.0 / 3.0, 0.05);
+    let found = whys(&MatricesBrake::new(hoffmann(mu)).unwrap());
+    let [why] = &found[..] else { panic!("{found:?}") };
+    let root = Complex::new(0.0, (mu * k3 - 1.0).sqrt());
+    let lambda = 0.5 * (-c + (c * c - 4.0 * (2.0 - root)).sqrt());
+    let (lambda, root) = if lambda.im > 0.0 { (lambda, root) } else { (lambda.conj(), root.conj()) };
+    assert!((why.lambda - lambda).norm() < 1e-12);
+    let expected = -0.5 * k3 / root / (2.0 * lambda + c);
+    let by_mu = why.influences.iter().find(|influence| influence.kind == InfluenceKind::Parameter).unwrap();
+    let rate = Complex::new(by_mu.growth, TAU * by_mu.frequency_hz);
+    assert!((rate - expected).norm() < 1e-10 * expected.norm(), "{rate} {expected}");
+    // The growing mode is half of each of the two modes without friction, sqrt 1 and sqrt 3 rad/s: x / y is imaginary.
+    for mode in &why.structure_modes {
+        assert!((mode.part - 0.5).abs() < 1e-10, "{mode:?}");
+        let square = (TAU * mode.frequency_hz).powi(2);
+        assert!((square - if mode.number == 1 { 1.0 } else { 3.0 }).abs() < 1e-12);
+    }
+    // Equal dashpots c take c / 2.
+    let dashpots = why.balance.terms.iter().find(|term| term.name == "dashpots").unwrap();
+    assert!((dashpots.growth + 0.5 * c).abs() < 1e-12, "{dashpots:?}");
+    assert_eq!(why.structure_modes.len(), 2);
+}
+
+#[test]
+fn where_two_modes_are_one_there_are_no_derivatives_and_that_is_said() {
+    // D = 1: both modes are one, and damped.
+    let found = whys_without_counts(&MatricesBrake::new(hoffmann(0.75)).unwrap());
+    assert!(!found.is_simple && found.influences.is_empty() && found.blur > 1e-3, "{found:?}");
+    // A little beside, derivatives are there but hold for less than one per cent.
+    let beside = whys_without_counts(&MatricesBrake::new(hoffmann(0.75 * (1.0 + 1e-4))).unwrap());
+    let by_mu = beside.influences.iter().find(|influence| influence.kind == InfluenceKind::Parameter).unwrap();
+    assert!(beside.is_simple && !by_mu.holds_for_a_percent(), "{by_mu:?}");
+    assert!((by_mu.growth_holds_to / (0.4 * 1e-4 * 0.75) - 1.0).abs() < 0.05, "{by_mu:?}");
+}
+
+fn whys_without_counts<B: UncertainBrake>(brake: &B) -> Why {
+    let mut work = Workspace::default();
+    let explainer = Explainer::new(brake, &brake.plan().scenes[0], &mut work).unwrap();
+    let modes = explainer.asked_for(&mut work).unwrap();
+    explainer.why(&modes[..1], &mut work).unwrap().remove(0)
+}
+
+#[test]
+fn a_run_writes_the_derivatives_of_its_scenes() {
+    let mut case = LatticeCase::read(&cases("two-by-two.toml")).unwrap();
+    case.header.samples = 8;
+    let (brake, folder) = (LatticeBrake::new(case).unwrap(), tempfile::tempdir().unwrap());
+    run_study(&brake, folder.path(), Some(1), &mut |_, _, _| Ok(())).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let table = read("sensitivities.csv");
+    let scene = &brake.plan.scenes[0];
+    assert!(scene.wants_work);
+    let mut work = Workspace::default();
+    let explainer = Explainer::new(&brake, scene, &mut work).unwrap();
+    let modes = explainer.asked_for(&mut work).unwrap();
+    for why in explainer.why(&modes, &mut work).unwrap() {
+        for influence in &why.influences {
+            let Influence { kind, name, unit, value, growth, .. } = influence;
+            let expected = format!(",{kind},{name},{unit},{value},{growth},");
+            assert!(table.contains(&expected), "{expected}");
+        }
+    }
+    let summary = read("summary.md");
+    let fastest = summary.lines().filter(|line| line.starts_with("- none, ") && line.contains(" grow")).count();
+    assert!(summary.contains("\n## Why\n") && fastest > 0, "{summary}");
+    assert!(!table.contains(",failed,"), "{table}");
+}
