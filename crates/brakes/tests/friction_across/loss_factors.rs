@@ -55,14 +55,15 @@ fn random_brakes_with_a_loss_factor_are_those_of_the_complex_stiffness() {
                 let expected = with_loss(&whole, &(own * (eta * full.coefficients[structure])));
                 let is_wanted = |l: &&Complex<f64>| l.re > -149.0 && l.im > low && l.im < high && l.re < 0.5 * l.im;
                 let wanted: Vec<_> = expected.iter().filter(is_wanted).collect();
+                // The system with dashpots is farther off than the modes.
                 let error = brake.relative_error(scene);
-                assert!(error < 1e-3, "{error}");
+                assert!(error > 1e-4 && error < 0.2, "{error}");
                 let reduced = &brake.part(scene).reduced;
                 for found in [reduced.modes_by_spectrum(&full).unwrap(), reduced.modes(&full).unwrap()] {
                     let off = farthest(wanted.iter().copied(), &found.lambdas);
-                    assert!(off <= error, "{at} {:?}: missing {off:e} {error:e}", scene.key);
+                    assert!(off <= 1e-6, "{at} {:?}: missing {off:e}", scene.key);
                     let off = farthest(found.lambdas.iter().filter(is_wanted), &expected);
-                    assert!(off <= error, "{at} {:?}: invented {off:e} {error:e}", scene.key);
+                    assert!(off <= 1e-6, "{at} {:?}: invented {off:e}", scene.key);
                     modes += found.lambdas.len() as f64;
                 }
                 let found = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0).unwrap();
