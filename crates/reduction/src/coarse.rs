@@ -34,6 +34,8 @@ const MORE_DISTANCE: f64 = 10.0;
 const MOST_ERROR: f64 = 1e-3;
 /// Columns of the coarse basis, as a part of those of the reduced brake, from which on it spares nothing; chosen.
 const WORTH: f64 = 0.8;
+/// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
+const MOST_ITERATIONS: usize = 4;
 /// Distance of two modes next to each other without their coupling, at most, as a part of |lambda|; chosen: an error of the coupling, times that, moves the
 /// square of half their distance, so that near a coalescence the error of each is the root of it.
 const DETUNING: f64 = 0.05;
@@ -264,7 +266,7 @@ fn next_to(reduced: &Reduced, at: &OperatingPoint, system: &SecondOrder, coarse:
         image: |lambda, x: &DVector<Complex<f64>>| image(system, lambda, x),
         slope: |lambda, x: &DVector<Complex<f64>>| system.derivative_times(lambda, x),
     };
-    problem.led_from(coarse, error, |lambda, right, step| {
+    problem.led_from(coarse, (error, MOST_ITERATIONS), |lambda, right, step| {
         let shape = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(right)));
         step <= SETTLED * lambda.norm() && residuals(reduced, at, system, &[lambda], &shape)[0] <= reduced.converged()
     })

@@ -5,8 +5,6 @@ use num_complex::Complex;
 
 use super::dense;
 
-/// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
-const MOST_ITERATIONS: usize = 4;
 /// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one; chosen: settled eigenvalues
 /// differ by less, and shapes of double ones may be any.
 const ONE_EIGENVALUE: f64 = 1e-7;
@@ -28,15 +26,16 @@ where
     I: Fn(Complex<f64>, &DVector<Complex<f64>>) -> DVector<Complex<f64>>,
     S: Fn(Complex<f64>, &DVector<Complex<f64>>) -> DVector<Complex<f64>>,
 {
-    /// The eigenvalue to which a guess leads, when it `is_settled` by its last change; `None` where it does not settle, or moves farther than a part of |lambda|.
+    /// The eigenvalue to which a guess leads within some iterations, when it `is_settled` by its last change; `None` where it does not settle, or moves farther
+    /// than a part of |lambda|.
     pub fn led_from(
         &self,
         (guess, shape): Pair,
-        error: f64,
+        (error, most): (f64, usize),
         is_settled: impl Fn(Complex<f64>, &DVector<Complex<f64>>, f64) -> bool,
     ) -> Option<Pair> {
         let (mut lambda, mut right, mut left) = (guess, shape.clone(), shape);
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..most {
             let factors = dense::Factored::new(&(self.matrix)(lambda));
             right = factors.solve(&(self.slope)(lambda, &right)).ok()?.normalize();
             left = factors.solve_adjoint(&left).ok()?.normalize();

@@ -24,12 +24,19 @@ use crate::ReductionError;
 const MORE_DISTANCE: f64 = 10.0;
 /// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen: what is left is of the order of its square.
 const SETTLED: f64 = 1e-9;
+/// Farthest that a guess leads, relative to |lambda|; chosen: modes that grow fast, and so are no question, move by a hundredth.
+const FARTHEST: f64 = 0.05;
+/// Largest |Re lambda|, as a part of |lambda|, of a mode whose verdict dashpots may change; chosen: what is damped or grows by more has dashpots that lose
+/// otherwise, and the same verdict.
+const NEXT_TO_AXIS: f64 = 0.03;
+/// Most inverse iterations of one mode; chosen: a guess has two digits or more, and next to other modes the first steps gain little.
+const MOST_ITERATIONS: usize = 10;
 
 /// Loss factors of the terms of a reduced brake, with the dashpots that stand for them.
 #[derive(Debug, Clone)]
 pub struct Losses {
     terms: Vec<LossyTerm>,
-    /// Distance, relative to |lambda|, up to which a mode with dashpots is taken to lead to one with H: ten times the largest that was measured.
+    /// Distance, relative to |lambda|, that is assumed of a mode next to the axis with dashpots from that with H: ten times the largest that was measured.
     error: f64,
 }
 
@@ -140,7 +147,7 @@ impl Losses {
         LossesAt { dashpots, structural }
     }
 
-    /// Distance, relative to |lambda|, up to which a mode with dashpots leads to one with H.
+    /// Distance, relative to |lambda|, that is assumed of a mode next to the axis with dashpots from that with H.
     pub(super) fn error(&self) -> f64 {
         self.error
     }
@@ -150,17 +157,19 @@ impl Losses {
         Self { error: MORE_DISTANCE * distance, ..self }
     }
 
-    /// The largest distance, relative to |lambda| and to first order, of some modes of a brake at a point, with the dashpots, from those with H:
-    /// `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one. Not a number where there are none.
+    /// The largest distance, relative to |lambda| and to first order, of those of some modes of a brake at a point that are next to the axis, with the dashpots,
+    /// from those with H: `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one. Not a number where there are none.
     pub(super) fn distance(
         &self,
         (reduced, point, system): (&AffineSystem, &OperatingPoint, &SecondOrder),
         lambdas: &[Complex<f64>],
     ) -> Result<f64, ReductionError> {
         let at = self.at(reduced, point);
+        let is_next_to_axis = |lambda: &Complex<f64>| lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm();
+        let lambdas: Vec<Complex<f64>> = lambdas.iter().copied().filter(is_next_to_axis).collect();
         let mut work = Workspace::default();
-        let right = cea::right_vectors(system, lambdas, &mut work)?;
-        let left = cea::right_vectors(&system.transposed(), lambdas, &mut work)?;
+        let right = cea::right_vectors(system, &lambdas, &mut work)?;
+        let left = cea::right_vectors(&system.transposed(), &lambdas, &mut work)?;
         let distance = |((&lambda, x), y): ((&Complex<f64>, &DVector<Complex<f64>>), &DVector<Complex<f64>>)| {
             let lost = linsys::real_times_complex(&at.structural, x) * Complex::I
                 - linsys::real_times_complex(&at.dashpots, x) * lambda;
@@ -186,9 +195,8 @@ impl LossesAt {
         q
     }
 
-    /// The modes with H that some modes of a system with dashpots lead to; `None` where one of them does not settle within a distance, relative to |lambda|,
-    /// or two end at one.
-    pub fn from_guesses(&self, system: &SecondOrder, guesses: &[Pair], error: f64) -> Option<Vec<Pair>> {
+    /// The modes with H that some modes of a system with dashpots lead to; `None` where one of them does not settle, or far away, or two end at one.
+    pub fn from_guesses(&self, system: &SecondOrder, guesses: &[Pair]) -> Option<Vec<Pair>> {
         let problem = Nonlinear {
             matrix: |lambda| self.dynamic_stiffness(system, lambda),
             image: |lambda, x: &DVector<Complex<f64>>| {
@@ -201,8 +209,10 @@ impl LossesAt {
                 system.derivative_times(lambda, x) - linsys::real_times_complex(&self.dashpots, x)
             },
         };
-        let led_from =
-            |guess: &Pair| problem.led_from(guess.clone(), error, |lambda, _, step| step <= SETTLED * lambda.norm());
+        let led_from = |guess: &Pair| {
+            problem
+                .led_from(guess.clone(), (FARTHEST, MOST_ITERATIONS), |lambda, _, step| step <= SETTLED * lambda.norm())
+        };
         let found = guesses.iter().map(led_from).collect::<Option<Vec<Pair>>>()?;
         (!have_merged(&found)).then_some(found)
     }

@@ -70,7 +70,8 @@ impl Reduced {
         Ok(Self { system: reduced, basis, rectangle, form, losses, coarse: None, tolerance })
     }
 
-    /// The largest distance, relative to |lambda| and to first order, of modes with dashpots from those with loss factors at some points; 0 without any.
+    /// The largest distance, relative to |lambda| and to first order, of modes next to the axis with dashpots from those with loss factors at some points; 0
+    /// without any.
     ///
     /// # Errors
     /// A point of another system, a reduced system that the dense solver does not support.
@@ -86,8 +87,8 @@ impl Reduced {
         Ok(largest)
     }
 
-    /// The same reduction, whose modes with dashpots are taken to lead to those with loss factors within ten times a distance, relative to |lambda|, that
-    /// was measured ([`Reduced::distance_of_losses`]).
+    /// The same reduction, whose modes next to the axis with dashpots are taken to lead to those with loss factors within ten times a distance, relative to
+    /// |lambda|, that was measured ([`Reduced::distance_of_losses`]).
     #[must_use]
     pub fn with_distance_of_losses(mut self, distance: f64) -> Self {
         self.losses = self.losses.map(|losses| losses.measured(distance));
@@ -231,7 +232,8 @@ impl Reduced {
         spectrum.eigenvalues.iter().copied().filter(is_next).collect()
     }
 
-    /// Distance, relative to |lambda|, up to which a mode of the [`system`](Self::system), which has dashpots, leads to one with loss factors; 0 without any.
+    /// Distance, relative to |lambda|, that is assumed of a mode next to the axis of the [`system`](Self::system), which has dashpots, from one with loss
+    /// factors; 0 without any.
     #[must_use]
     pub fn error_of_dashpots(&self) -> f64 {
         self.losses.as_ref().map_or(0.0, Losses::error)
@@ -294,7 +296,7 @@ impl Reduced {
         let at = losses.at(&self.system, point);
         let guesses: Vec<_> =
             lambdas.iter().enumerate().map(|(at, &lambda)| (lambda, split::vector(&shapes, at))).collect();
-        let (pairs, route) = match at.from_guesses(system, &guesses, losses.error()) {
+        let (pairs, route) = match at.from_guesses(system, &guesses) {
             Some(pairs) => (pairs, route),
             None => {
                 let is_next =
