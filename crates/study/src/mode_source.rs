@@ -119,6 +119,10 @@ pub trait ModeSource: Sync {
         near: Complex<f64>,
     ) -> Result<WholeEigenvalue, Error>;
 
+    /// The eigenvalue of the brake, rad/s, for that of a mode at the origin of a set of constraints in the system in which it is followed: another one where
+    /// dashpots stand there for loss factors.
+    fn eigenvalue_at_origin(&self, constraints: usize, lambda: Complex<f64>) -> Complex<f64>;
+
     /// The shape of a mode of the origin of a set of constraints at some degrees of freedom of the full model, by their names: few enough for a table, and
     /// the same ones in every study of this model, whatever its reduction.
     fn whole_shape(&self, constraints: usize, shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)>;

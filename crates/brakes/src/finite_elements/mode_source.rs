@@ -137,6 +137,15 @@ impl ModeSource for FiniteElementBrake {
         }
     }
 
+    fn eigenvalue_at_origin(&self, constraints: usize, lambda: Complex<f64>) -> Complex<f64> {
+        let origin = self.origin(constraints);
+        let distance = |own: &Complex<f64>| (own - lambda).norm();
+        let nearest = origin.first.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        // Of a brake without loss factors it is the same but for rounding.
+        let is_near = |own: &Complex<f64>| distance(own) < origin.reduced.error_of_dashpots() * lambda.norm();
+        nearest.filter(is_near).unwrap_or(lambda)
+    }
+
     fn whole_shape(&self, constraints: usize, shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)> {
         // Every so many rows of the model, before any is held: those of another set of constraints too.
         let every = self.case.dofs.len().div_ceil(ROWS_OF_SHAPES);

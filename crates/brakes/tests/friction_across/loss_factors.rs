@@ -32,7 +32,7 @@ fn text(random: &Random, damping: &str) -> String {
 /// dashpots have its loss, and verdicts are those of these modes.
 #[test]
 fn random_brakes_with_a_loss_factor_are_those_of_the_complex_stiffness() {
-    let eta = 0.02;
+    let eta = 0.01;
     let [mut modes, mut growing, mut of_dashpots] = [0.0_f64; 3];
     for at in 0..2 {
         let folder = tempfile::tempdir().unwrap();
@@ -57,7 +57,7 @@ fn random_brakes_with_a_loss_factor_are_those_of_the_complex_stiffness() {
                 let wanted: Vec<_> = expected.iter().filter(is_wanted).collect();
                 // The system with dashpots is farther off than the modes.
                 let error = brake.relative_error(scene);
-                assert!(error > 1e-4 && error < 0.2, "{error}");
+                assert!(error > 2e-5 && error < 0.2, "{error}");
                 let reduced = &brake.part(scene).reduced;
                 for found in [reduced.modes_by_spectrum(&full).unwrap(), reduced.modes(&full).unwrap()] {
                     let off = farthest(wanted.iter().copied(), &found.lambdas);
@@ -81,7 +81,7 @@ fn random_brakes_with_a_loss_factor_are_those_of_the_complex_stiffness() {
         assert!((0..brake.plan.scenes.len()).all(|scene| 2 * named(scene) > study.references()[scene].modes.len()));
     }
     println!("{modes} modes, {growing} growing; dashpots at the middle of the band are off by {of_dashpots:e}");
-    assert!(modes > 200.0 && growing > 5.0 && of_dashpots > 1e-2, "{modes} {growing} {of_dashpots}");
+    assert!(modes > 200.0 && growing > 5.0 && of_dashpots > 5e-3, "{modes} {growing} {of_dashpots}");
 }
 
 /// A mass on a belt whose springs have a loss factor: `m s^2 + k (1 + i eta) = 0` along the belt, and with the stiffness of the contact across it.

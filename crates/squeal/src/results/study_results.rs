@@ -84,6 +84,16 @@ fn drawn_names<S>(of: &dyn DrawnInputs<S>, plan: &Plan) -> Arc<[String]> {
     names.filter(|name| known.insert(name.clone())).collect()
 }
 
+/// The modes of all origins, with the eigenvalues of the brake in the place of those of the systems in which its modes are followed.
+fn with_own_eigenvalues(plan: &Plan, origins: &[Reference], source: &dyn ModeSource) -> Arc<[Reference]> {
+    let mut own = origins.to_vec();
+    for set in 0..plan.labels.constraints.len() {
+        let Some(origin) = origin_of_set(plan, set) else { continue };
+        own[origin].modes.iter_mut().for_each(|mode| mode.lambda = source.eigenvalue_at_origin(set, mode.lambda));
+    }
+    own.into()
+}
+
 impl Results {
     /// The results of a finished run.
     pub fn new<B: UncertainBrake>(study: &Study<'_, B>, summary: Summary<StudyTally>) -> Self {
@@ -97,10 +107,12 @@ impl Results {
         references: Arc<[Reference]>,
         summary: Summary<StudyTally>,
     ) -> Self {
-        let (plan, origins) = (Arc::new(study.plan().clone()), study.shared_origin_references());
+        let plan = Arc::new(study.plan().clone());
         let panels = study::panels(&plan);
         let comparisons = study::comparisons(&plan, &panels);
         let source = study.brake().mode_source();
+        let origins = study.shared_origin_references();
+        let origins = source.map_or(Arc::clone(&origins), |source| with_own_eigenvalues(&plan, &origins, source));
         let (labels, full_checks, has_band_modes) =
             (plan.mode_labels, source.and_then(|source| source.full_checks()).cloned(), source.is_some());
         let unknown_errors =
