@@ -362,13 +362,27 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
         has_spring_channels: _,
         load_factor,
         load_exponent,
+        has_power_law: _,
         own_speed,
         balance,
         is_of_faces: _,
     } = contact;
     to.list(
         patches,
-        |to, Patch { name, pairs, speeds, channels, load, shares, points: _, places: _, areas: _, contact: _ }| {
+        |to,
+         Patch {
+             name,
+             pairs,
+             speeds,
+             channels,
+             load,
+             shares,
+             springs: _,
+             points: _,
+             places: _,
+             areas: _,
+             contact: _,
+         }| {
             to.text(name);
             to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
             numbers(to, speeds);

@@ -66,18 +66,16 @@ pub struct CycleArgs {
 /// long.
 ///
 /// # Errors
-/// A case of finite elements; one of matrices without a contact.
+/// As [`brakes::check_motion`]; a case of matrices without a contact.
 pub(crate) fn has_motion(case: &CaseFile, option: &'static str, value: &str) -> Result<(), Error> {
-    let allowed = match case {
-        CaseFile::FiniteElements(_) => {
-            "a case of a lattice or of matrices: of finite elements the motion after the onset is not computed"
-        }
+    match case {
+        CaseFile::FiniteElements(case) => Ok(brakes::check_motion(case)?),
         CaseFile::Matrices(case) if case.system.channels().is_empty() => {
-            "a case with contacts: in this one is no contact that could open, slide or stick, and so its motion is linear"
+            let allowed = "a case with contacts: in this one is no contact that could open, slide or stick, and so its motion is linear";
+            Err(Error::Option { option, value: value.to_owned(), allowed: allowed.into() })
         }
-        _ => return Ok(()),
-    };
-    Err(Error::Option { option, value: value.to_owned(), allowed: allowed.into() })
+        _ => Ok(()),
+    }
 }
 
 /// The rank of a mode, or `noise`.

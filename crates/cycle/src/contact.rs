@@ -7,7 +7,8 @@ use crate::{ContactFriction, Error};
 /// A contact of one normal direction and one direction of sliding.
 ///
 /// Its normal force is `N = max(0, N0 + k c^T u)` and its sliding velocity `w = v - b^T u'`. On the structure act `-c (N - N0)` and
-/// `b (mu(w, z) N - mu0 N0)`, both zero in steady sliding.
+/// `b (mu(w, z) N - mu0 N0)`, both zero in steady sliding. A contact that is open in steady sliding has a negative N0, `-k` times its gap:
+/// until its spring is pressed it has no force, and `-c N` and `b mu(w, z) N` act on the structure then.
 #[derive(Debug, Clone)]
 pub struct SlidingContact {
     /// Name of the contact.
@@ -18,9 +19,10 @@ pub struct SlidingContact {
     pub sliding: Vec<(usize, f64)>,
     /// c, the approach of the contact: degrees of freedom, from 0, with coefficients; empty where the normal force does not change.
     pub normal: Vec<(usize, f64)>,
-    /// k, the stiffness of the contact spring, N/m, which is in the structure's K as `k c c^T`; of a contact that never opens, 0 will do.
+    /// k, the stiffness of the contact spring, N/m, which is in the structure's K as `k c c^T`, unless the contact is open in steady sliding; of one that
+    /// never opens, 0 will do.
     pub stiffness: f64,
-    /// N0, the normal force in steady sliding, N; > 0.
+    /// N0, the normal force in steady sliding, N; of a contact that is open there `-k` times its gap. Not 0.
     pub load: f64,
     /// v, the speed of steady sliding, m/s; > 0.
     pub speed: f64,
@@ -32,11 +34,17 @@ impl SlidingContact {
     /// Refuses what is no contact on `order` degrees of freedom.
     pub(crate) fn check(&self, order: usize) -> Result<(), Error> {
         let refused = |field, value, allowed| Error::Contact { contact: self.name.clone(), field, value, allowed };
-        for (field, value) in [("load", self.load), ("speed", self.speed), ("stick speed", self.friction.stick_speed())]
-        {
+        for (field, value) in [("speed", self.speed), ("stick speed", self.friction.stick_speed())] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(refused(field, value, "finite and > 0"));
             }
+        }
+        if !(self.load.is_finite() && (self.load > 0.0 || (self.load < 0.0 && !self.normal.is_empty()))) {
+            return Err(refused(
+                "load",
+                self.load,
+                "finite and > 0, or < 0 of a contact that is open in steady sliding",
+            ));
         }
         let has_spring = self.stiffness > 0.0 && self.stiffness.is_finite();
         if !self.normal.is_empty() && !has_spring {
@@ -52,6 +60,16 @@ impl SlidingContact {
             }
             None => Ok(()),
         }
+    }
+
+    /// True of a contact that presses in steady sliding.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.load > 0.0
+    }
+
+    /// Normal force in steady sliding, N: N0, or 0 of a contact that is open there.
+    pub(crate) fn steady_load(&self) -> f64 {
+        self.load.max(0.0)
     }
 
     /// k c^T u, the change of the normal force of a closed contact, N.

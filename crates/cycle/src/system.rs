@@ -32,9 +32,10 @@ impl Part {
 }
 
 /// `M u'' + C u' + K u + sum_i [ c_i (N_i - N0_i - k_i c_i^T u) - b_i (mu_i N_i - mu0_i N0_i) ] = 0`, with `N_i = max(0, N0_i + k_i c_i^T u)`,
-/// the velocities `w_i = v_i - b_i^T u'`, and bristles `z_i' = f(w_i, z_i)`; see [`SlidingContact`].
+/// the velocities `w_i = v_i - b_i^T u'`, and bristles `z_i' = f(w_i, z_i)`; see [`SlidingContact`]. Of a contact that is open in steady sliding the
+/// bracket is `c_i N_i - b_i mu_i N_i`.
 ///
-/// K holds the springs of closed contacts. A state of motion is `(u, u', dz)`, with the bristles' deviation dz from steady sliding, which so
+/// K holds the springs of contacts that are closed in steady sliding. A state of motion is `(u, u', dz)`, with the bristles' deviation dz from steady sliding, which so
 /// is the state 0.
 #[derive(Debug, Clone)]
 pub struct ContactSystem {
@@ -58,10 +59,10 @@ pub struct ContactSystem {
 /// Forces of a contact in a state of motion, with their derivatives.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ContactForces {
-    /// `N - N0 - k c^T u`, what an open contact lacks, N.
+    /// `N - N0 - k c^T u`, what an open contact lacks, N; N of one that is open in steady sliding.
     pub excess: f64,
     pub excess_by_gap: f64,
-    /// `mu N - mu0 N0`, N.
+    /// `mu N - mu0 N0`, N; `mu N` of one that is open in steady sliding.
     pub friction: f64,
     pub friction_by_gap: f64,
     pub friction_by_velocity: f64,
@@ -179,10 +180,12 @@ impl ContactSystem {
         let friction = of.friction.at(velocity, steady + state);
         let normal = of.load + gap;
         let (normal, by_gap) = if normal > 0.0 { (normal, 1.0) } else { (0.0, 0.0) };
+        // K holds the spring of a contact that is closed in steady sliding.
+        let (excess, held_by_gap) = if of.is_closed() { (normal - of.load - gap, 1.0) } else { (normal, 0.0) };
         ContactForces {
-            excess: normal - of.load - gap,
-            excess_by_gap: by_gap - 1.0,
-            friction: friction.mu * normal - mu0 * of.load,
+            excess,
+            excess_by_gap: by_gap - held_by_gap,
+            friction: friction.mu * normal - mu0 * of.steady_load(),
             friction_by_gap: friction.mu * by_gap,
             friction_by_velocity: friction.mu_by_velocity * normal,
             friction_by_state: friction.mu_by_state * normal,
@@ -251,12 +254,12 @@ impl ContactSystem {
         jacobian
     }
 
-    /// Scale of each entry of a state in a motion near the angular frequency `omega`, rad/s: the displacement at which a contact opens, or else
-    /// that at which one sticks.
+    /// Scale of each entry of a state in a motion near the angular frequency `omega`, rad/s: the displacement at which a contact opens, or closes, or
+    /// else that at which one sticks.
     #[must_use]
     pub fn scales(&self, omega: f64) -> Vec<f64> {
         let opening = self.contacts.iter().filter(|contact| !contact.normal.is_empty());
-        let least = opening.map(|contact| contact.load / contact.stiffness).fold(f64::INFINITY, f64::min);
+        let least = opening.map(|contact| contact.load.abs() / contact.stiffness).fold(f64::INFINITY, f64::min);
         let slowest = self.contacts.iter().map(|contact| contact.speed / omega).fold(f64::INFINITY, f64::min);
         let length = [least, slowest, 1.0].into_iter().find(|length| length.is_finite()).unwrap_or(1.0);
         let mut scales = vec![length; self.order()];
@@ -266,12 +269,13 @@ impl ContactSystem {
         scales
     }
 
-    /// The amplitude of a mode, as a factor of its shape, from which on a contact opens: `min_i N0_i / |k_i c_i^T phi|`; infinite where none does.
+    /// The amplitude of a mode, as a factor of its shape, from which on a contact opens, or closes: `min_i |N0_i| / |k_i c_i^T phi|`; infinite where none
+    /// does.
     #[must_use]
     pub fn grazing(&self, shape: &[Complex<f64>]) -> f64 {
         let amplitude = |contact: &SlidingContact| {
             let approach: Complex<f64> = contact.normal.iter().map(|&(dof, c)| shape[dof] * c).sum();
-            contact.load / (contact.stiffness * approach.norm())
+            contact.load.abs() / (contact.stiffness * approach.norm())
         };
         self.contacts.iter().filter(|contact| !contact.normal.is_empty()).map(amplitude).fold(f64::INFINITY, f64::min)
     }

@@ -287,3 +287,46 @@ fn jacobians_are_limits_of_differences() {
 fn law_of_speed() -> VelocityDependent {
     VelocityDependent::new(VelocityDependentParameters { mu_s: 0.6, mu_k: 0.4, alpha: 2.0 }).unwrap()
 }
+
+/// A mass on a spring of 1 that meets a spring of 4 after a gap of 1: half a round without it and, from u = 1 on, part of one with it about u = 0.8.
+#[test]
+fn a_contact_that_is_open_in_steady_sliding_closes_where_its_gap_does() {
+    let stop = |load: f64, normal: Vec<(usize, f64)>| SlidingContact {
+        name: "stop".into(),
+        family: "friction".into(),
+        sliding: vec![(1, 1.0)],
+        normal,
+        stiffness: 4.0,
+        load,
+        speed: FAST,
+        friction: common::coulomb(0.5, 1e-3),
+    };
+    let zero = || dmatrix![0.0, 0.0; 0.0, 0.0];
+    let masses = || part("springs", dmatrix![1.0, 0.0; 0.0, 1.0], zero(), dmatrix![1.0, 0.0; 0.0, 1.0]);
+    let system = ContactSystem::new(vec![masses()], vec![stop(-4.0, vec![(0, 1.0)])]).unwrap();
+    // At rest it is not there: neither its spring nor its friction.
+    let tangent = system.tangent();
+    assert_eq!((&tangent.k, &tangent.c), (&masses().matrices.k, &zero()));
+    assert!(system.check_tangent(&masses().matrices, 1.0).unwrap() == 0.0);
+    let (w, speed) = (5.0_f64.sqrt(), 3.0_f64.sqrt());
+    let pressed = 2.0 * (speed / w).atan2(0.2) / w;
+    let period = 2.0 * (0.5_f64).asin() + pressed + std::f64::consts::PI;
+    let end = state_after(&system, vec![0.0, 0.0, 2.0, 0.0], period, 1.0, 1e-12).unwrap();
+    assert!(end[0].abs() < 1e-9 && (end[2] - 2.0).abs() < 1e-9, "{end:?}");
+    // Until it presses nothing pulls the other mass.
+    let open = state_after(&system, vec![0.0, 0.0, 2.0, 0.0], 0.5_f64.asin(), 1.0, 1e-12).unwrap();
+    assert!(open[1].abs() < 1e-9 && open[3].abs() < 1e-9, "{open:?}");
+    // (m D^2 + 1) v = 2 (u - 1), with u - 1 = -0.2 + 0.2 cos w t + (speed / w) sin w t.
+    let at = |t: f64| {
+        let part = |t: f64| 2.0 * (-0.2 + (0.2 * (w * t).cos() + speed / w * (w * t).sin()) / (1.0 - 5.0));
+        let rate = 2.0 * (speed / w * w) / (1.0 - 5.0);
+        part(t) - part(0.0) * t.cos() - rate * t.sin()
+    };
+    let middle = 0.5 * pressed;
+    let end = state_after(&system, vec![0.0, 0.0, 2.0, 0.0], 0.5_f64.asin() + middle, 1.0, 1e-12).unwrap();
+    assert!((end[1] - at(middle)).abs() < 1e-8 && end[1] > 0.0, "{} {}", end[1], at(middle));
+    for (load, normal) in [(0.0, vec![(0, 1.0)]), (-1.0, Vec::new())] {
+        let error = ContactSystem::new(vec![masses()], vec![stop(load, normal)]).unwrap_err().to_string();
+        assert!(error.contains("contact \"stop\": load = "), "{error}");
+    }
+}

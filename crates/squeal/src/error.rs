@@ -39,6 +39,19 @@ pub enum Error {
         /// Constraints, law, contacts and speed.
         scene: String,
     },
+    /// A reduced brake that grows outside the band that its basis was made for, whose motion after the onset is asked for.
+    #[error(
+        "{scene}: the reduced brake grows outside its band too, {growth:.4e} 1/s at {hz:.4} Hz, which its motion would have and its basis was not made for; \
+         allowed: a brake of which all that grows oscillates in the band, reduction.frequencies"
+    )]
+    GrowsOutside {
+        /// Constraints, law, contacts and speed.
+        scene: String,
+        /// Frequency of what grows fastest outside, Hz.
+        hz: f64,
+        /// Growth rate of that, 1/s.
+        growth: f64,
+    },
     /// The motion after the onset.
     #[error(transparent)]
     Cycle(#[from] cycle::Error),

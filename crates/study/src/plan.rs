@@ -84,7 +84,7 @@ pub struct Plan {
     /// Naming points are the operating points of the medians, for each configuration in one of its scenes; a study checks it where this is
     /// set. [`Plan::add_constraint_set`] sets it.
     pub is_named_at_medians: bool,
-    /// Units in which numbers are printed; no number depends on it.
+    /// Units in which numbers are printed; no number depends on it but those of the motion after the onset, which are in SI.
     pub units: Units,
     /// Squeal that was measured, with which results are compared, if there is any; no sample depends on it.
     pub measured: Option<Measured>,

@@ -45,6 +45,15 @@ impl Units {
         }
     }
 
+    /// Unit of lengths, m.
+    #[must_use]
+    pub const fn length(self) -> f64 {
+        match self {
+            Self::Si => 1.0,
+            Self::MmTonneSecond => 1e-3,
+        }
+    }
+
     /// Unit of densities, kg/m^3.
     #[must_use]
     pub const fn density(self) -> f64 {

@@ -17,6 +17,7 @@ mod samples;
 mod set_basis;
 mod settled;
 mod sliding;
+mod sliding_contacts;
 #[cfg(test)]
 mod spread_tests;
 mod swept;
@@ -28,6 +29,7 @@ pub use points::{at_medians, frictionless, loads_at_medians};
 pub use reduce::Bases;
 pub use reduced_set::{Part, ReducedSet};
 pub use rungs::Rung;
+pub use sliding_contacts::check_motion;
 pub use whole_modes::BESIDE;
 
 use std::collections::BTreeMap;
@@ -37,8 +39,8 @@ use montecarlo::{Progress, StreamRng};
 use num_complex::Complex;
 use reduction::ReductionError;
 use study::{
-    Cost, DrawnInputs, FullChecks, ModeSource, Modifiable, NamedParameter, Parametrised, Place, Plan, Scene, Symmetry,
-    UncertainBrake, WholeContact,
+    Cost, DrawnContacts, DrawnInputs, FullChecks, ModeSource, Modifiable, NamedParameter, Parametrised, Place, Plan,
+    Scene, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
 };
 use sweep::Over;
 
@@ -302,6 +304,14 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn mode_source(&self) -> Option<&dyn ModeSource> {
+        Some(self)
+    }
+
+    fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+        Some(self)
+    }
+
+    fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<FiniteElementSample>> {
         Some(self)
     }
 }

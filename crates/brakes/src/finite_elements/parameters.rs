@@ -34,16 +34,27 @@ enum Choice {
 }
 
 /// Values that the parameters of a scene can change.
-struct Values {
-    sample: FiniteElementSample,
-    friction: Option<(Law, f64)>,
+pub(super) struct Values {
+    pub sample: FiniteElementSample,
+    pub friction: Option<(Law, f64)>,
     load: f64,
     /// Factors of the stiffness, one of each patch.
     stiffness: Vec<f64>,
 }
 
+impl Values {
+    /// The factors of all loads and of the stiffness of each patch.
+    pub fn scales(&self) -> Scales<'_> {
+        Scales { load: self.load, stiffness: &self.stiffness }
+    }
+}
+
 fn medians(scene: &SceneOf<'_>) -> Values {
-    let sample = samples::median(scene.case);
+    of_sample(scene, samples::median(scene.case))
+}
+
+/// The values of a sample.
+pub(super) fn of_sample(scene: &SceneOf<'_>, sample: FiniteElementSample) -> Values {
     let patches = scene.case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let friction = samples::law_and_speed(scene.case, scene.state, &sample);
     Values { friction, sample, load: 1.0, stiffness: vec![1.0; patches] }
@@ -89,7 +100,7 @@ pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
 }
 
 /// The medians of a scene with some parameters at other values.
-fn changed(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Values {
+pub(super) fn changed(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Values {
     let (mut at, parameters) = (medians(scene), of_scene(scene));
     for &(place, value) in values {
         match &parameters[place] {
@@ -122,16 +133,18 @@ pub(super) fn contact_points(scene: &SceneOf<'_>) -> Vec<String> {
 /// Flags of [`contact_points`], true of those that press, with some parameters at other values.
 pub(super) fn closed_points(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<Vec<bool>, Error> {
     let at = changed(scene, values);
-    let scales = Scales { load: at.load, stiffness: &at.stiffness };
-    points::closed_points(scene.case, scene.closed, at.friction, &at.sample, scales)
+    points::closed_points(scene.case, scene.closed, at.friction, &at.sample, at.scales())
 }
 
 /// The operating point of the whole brake, reduced or not, with some parameters at other values. What is constant in the brake of a scene is
 /// taken apart again: each patch is a term.
 pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<OperatingPoint, Error> {
-    let at = changed(scene, values);
-    let scales = Scales { load: at.load, stiffness: &at.stiffness };
-    let point = points::scaled_point(scene.case, scene.closed, at.friction, &at.sample, scales)?;
+    whole_point(scene, &changed(scene, values))
+}
+
+/// As [`point`], with what it stands for.
+pub(super) fn whole_point(scene: &SceneOf<'_>, at: &Values) -> Result<OperatingPoint, Error> {
+    let point = points::scaled_point(scene.case, scene.closed, at.friction, &at.sample, at.scales())?;
     let mut whole = points::of_brake(scene.case, scene.closed, &point);
     let first_patch = whole.coefficients.len() - at.stiffness.len();
     for (patch, factor) in at.stiffness.iter().enumerate() {

@@ -53,7 +53,7 @@ pub(super) fn closed_points(
 }
 
 /// Coefficients of the terms at a sample, as an operating point of a scene has them, and the factor of the stiffness of all pairs.
-fn coefficients(
+pub(super) fn coefficients(
     case: &FiniteElementCase,
     sample: &FiniteElementSample,
     scales: Scales<'_>,

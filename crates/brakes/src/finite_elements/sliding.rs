@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use cycle::ContactFriction;
 use friction::{InternalTangent, Tangent};
 use linsys::{ChannelGain, Lag};
 use nalgebra_sparse::CscMatrix;
@@ -66,7 +67,52 @@ struct Loaded<'a> {
     state: Option<(&'a ContactBalance, Arc<ContactState>)>,
 }
 
+/// A pair that slides, beyond its tangent.
+pub(super) struct PairInMotion {
+    /// Normal force in steady sliding, N; of a point that is open there, minus its stiffness times its gap.
+    pub load: f64,
+    /// Stiffness of its spring, N/m.
+    pub stiffness: f64,
+    /// Speed, m/s.
+    pub speed: f64,
+    /// Friction law, whose coefficient is to be multiplied by the factor beside it.
+    pub friction: (Arc<dyn ContactFriction>, f64),
+}
+
 impl Sliding<'_> {
+    /// The pairs of the closed patches in motion, patch by patch, with the factor of the stiffness of all of them. A pair sticks where it slides with less than
+    /// `stick` of its steady speed.
+    pub fn in_motion(&self, coefficients: &[f64], factor: f64, stick: f64) -> Result<Vec<Vec<PairInMotion>>, Error> {
+        let Loaded { tangents, springs, load_factor, state } = self.loaded(coefficients, factor)?;
+        let Some(contacts) = &self.sample.contacts else { return Ok(Vec::new()) };
+        if state.as_ref().is_some_and(|(_, state)| state.undetermined > 0) {
+            return Err(Error::Motion {
+                what: "a contact point that neither presses nor is open",
+                allowed: "loads at which each point does the one or the other",
+            });
+        }
+        let in_motion = |number: usize, tangents: &[(f64, Tangent)], springs: &[f64]| {
+            let patch = &self.contact.patches[number];
+            let factors = self.friction_factors(number)?;
+            let pair = |at: usize| {
+                let stiffness = factor * springs[at] * self.scales.of_patch(number) * patch.springs[at];
+                let load = match &state {
+                    None => patch.load * patch.shares[at] * load_factor,
+                    Some((_, state)) => match patch.points[at] {
+                        point if state.forces[point] > 0.0 => state.forces[point],
+                        point => -stiffness * state.gaps[point],
+                    },
+                };
+                let (speed, draw) = (tangents[at].0, contacts.contact(number));
+                let law = draw.in_motion(self.law, stick * speed, self.contact.bristle_damping);
+                Ok(PairInMotion { load, stiffness, speed, friction: (law.map_err(study::Error::from)?, factors[at]) })
+            };
+            (0..patch.pairs.len()).map(pair).collect()
+        };
+        let patches = self.closed.iter().zip(&tangents).zip(&springs);
+        patches.map(|((&number, tangents), springs)| in_motion(number, tangents, springs)).collect()
+    }
+
     /// The gains of the closed patches, with the factor of the stiffness of all of them. Of a patch with a scale those are of its pairs without it.
     pub fn gains(&self, coefficients: &[f64], factor: f64) -> Result<Vec<ChannelGain>, Error> {
         let Loaded { tangents, springs, load_factor, state } = self.loaded(coefficients, factor)?;
@@ -134,8 +180,7 @@ impl Sliding<'_> {
     fn tangents(&self, patch: usize) -> Result<Vec<(f64, Tangent)>, Error> {
         let Some(contacts) = &self.sample.contacts else { return Ok(Vec::new()) };
         let pairs = &self.contact.patches[patch];
-        let (case, own) = (self.case, self.contact.friction_factor.as_ref());
-        let factors = positive_at_pairs(case, (self.contact, patch), own, FRICTION_FACTOR, self.sample)?;
+        let factors = self.friction_factors(patch)?;
         let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(pairs.speeds.len());
         for own in pairs.speeds.iter().map(|part| part * self.speed) {
             // Pairs of one speed have one tangent.
@@ -145,6 +190,12 @@ impl Sliding<'_> {
         }
         tangents.iter_mut().zip(factors).for_each(|((_, tangent), factor)| *tangent = times(tangent, factor));
         Ok(tangents)
+    }
+
+    /// The factor of the friction of each pair of a patch.
+    fn friction_factors(&self, patch: usize) -> Result<Vec<f64>, CaseError> {
+        let own = self.contact.friction_factor.as_ref();
+        positive_at_pairs(self.case, (self.contact, patch), own, FRICTION_FACTOR, self.sample)
     }
 
     /// The equilibrium of the closed patches, whose loads are multiplied.

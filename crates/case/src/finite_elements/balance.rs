@@ -60,6 +60,8 @@ pub struct Acting<'a> {
 pub struct ContactState {
     /// Normal force of each point, N.
     pub forces: Vec<f64>,
+    /// Gap of each point, m, negative of one that presses; 0 of one that is out of contact.
+    pub gaps: Vec<f64>,
     /// Stiffness of each point over that which its channel reads.
     pub stiffness: Vec<f64>,
     /// Number of points that neither press nor are open by more than rounding: which of them are closed, and what they add to the brake, rounding says. Where a
@@ -149,10 +151,11 @@ impl ContactBalance {
                 _ => condensed.equilibrium(&balance)?,
             };
             let undetermined = self.undetermined(&kept, &springs, &found, acting.loads);
-            let mut forces = vec![0.0; self.points()];
+            let (mut forces, mut gaps) = (vec![0.0; self.points()], vec![0.0; self.points()]);
             kept.iter().zip(found.forces).for_each(|(&at, force)| forces[at] = force);
+            kept.iter().zip(found.gaps).for_each(|(&at, gap)| gaps[at] = gap);
             let stiffness = (0..self.points()).map(|at| self.stiffness(at, forces[at], acting.stiffness[at])).collect();
-            Ok(ContactState { forces, stiffness, undetermined, uniqueness: found.uniqueness })
+            Ok(ContactState { forces, gaps, stiffness, undetermined, uniqueness: found.uniqueness })
         })
     }
 

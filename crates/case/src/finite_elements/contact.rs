@@ -155,6 +155,7 @@ impl Patches {
             gap: pair.gap,
         };
         let places = pairs.iter().map(place).collect();
+        let springs = vec![stiffness; pairs.len()];
         let pairs: Vec<[i64; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
         let (channels, shares) = (first..self.channels.len(), vec![1.0; pairs.len()]);
         self.patches.push(Patch {
@@ -162,6 +163,7 @@ impl Patches {
             pairs,
             speeds,
             channels,
+            springs,
             load,
             shares,
             places,

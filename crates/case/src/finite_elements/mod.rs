@@ -124,6 +124,8 @@ pub struct PatchContact {
     pub load_factor: Option<Expression>,
     /// By which power of that the stiffness of all pairs grows: `1 - 1/m` of faces whose pressure is `c g^m` and given, else 0.
     pub load_exponent: f64,
+    /// True if the stiffness of some pair grows with its pressure, `p = c g^m` with m > 1.
+    pub has_power_law: bool,
     /// The speed, where the parameters say it and no range of speeds.
     pub own_speed: Option<OwnSpeed>,
     /// Equilibrium from which the loads of all pairs follow; `None` where they are given.
@@ -182,6 +184,8 @@ pub struct Patch {
     /// Indices of its channels in the system: of friction along the sliding of each pair, then across it, then of its spring, where that is not the
     /// same in every sample: in equilibrium, or with parameters of its own.
     pub channels: Range<usize>,
+    /// Stiffness of the spring of each pair that its channel reads, N/m.
+    pub springs: Vec<f64>,
     /// Mean normal load of its pairs while it is closed, N; of an equilibrium that at the medians.
     pub load: f64,
     /// Ratios of the load of each pair to that mean: 1 where they share it equally.

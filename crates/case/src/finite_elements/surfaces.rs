@@ -178,6 +178,7 @@ impl Made<'_> {
         let mut k = CooMatrix::new(rows.order(), rows.order());
         let (mut along, mut across, mut opening) = (Vec::new(), Vec::new(), Vec::new());
         let (mut pairs, mut speeds, mut points, mut places) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut springs = Vec::new();
         for &at in own {
             let point = &contact.interface.points()[at];
             let gap: Row = point.gap_row(rows);
@@ -189,6 +190,7 @@ impl Made<'_> {
             for &(i, a) in &gap {
                 gap.iter().for_each(|&(j, b)| k.push(i, j, closed * (a * b)));
             }
+            springs.push(read);
             let reading: Row = gap.iter().map(|&(dof, value)| (dof, read * value)).collect();
             let named = format!("{}/{}", contact.table.name, contact.interface.name(mesh, at));
             if balance.is_some() || *has_springs {
@@ -227,7 +229,19 @@ impl Made<'_> {
         let areas = own.iter().map(|&at| contact.interface.points()[at].area).collect();
         let name = name.into();
         let contact = *number;
-        out.patches.push(Patch { name, pairs, speeds, channels, load, shares, points, places, areas, contact });
+        out.patches.push(Patch {
+            name,
+            pairs,
+            speeds,
+            channels,
+            springs,
+            load,
+            shares,
+            points,
+            places,
+            areas,
+            contact,
+        });
         Ok(())
     }
 }

@@ -25,7 +25,7 @@ impl<'a> Equations<'a> {
     pub fn new(balance: &'a Balance, system: &'a ContactSystem, omega: f64, shape: &[Complex<f64>]) -> Self {
         let length = system.scales(omega)[0];
         let contacts = system.contacts();
-        let gaps = contacts.iter().map(|contact| contact.load);
+        let gaps = contacts.iter().map(|contact| contact.load.abs());
         let bristles = (0..contacts.len()).filter(|&at| system.bristle(at).is_some());
         let bristles = bristles.map(|at| system.steady_bristle(at).abs().max(f64::MIN_POSITIVE));
         let scales: Vec<f64> = gaps.chain(contacts.iter().map(|_| length)).chain(bristles).collect();

@@ -9,7 +9,7 @@ use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
 
-use super::{CycleOptions, TOLERANCE, checked, contacts_of, stopped};
+use super::{CycleOptions, TOLERANCE, checked, contacts_of, in_si, stopped};
 use crate::Error;
 use crate::sweep::{ChangeOf, Over, SweepOnset, SweptParameter, sweep};
 
@@ -108,7 +108,8 @@ pub fn branches<B: UncertainBrake>(
                 balanced_hz: point.cycle.omega / std::f64::consts::TAU,
                 amplitude: point.amplitude,
                 is_fold: point.is_fold,
-                in_time: in_time(&balance, &system_at(at)?, &point.cycle, mode),
+                in_time: in_time(&balance, &system_at(at)?, &point.cycle, mode)
+                    .map(|(cycle, measures)| (cycle, in_si(measures, plan.units))),
             })
         };
         progress.advance(1);

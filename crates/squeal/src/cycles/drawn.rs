@@ -6,9 +6,9 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::Brake;
 use serde::{Deserialize, Serialize};
-use study::{Moves, Plan};
+use study::{Moves, Plan, Units};
 
-use super::{GrowingMode, TOLERANCE, starts};
+use super::{GrowingMode, TOLERANCE, in_si, starts};
 use crate::Error;
 
 /// Stretches in which a motion that is not periodic is measured; chosen, so that they can be compared with each other.
@@ -138,7 +138,7 @@ pub(crate) fn motions(
             Ok((system, GrowingMode { rank: 0, lambda, shape }))
         });
         match found {
-            Ok((system, mode)) => fate(system, &mode, (&loud, brake), following),
+            Ok((system, mode)) => fate(system, &mode, (&loud, brake, plan.units), following),
             Err(reason) => Ok(DrawnFate::NotFollowed(reason)),
         }
     };
@@ -154,16 +154,17 @@ pub(crate) fn loudest(fates: &[DrawnFate]) -> f64 {
 fn fate(
     system: &ContactSystem,
     mode: &GrowingMode,
-    (loud, brake): (&[usize], &Brake),
+    (loud, brake, units): (&[usize], &Brake, Units),
     following: &Following,
 ) -> Result<DrawnFate, Error> {
     let Following { settings, stretch, .. } = following;
     let omega = mode.lambda.im;
-    let measured = |measures: &Measures| MeasuredMotion {
+    let of_si = |measures: &Measures| MeasuredMotion {
         loudness: measures.rms_of(loud),
         bodies: brake.bodies.iter().map(|body| (measures.rms_of(&body.dofs), measures.peak_of(&body.dofs))).collect(),
         contacts: measures.contacts.iter().map(|shares| (shares.open, shares.stuck)).collect(),
     };
+    let measured = |measures: Measures| of_si(&in_si(measures, units));
     let found = || -> Result<DrawnFate, cycle::Error> {
         Ok(match follow(system, starts::in_mode(system, mode), omega, &mode.shape, settings)? {
             Motion::Rest => DrawnFate::Rest,
@@ -171,7 +172,7 @@ fn fate(
             Motion::Cycle(cycle) => DrawnFate::Cycle {
                 hz: cycle.frequency_hz(),
                 largest_multiplier: cycle.largest_multiplier(),
-                measured: measured(&measure(system, &cycle, settings.tolerance)?),
+                measured: measured(measure(system, &cycle, settings.tolerance)?),
             },
             Motion::NotPeriodic { mut state, .. } => {
                 let period = std::f64::consts::TAU / omega;
@@ -179,7 +180,7 @@ fn fate(
                 for _ in 0..STRETCHES {
                     let time = *stretch as f64 * period;
                     let (measures, last) = measure_over(system, &state, [time, period], settings.tolerance)?;
-                    stretches.push(measured(&measures));
+                    stretches.push(measured(measures));
                     state = last;
                 }
                 let loudness = || stretches.iter().map(|stretch| stretch.loudness);

@@ -5,6 +5,7 @@
 
 mod branches;
 mod drawn;
+mod growing;
 mod of_draws;
 mod of_draws_tables;
 mod starts;
@@ -14,15 +15,15 @@ mod tables;
 pub use branches::{Branch, BranchCycle, Branches, branches};
 pub use drawn::{DrawnFate, MeasuredMotion};
 pub(crate) use drawn::{Following, loudest, motions};
+use growing::{GrowingMode, growing_modes};
 pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
 
-use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdicts_beyond};
 use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow_telling, history, measure};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
-use study::{Scene, SlidingContacts, UncertainBrake};
+use study::{Scene, SlidingContacts, UncertainBrake, Units};
 
 use crate::Error;
 
@@ -67,6 +68,8 @@ pub struct Cycles {
     pub motions: Vec<MotionOfMode>,
     /// Names of the bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
+    /// False of a reduced brake, whose coordinates have no largest displacement.
+    pub(crate) has_peaks: bool,
     /// Names of the contacts.
     pub(crate) contacts: Vec<String>,
 }
@@ -88,22 +91,8 @@ pub struct MotionOfMode {
     pub balanced_hz: Option<f64>,
 }
 
-/// An unstable mode of a scene.
-#[derive(Debug, Clone)]
-pub(crate) struct GrowingMode {
-    pub rank: usize,
-    pub lambda: Complex<f64>,
-    pub shape: Vec<Complex<f64>>,
-}
-
 /// Equal steps of a period in a table of what contacts do; chosen: ten of a ninth harmonic.
 const HISTORY: usize = 128;
-
-impl GrowingMode {
-    fn rank_in_words(&self) -> String {
-        self.rank.to_string()
-    }
-}
 
 /// Name of the computation that needs the contacts of a brake.
 pub const MOTION: &str = "the motion after the onset";
@@ -126,7 +115,7 @@ pub(crate) fn contacts_of<B: UncertainBrake>(brake: &B) -> Result<&dyn SlidingCo
 pub fn contacts_digest<B: UncertainBrake>(brake: &B, scene: &Scene, options: &CycleOptions) -> Result<String, Error> {
     checked(options)?;
     let system = contacts_of(brake)?.contact_system(scene, &[], options.stick)?;
-    Ok(study::fingerprint(&format!("{:?}", system.contacts())))
+    Ok(digest(&format!("{:?}", system.contacts()), brake.plan().units))
 }
 
 /// Refuses options that no scene could take, and gives the balance.
@@ -179,7 +168,8 @@ pub fn cycles<B: UncertainBrake>(
     progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
     let motions = stopped::when_cancelled(progress, |stop| {
         let system = system.clone().until(stop);
-        let motion = |(name, mode, start)| motion_of(&system, &balance, &settings, (mode, start), name, progress);
+        let motion =
+            |(name, mode, start)| motion_of(&system, &balance, &settings, (mode, start), (name, plan.units), progress);
         starts.into_par_iter().map(motion).collect::<Result<_, _>>()
     });
     progress.end();
@@ -190,26 +180,23 @@ pub fn cycles<B: UncertainBrake>(
         harmonics: options.harmonics,
         motions,
         bodies: brake.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
+        has_peaks: plan.band.is_none(),
         contacts: system.contacts().iter().map(|contact| contact.name.clone()).collect(),
     })
 }
 
-/// Unstable modes of a scene at its medians, in ascending frequency.
-pub(crate) fn growing_modes<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<Vec<GrowingMode>, Error> {
-    let system = brake.system(scene, &brake.median())?;
-    let mut work = Workspace::default();
-    let spectrum = QrSolver.eigenvalues(&system, &mut work).map_err(study::Error::from)?;
-    let modes = Modes::classify(&system, &spectrum, &mut work).map_err(study::Error::from)?;
-    let threshold = &brake.plan().threshold;
-    let verdicts =
-        verdicts_beyond(threshold, &system, &modes.oscillatory, &spectrum, &mut work).map_err(study::Error::from)?;
-    let growing =
-        modes.oscillatory.iter().enumerate().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable);
-    let mode = |((index, &lambda), _): ((usize, &Complex<f64>), Verdict)| {
-        let shape = Mode::at(&system, &[lambda], &mut work).map_err(study::Error::from)?.swap_remove(0).shape;
-        Ok(GrowingMode { rank: modes.rank(index), lambda, shape: shape.iter().copied().collect() })
-    };
-    growing.map(mode).collect()
+/// Measures in m, J and W, of a system in some units.
+pub(crate) fn in_si(mut measures: Measures, units: Units) -> Measures {
+    let Measures { rms_velocity, peak, kinetic_energy, powers, contacts: _ } = &mut measures;
+    let numbers = rms_velocity.iter_mut().chain(peak).chain([kinetic_energy]);
+    numbers.chain(powers.iter_mut().map(|(_, power)| power)).for_each(|number| *number *= units.length());
+    measures
+}
+
+/// Digest of some contacts with the units in which they are.
+pub(crate) fn digest(contacts: &str, units: Units) -> String {
+    let units = if units == Units::Si { "" } else { units.name() };
+    study::fingerprint(&format!("{contacts}{units}"))
 }
 
 /// Follows the motion from a state, and measures what it becomes.
@@ -218,7 +205,7 @@ fn motion_of(
     balance: &Balance,
     settings: &Settings,
     (mode, start): (&GrowingMode, Vec<f64>),
-    name: String,
+    (name, units): (String, Units),
     progress: &dyn Progress,
 ) -> Result<MotionOfMode, Error> {
     let (omega, shape) = (mode.lambda.im, &mode.shape[..]);
@@ -236,7 +223,9 @@ fn motion_of(
         _ => None,
     };
     let measures = cycle.map(|cycle| measure(system, cycle, TOLERANCE)).transpose()?;
-    let history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
+    let measures = measures.map(|measures| in_si(measures, units));
+    let mut history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
+    history.iter_mut().flatten().for_each(|(_, slip)| *slip *= units.length());
     let balanced = cycle.and_then(|cycle| balance.near(system, cycle, TOLERANCE).ok());
     let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
     progress.advance(settings.most_periods as u64 - periods);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use cea::{EigenSolver as _, QrSolver, Workspace};
 use montecarlo::{Experiment as _, Progress, Sealed, stream};
 use num_complex::Complex;
 use output::{OutputError, write};
@@ -14,7 +15,8 @@ use study::identity::of_study;
 use study::{DrawnContacts, ModeLabel, Scratch, Study, UncertainBrake};
 
 use super::drawn::{DrawnFate, Following, motions};
-use super::{MOTION, stopped};
+use super::growing::grows_in_band;
+use super::{MOTION, digest, stopped};
 use crate::Error;
 use crate::results::Results;
 
@@ -89,7 +91,7 @@ pub fn check_contacts_of_draws<B: UncertainBrake>(brake: &B, stick: f64) -> Resu
         names.push(system.contacts().iter().map(|contact| contact.name.clone()).collect());
         all += &format!("{:?}\n", system.contacts());
     }
-    Ok((names, study::fingerprint(&all)))
+    Ok((names, digest(&all, brake.plan().units)))
 }
 
 impl CyclesOfDraws {
@@ -248,7 +250,12 @@ fn of_one_draw<B: UncertainBrake>(
     let sample = brake.draw(&mut stream(plan.seed, of_draw.sample))?;
     let of_cea = brake.system(of_scene, &sample)?;
     let system = drawn_contacts_of(brake)?.contact_system_of(of_scene, &sample, following.stick);
-    let system = system.map(|system| system.until(Arc::clone(stop))).map_err(Error::from);
+    let mut system = system.map(|system| system.until(Arc::clone(stop))).map_err(Error::from);
+    if let Some(source) = brake.mode_source() {
+        let spectrum = QrSolver.eigenvalues(&of_cea, &mut Workspace::default()).map_err(study::Error::from)?;
+        let in_band = grows_in_band(plan, of_scene, source, &spectrum.eigenvalues);
+        system = system.and_then(|system| in_band.map(|()| system));
+    }
     let lambdas: Vec<Complex<f64>> =
         of_draw.motions.iter().map(|motion| Complex::new(motion.growth, motion.omega)).collect();
     motions(system, &of_cea, &lambdas, (plan, plan.brake(of_scene)), following)

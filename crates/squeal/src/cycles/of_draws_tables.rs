@@ -230,8 +230,12 @@ impl CyclesOfDraws {
         ];
         let mut header = scene_header();
         header.extend(own.map(str::to_owned));
-        header
-            .extend(bodies.iter().flat_map(|name| [format!("rms_velocity_m_per_s {name}"), format!("peak_m {name}")]));
+        // The coordinates of a reduced brake have no largest displacement.
+        let has_peaks = plan.band.is_none();
+        for name in &bodies {
+            header.push(format!("rms_velocity_m_per_s {name}"));
+            header.extend(has_peaks.then(|| format!("peak_m {name}")));
+        }
         header.extend(contacts.iter().flat_map(|name| [format!("open {name}"), format!("stuck {name}")]));
         let mut rows = Vec::new();
         for (scene, of) in plan.scenes.iter().zip(&self.scenes) {
@@ -257,7 +261,9 @@ impl CyclesOfDraws {
                         |found: Option<(f64, f64)>| [found.map(|pair| pair.0), found.map(|pair| pair.1)].map(text);
                     for name in &bodies {
                         let at = own_bodies.iter().position(|own| own == name);
-                        row.extend(pair(measured.zip(at).map(|(measured, at)| measured.bodies[at])));
+                        let [rms, peak] = pair(measured.zip(at).map(|(measured, at)| measured.bodies[at]));
+                        row.push(rms);
+                        row.extend(has_peaks.then_some(peak));
                     }
                     for name in &contacts {
                         let at = of.contacts.iter().position(|own| own == name);

@@ -31,7 +31,8 @@ impl Cycles {
         .to_vec();
         let families: Vec<String> = self.families();
         for (name, _) in &self.bodies {
-            columns.extend([format!("rms_velocity_m_per_s {name}"), format!("peak_m {name}")]);
+            columns.push(format!("rms_velocity_m_per_s {name}"));
+            columns.extend(self.has_peaks.then(|| format!("peak_m {name}")));
         }
         for name in &self.contacts {
             columns.extend([format!("open {name}"), format!("stuck {name}")]);
@@ -54,7 +55,7 @@ impl Cycles {
             ];
             for (_, dofs) in &self.bodies {
                 row.push(number(measures.map(|measures| measures.rms_of(dofs))));
-                row.push(number(measures.map(|measures| measures.peak_of(dofs))));
+                row.extend(self.has_peaks.then(|| number(measures.map(|measures| measures.peak_of(dofs)))));
             }
             for contact in 0..self.contacts.len() {
                 row.push(number(measures.map(|measures| measures.contacts[contact].open)));

@@ -1,0 +1,292 @@
+//! The motion after the onset of finite element brakes: its equations against the nodes of the mesh and the analysis, cycles against another program.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
+
+use std::path::{Path, PathBuf};
+
+use brakes::case::{CaseFile, FiniteElementCase};
+use brakes::{FiniteElementBrake, check_motion};
+use cycle::{ContactSystem, Motion, state_after};
+use nalgebra::DVector;
+use squeal::cycles::{CycleOptions, cycles};
+use study::{DrawnContacts, Parametrised, SlidingContacts, UncertainBrake, Units};
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
+}
+
+/// A shipped case with changed lines, each where it begins so; refusals are one line.
+fn case(name: &str, changes: &[(&str, &str)]) -> Result<FiniteElementCase, String> {
+    let path = folder(name).join("changed.toml");
+    let text = std::fs::read_to_string(folder(name).join(format!("{name}.toml"))).unwrap();
+    let line = |line: &str| {
+        let of_line = changes.iter().find(|(begin, _)| line.starts_with(begin));
+        of_line.map_or_else(|| line.to_owned(), |(_, new)| (*new).to_owned())
+    };
+    let text = text.lines().map(line).collect::<Vec<_>>().join("\n");
+    match CaseFile::parse(&path, text).map_err(|error| error.to_string())? {
+        CaseFile::FiniteElements(case) => Ok(*case),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The disc and the pad without friction across the sliding, in a narrow band, with further changes.
+fn disc_pad(changes: &[(&str, &str)]) -> FiniteElementCase {
+    let own = [
+        ("load =", "lateral = \"none\"\nload = 468.0"),
+        ("in_contact", "in_contact = [9]"),
+        ("frequencies", "frequencies = [500.0, 4000.0]\ntraining = 3"),
+        ("full_checks", ""),
+        ("name = \"ends-of-backplate\"", "name = \"same\""),
+        ("fixed = [\"BACKENDS.z\"]", "fixed = []"),
+    ];
+    let changes: Vec<(&str, &str)> = changes.iter().chain(&own).copied().collect();
+    let mut case = case("disc-pad", &changes).unwrap();
+    case.constraints.truncate(1);
+    case
+}
+
+fn system(brake: &FiniteElementBrake, scene: usize, values: &[(usize, f64)]) -> ContactSystem {
+    brake.contact_system(&brake.plan.scenes[scene], values, 0.01).unwrap()
+}
+
+/// Numbers between -1 and 1.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+    }
+}
+
+/// Each contact sees its two nodes: the approach is that of the disc towards the pad along the normal, and friction drags along the sliding of the pad on the disc.
+/// With the contacts of a patch open, K lacks their springs and nothing else.
+#[test]
+fn contacts_are_those_of_the_mesh_and_their_springs_those_that_the_structure_holds() {
+    let brake = FiniteElementBrake::new(disc_pad(&[]), &()).unwrap();
+    let scene = &brake.plan.scenes[0];
+    let (system, reduced) = (system(&brake, 0, &[]), &brake.part(scene).reduced);
+    let mut random = noise(1);
+    let q: Vec<f64> = (0..system.order()).map(|_| random()).collect();
+    let rows = brake.sets[0].dofs.free();
+    let lifted = reduced.basis() * DVector::from_column_slice(&q);
+    let displacement = |node: i64| {
+        [1, 2, 3].map(|direction| {
+            let row = brake.case.dofs.iter().position(|dof| dof.node == node && dof.direction == direction);
+            row.and_then(|row| rows.iter().position(|free| *free == row)).map_or(0.0, |at| lifted[at])
+        })
+    };
+    let along = |entries: &[(usize, f64)]| entries.iter().map(|&(at, value)| value * q[at]).sum::<f64>();
+    let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let contact = brake.case.contact.as_ref().unwrap();
+    let median = contact.speeds[0].quantile(0.5);
+    let mut contacts = system.contacts().iter();
+    for (number, patch) in contact.patches.iter().enumerate() {
+        let mut opened = system.structure().k.clone();
+        for (pair, place) in patch.pairs.iter().zip(&patch.places) {
+            let of = contacts.next().unwrap();
+            assert_eq!(of.name, format!("{}/{}", pair[0], pair[1]));
+            let [pad, disc] = pair.map(displacement);
+            let relative = [0, 1, 2].map(|axis| pad[axis] - disc[axis]);
+            assert!((along(&of.normal) + dot(place.normal, relative)).abs() < 1e-12, "{}", of.name);
+            assert!((along(&of.sliding) - dot(place.sliding, relative)).abs() < 1e-12, "{}", of.name);
+            let [x, y, _] = place.position;
+            let speed = median * x.hypot(y) / mean_radius(contact);
+            assert!((of.speed / speed - 1.0).abs() < 1e-12, "{} {speed}", of.speed);
+            assert!((of.load - 156.0).abs() < 1e-12 && (of.stiffness / (4.05e8 / 27.0) - 1.0).abs() < 1e-12);
+            for &(i, a) in &of.normal {
+                of.normal.iter().for_each(|&(j, b)| opened[(i, j)] -= of.stiffness * a * b);
+            }
+        }
+        let mut at = brake.full_point(scene, &brake.operating_point(scene, &brake.median()).unwrap());
+        let first = at.coefficients.len() - contact.patches.len();
+        at.coefficients[first + number] = 0.0;
+        let without = reduced.system().structure(&at.coefficients).unwrap();
+        assert!((&opened - &without.k).norm() < 1e-12 * without.k.norm());
+        assert!((&system.structure().m - &without.m).norm() <= 1e-14 * without.m.norm());
+        assert!((&system.structure().c - &without.c).norm() <= 1e-14 * without.c.norm());
+    }
+    assert!(contacts.next().is_none());
+}
+
+fn mean_radius(contact: &brakes::case::PatchContact) -> f64 {
+    let places = || contact.patches.iter().flat_map(|patch| &patch.places);
+    places().map(|place| place.position[0].hypot(place.position[1])).sum::<f64>() / places().count() as f64
+}
+
+/// The tangent is the system of the analysis under each law, at medians, at other values of parameters and in a draw; with stiffness and friction that differ from patch to
+/// patch too.
+#[test]
+fn the_tangent_is_the_system_of_the_analysis() {
+    let factors = "stiffness_factor = \"kc\"\nfriction_factor = \"f\"\nlateral = \"none\"\nload = 468.0";
+    let log_normal = "distribution = \"log-normal\"\nmedian = 1.1\nsigma = 0.2\nover = \"patches\"\n";
+    let draws = format!("[parameters.kc]\n{log_normal}[parameters.f]\n{log_normal}[reduction]");
+    for (laws, changes) in [
+        (3, vec![("bristle", "")]),
+        (1, vec![("load =", factors), ("[reduction]", &draws), ("laws", "laws = [\"velocity-dependent\"]")]),
+    ] {
+        let brake = FiniteElementBrake::new(disc_pad(&changes), &()).unwrap();
+        assert_eq!(brake.plan.scenes.len(), laws);
+        for scene in &brake.plan.scenes {
+            let parameters = brake.parameters(scene);
+            let place = |name: &str| parameters.iter().position(|parameter| parameter.name == name).unwrap();
+            let mut values = vec![(place("contact_stiffness.PATCH3"), 1.3)];
+            if scene.key.law > 0 || laws == 1 {
+                values.extend([(place("v"), 0.31), (place("load"), 0.7)]);
+            }
+            for values in [&values[..0], &values] {
+                let motion = brake.contact_system(scene, values, 0.01).unwrap();
+                let of_cea = brake.system_with(scene, values).unwrap();
+                let deviation = motion.check_tangent(&of_cea, 1e4).unwrap();
+                assert!(deviation < 1e-13, "{deviation}");
+            }
+            assert!(system(&brake, 0, &[]).check_tangent(&brake.system_with(scene, &values).unwrap(), 1e4).is_err());
+            let sample = brake.draw(&mut montecarlo::stream(7, 3)).unwrap();
+            let motion = brake.contact_system_of(scene, &sample, 0.01).unwrap();
+            motion.check_tangent(&brake.system(scene, &sample).unwrap(), 1e4).unwrap();
+        }
+    }
+}
+
+/// Under loads and speeds that are twice as large every motion is twice as large, opening and sticking among it.
+#[test]
+fn motions_grow_with_loads_and_speeds() {
+    let brake = |load: &str, speed: f64| {
+        let load = format!("lateral = \"none\"\nload = {load}");
+        let speeds = [("from =", format!("from = {speed}")), ("to =", format!("to = {speed}"))];
+        let speeds = speeds.iter().map(|(begin, line)| (*begin, line.as_str()));
+        let laws = [("laws", "laws = [\"amontons-coulomb\"]"), ("load =", &load)];
+        FiniteElementBrake::new(disc_pad(&laws.into_iter().chain(speeds).collect::<Vec<_>>()), &()).unwrap()
+    };
+    let [once, twice] = [brake("468.0", 0.05), brake("936.0", 0.1)].map(|brake| system(&brake, 0, &[]));
+    let mut random = noise(2);
+    let scales = once.scales(1.2e4);
+    let start: Vec<f64> = scales.iter().map(|scale| 20.0 * scale * random()).collect();
+    let doubled: Vec<f64> = start.iter().map(|x| 2.0 * x).collect();
+    let after = |system: &ContactSystem, start: Vec<f64>| state_after(system, start, 2e-4, 1.2e4, 1e-10).unwrap();
+    let (end, twice) = (after(&once, start.clone()), after(&twice, doubled));
+    let size = end.iter().zip(&scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max);
+    for ((one, two), scale) in end.iter().zip(&twice).zip(&scales) {
+        assert!((2.0 * one - two).abs() < 1e-6 * size * scale, "{one} {two}");
+    }
+    // A linear motion would end elsewhere: contacts open and stick.
+    let linear = after(&once, start.iter().map(|x| 1e-6 * x).collect());
+    let off = end.iter().zip(&linear).zip(&scales).map(|((x, linear), scale)| (x - 1e6 * linear).abs() / scale);
+    assert!(off.fold(0.0, f64::max) > 0.1 * size);
+}
+
+/// The cycle of the mode of 6,037 Hz: SciPy's DOP853 on the same matrices and contacts, which were written to a file, has after 1,500 periods of the mode
+/// 6015.49589 Hz, an rms of all coordinates of 3.2895004 m/s, a mean kinetic energy of 0.0107153120 J, and one contact that is open for 0.2822 of the period.
+#[test]
+fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
+    let changes = [
+        ("laws", "laws = [\"amontons-coulomb\"]"),
+        ("mu =", "mu = { distribution = \"constant\", value = 0.45 }"),
+        ("from =", "from = 20.0"),
+        ("to =", "to = 20.0"),
+        ("frequencies", "frequencies = [5800.0, 6300.0]\ntraining = 3"),
+    ];
+    let mut brake = FiniteElementBrake::new(disc_pad(&changes), &()).unwrap();
+    let found = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    assert!(found.tangent_deviation < 1e-13);
+    let [motion] = &found.motions[..] else { panic!() };
+    let Motion::Cycle(cycle) = &motion.motion else { panic!("{:?}", motion.motion) };
+    let measures = motion.measures.as_ref().unwrap();
+    let all: Vec<usize> = (0..measures.rms_velocity.len()).collect();
+    println!("{} {} {}", cycle.frequency_hz(), measures.rms_of(&all), measures.kinetic_energy);
+    assert!((cycle.frequency_hz() / 6015.49589 - 1.0).abs() < 1e-6);
+    assert!((measures.rms_of(&all) / 3.2895004 - 1.0).abs() < 1e-5);
+    assert!((measures.kinetic_energy / 0.0107153120 - 1.0).abs() < 1e-5);
+    let open = measures.contacts.iter().map(|shares| shares.open).fold(0.0, f64::max);
+    assert!((open - 0.2822).abs() < 5e-4, "{open}");
+    assert!(measures.contacts.iter().all(|shares| shares.stuck == 0.0));
+    assert!(measures.imbalance() < 1e-8, "{}", measures.imbalance());
+    assert!((motion.balanced_hz.unwrap() / cycle.frequency_hz() - 1.0).abs() < 1e-5);
+    // A reduced coordinate is no place.
+    let has = |column: &str| found.table().column(column).is_some();
+    assert!(has("rms_velocity_m_per_s brake") && !has("peak_m brake"));
+    // The same numbers in mm, t and s are a thousandth of these in SI; loads are in N in both.
+    brake.plan.units = Units::MmTonneSecond;
+    let in_mm = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let of_mm = in_mm.motions[0].measures.as_ref().unwrap();
+    let pairs = [
+        (of_mm.rms_of(&all), measures.rms_of(&all)),
+        (of_mm.kinetic_energy, measures.kinetic_energy),
+        (of_mm.powers[0].1, measures.powers[0].1),
+        (in_mm.motions[0].history[0][0].1, motion.history[0][0].1),
+    ];
+    assert!(pairs.iter().all(|(mm, si)| (mm / si - 1e-3).abs() < 1e-15), "{pairs:?}");
+    assert_eq!(in_mm.motions[0].history[0][0].0, motion.history[0][0].0);
+}
+
+/// Two pads held by their loads: the points that are open in steady sliding have the gap of the equilibrium, and K lacks their springs and no others.
+#[test]
+fn points_that_are_open_in_equilibrium_have_their_gaps() {
+    let changes = [
+        ("[all_contacts]", "[all_contacts]\nlateral = \"none\""),
+        ("frequencies", "frequencies = [1900.0, 2200.0]\ntraining = 3"),
+    ];
+    let brake = FiniteElementBrake::new(case("two-pads", &changes).unwrap(), &()).unwrap();
+    let scene = &brake.plan.scenes[0];
+    let parameters = brake.parameters(scene);
+    let place = |name: &str| parameters.iter().position(|parameter| parameter.name == name).unwrap();
+    let mut opened = Vec::new();
+    for values in [vec![], vec![(place("mu"), 0.6), (place("pressure"), 2.9)]] {
+        let motion = system(&brake, 0, &values);
+        let deviation = motion.check_tangent(&brake.system_with(scene, &values).unwrap(), 1.3e4).unwrap();
+        assert!(deviation < 1e-12, "{deviation}");
+        let closed = brake.closed_points(scene, &values).unwrap();
+        assert_eq!(motion.contacts().iter().map(|of| of.load > 0.0).collect::<Vec<_>>(), closed);
+        opened.push(closed.iter().filter(|is_closed| !**is_closed).count());
+        let mut at = brake.full_point(scene, &brake.operating_point(scene, &brake.median()).unwrap());
+        let patches = brake.case.contact.as_ref().unwrap().patches.len();
+        let first = at.coefficients.len() - patches;
+        at.coefficients[first..].fill(0.0);
+        let without = brake.part(scene).reduced.system().structure(&at.coefficients).unwrap().k;
+        let mut k = motion.structure().k.clone();
+        for of in motion.contacts().iter().filter(|of| of.load > 0.0) {
+            for &(i, a) in &of.normal {
+                of.normal.iter().for_each(|&(j, b)| k[(i, j)] -= of.stiffness * a * b);
+            }
+        }
+        assert!((&k - &without).norm() < 1e-12 * without.norm());
+    }
+    assert!(opened[0] == 30 && opened[0] != opened[1], "{opened:?}");
+    // Twice the pressure, twice the forces and the gaps.
+    let [once, twice] = [1.1, 2.2].map(|pressure| system(&brake, 0, &[(place("pressure"), pressure)]));
+    for (one, two) in once.contacts().iter().zip(twice.contacts()) {
+        assert!((two.load - 2.0 * one.load).abs() < 1e-9 * twice.contacts()[0].load.abs(), "{one:?} {two:?}");
+    }
+    // It flutters far above the band, which a motion in time would follow.
+    let error = cycles(&brake, scene, &CycleOptions::default(), &()).unwrap_err().to_string();
+    assert!(error.contains("grows outside its band too") && !error.contains('\n'), "{error}");
+}
+
+#[test]
+fn what_the_equations_do_not_cover_is_refused_in_a_line_that_names_it() {
+    let across = ("load =", "load = 468.0");
+    let unmoved = [("[[speeds]]", ""), ("name = \"low\"", ""), ("from =", ""), ("to =", "")];
+    let no_speed = [&unmoved[..], &[("laws", "laws = [\"amontons-coulomb\"]")]].concat();
+    let spring = "[[springs]]\nname = \"mount\"\nnodes = \"PADBACK\"\ndirection = [0.0, 0.0, 1.0]\nstiffness = 1e6\n\
+                  viscoelastic = [{ ratio = 1.0, rate = 1e4 }]\n[reduction]";
+    for (case, expected) in [
+        (disc_pad(&[across]), "contact.lateral = \"vector\"; allowed: \"none\""),
+        (disc_pad(&no_speed), "speeds = missing; allowed: a range of speed"),
+        (disc_pad(&[("[reduction]", spring)]), "viscoelastic"),
+        (
+            case(
+                "two-pads",
+                &[
+                    ("[all_contacts]", "[all_contacts]\nlateral = \"none\""),
+                    ("stiffness = { per_area", "stiffness = { c = 1000.0, m = 2.0 }"),
+                ],
+            )
+            .unwrap(),
+            "contact.stiffness = { c, m }; allowed: ",
+        ),
+    ] {
+        let error = check_motion(&case).unwrap_err().to_string();
+        assert!(error.contains(expected) && !error.contains('\n'), "{error}");
+    }
+    check_motion(&disc_pad(&[])).unwrap();
+}

@@ -1,0 +1,98 @@
+//! The modes from which motions start.
+
+use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, by_frequency, verdicts_beyond};
+use num_complex::Complex;
+use study::{ModeSource, Plan, Scene, UncertainBrake};
+
+use crate::Error;
+
+/// An unstable mode of a scene.
+#[derive(Debug, Clone)]
+pub(crate) struct GrowingMode {
+    pub rank: usize,
+    pub lambda: Complex<f64>,
+    pub shape: Vec<Complex<f64>>,
+}
+
+impl GrowingMode {
+    pub(super) fn rank_in_words(&self) -> String {
+        self.rank.to_string()
+    }
+}
+
+/// Unstable modes of a scene at its medians, in ascending frequency.
+///
+/// # Errors
+/// [`Error::GrowsOutside`].
+pub(super) fn growing_modes<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<Vec<GrowingMode>, Error> {
+    let system = brake.system(scene, &brake.median())?;
+    let mut work = Workspace::default();
+    let spectrum = QrSolver.eigenvalues(&system, &mut work).map_err(study::Error::from)?;
+    if let Some(source) = brake.mode_source() {
+        grows_in_band(brake.plan(), scene, source, &spectrum.eigenvalues)?;
+        return in_band(brake, scene, source, &spectrum.eigenvalues);
+    }
+    let modes = Modes::classify(&system, &spectrum, &mut work).map_err(study::Error::from)?;
+    let threshold = &brake.plan().threshold;
+    let verdicts =
+        verdicts_beyond(threshold, &system, &modes.oscillatory, &spectrum, &mut work).map_err(study::Error::from)?;
+    let growing =
+        modes.oscillatory.iter().enumerate().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable);
+    let mode = |((index, &lambda), _): ((usize, &Complex<f64>), Verdict)| {
+        let shape = Mode::at(&system, &[lambda], &mut work).map_err(study::Error::from)?.swap_remove(0).shape;
+        Ok(GrowingMode { rank: modes.rank(index), lambda, shape: shape.iter().copied().collect() })
+    };
+    growing.map(mode).collect()
+}
+
+/// Checks that a reduced brake grows in its band alone: a motion in time has all of its spectrum, and its basis was made for the band.
+///
+/// # Errors
+/// [`Error::GrowsOutside`].
+pub(super) fn grows_in_band(
+    plan: &Plan,
+    scene: &Scene,
+    source: &dyn ModeSource,
+    spectrum: &[Complex<f64>],
+) -> Result<(), Error> {
+    let error = source.relative_error(scene);
+    let grows_outside = |lambda: &&Complex<f64>| {
+        lambda.im >= 0.0 && plan.threshold.margin(**lambda) > error * lambda.norm() && !is_in_band(plan, **lambda)
+    };
+    match spectrum.iter().filter(grows_outside).max_by(|a, b| a.re.total_cmp(&b.re)) {
+        None => Ok(()),
+        Some(lambda) => Err(Error::GrowsOutside {
+            scene: plan.describe(scene),
+            hz: lambda.im / std::f64::consts::TAU,
+            growth: lambda.re,
+        }),
+    }
+}
+
+/// True of an eigenvalue in the band of a reduced brake that does not grow faster than it oscillates.
+fn is_in_band(plan: &Plan, lambda: Complex<f64>) -> bool {
+    let is_high_enough = plan.least_growth.is_none_or(|least| lambda.re >= least);
+    let is_between = plan.band.is_none_or(|[from, to]| from <= lambda.im && lambda.im <= to);
+    is_high_enough && is_between && lambda.re <= lambda.im
+}
+
+/// Unstable modes in the band of a reduced brake, which finds them itself. Their ranks are those among all modes that it has there.
+fn in_band<B: UncertainBrake>(
+    brake: &B,
+    scene: &Scene,
+    source: &dyn ModeSource,
+    spectrum: &[Complex<f64>],
+) -> Result<Vec<GrowingMode>, Error> {
+    let plan = brake.plan();
+    let at = brake.operating_point(scene, &brake.median())?;
+    let found = source.band_modes(scene, &[at]).into_iter().next().transpose()?.unwrap_or_default();
+    let mut all: Vec<Complex<f64>> = spectrum.iter().copied().filter(|lambda| is_in_band(plan, *lambda)).collect();
+    all.sort_by(by_frequency);
+    let unstable = found.iter().filter(|mode| mode.verdict(&plan.threshold) == Verdict::Unstable);
+    let growing = unstable.filter_map(|mode| {
+        let distance = |at: &usize| (all[*at] - mode.lambda).norm();
+        let nearest = (0..all.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Some(GrowingMode { rank: nearest + 1, lambda: mode.lambda, shape: mode.shape.iter().copied().collect() })
+    });
+    Ok(growing.collect())
+}
