@@ -8,7 +8,7 @@ use super::text::escaped;
 /// Assumptions of every study.
 const ASSUMPTIONS: [&str; 6] = [
     "The brake is linear about steady sliding. An unstable mode grows at first; amplitude and loudness of the squeal that follows do not \
-     follow from that: squeal cycle, and squeal run --cycles, compute them.",
+     follow from that: squeal cycle, and squeal run --cycles, compute them, or say what of the brake they do not cover.",
     "A mode is unstable where its eigenvalue surely has a positive real part, beyond its error bound; an undecided one counts as stable, and so \
      does one on the imaginary axis. A real eigenvalue that is positive, divergence, is instability as well.",
     "Intervals are at 95 % for each number by itself and not for all at once: of 100 of them about five do not enclose the truth.",

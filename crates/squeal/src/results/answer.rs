@@ -240,7 +240,7 @@ fn how_sure(results: &Results, findings: &[SetFindings<'_>]) -> Vec<Block> {
         "{undecided} verdicts are undecided and count as stable. {marginal} eigenvalues lie on the imaginary axis and neither grow nor \
          decay. {failures} draws or evaluations failed; they may be unstable, and widen the limits upwards."
     ));
-    items.push("Unstable means that a small vibration grows. How loud it gets does not follow from that: squeal cycle computes it.".into());
+    items.push("Unstable means that a small vibration grows. How loud it gets does not follow from that: squeal cycle computes it, or says what of the brake it does not cover.".into());
     vec![Block::Paragraph(meaning), Block::List(items)]
 }
 
