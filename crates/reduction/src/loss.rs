@@ -16,6 +16,7 @@ use num_complex::Complex;
 use sparse::SparseAffineSystem;
 
 use super::inverse_iteration::{Nonlinear, Pair, have_merged};
+use super::reduced::largest_residual;
 use super::residual::reduced_residual;
 use super::{dense, split};
 use crate::ReductionError;
@@ -170,13 +171,14 @@ impl Losses {
         let mut work = Workspace::default();
         let right = cea::right_vectors(system, &lambdas, &mut work)?;
         let left = cea::right_vectors(&system.transposed(), &lambdas, &mut work)?;
-        let distance = |((&lambda, x), y): ((&Complex<f64>, &DVector<Complex<f64>>), &DVector<Complex<f64>>)| {
+        let mut largest = 0.0;
+        for ((&lambda, x), y) in lambdas.iter().zip(&right).zip(&left) {
             let lost = linsys::real_times_complex(&at.structural, x) * Complex::I
                 - linsys::real_times_complex(&at.dashpots, x) * lambda;
-            (y.dot(&lost) / (lambda * y.dot(&system.derivative_times(lambda, x)))).norm()
-        };
-        let distances = lambdas.iter().zip(&right).zip(&left).map(distance);
-        Ok(distances.fold(0.0, |largest: f64, own| if largest.is_nan() || own <= largest { largest } else { own }))
+            let own = (y.dot(&lost) / (lambda * y.dot(&system.derivative_times(lambda, x)))).norm();
+            largest = largest_residual([largest, own]);
+        }
+        Ok(largest)
     }
 }
 
@@ -196,7 +198,7 @@ impl LossesAt {
     }
 
     /// The modes with H that some modes of a system with dashpots lead to; `None` where one of them does not settle, or far away, or two end at one.
-    pub fn from_guesses(&self, system: &SecondOrder, guesses: &[Pair]) -> Option<Vec<Pair>> {
+    pub fn led_from_guesses(&self, system: &SecondOrder, guesses: &[Pair]) -> Option<Vec<Pair>> {
         let problem = Nonlinear {
             matrix: |lambda| self.dynamic_stiffness(system, lambda),
             image: |lambda, x: &DVector<Complex<f64>>| {

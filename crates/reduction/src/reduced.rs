@@ -296,7 +296,7 @@ impl Reduced {
         let at = losses.at(&self.system, point);
         let guesses: Vec<_> =
             lambdas.iter().enumerate().map(|(at, &lambda)| (lambda, split::vector(&shapes, at))).collect();
-        let (pairs, route) = match at.from_guesses(system, &guesses) {
+        let (pairs, route) = match at.led_from_guesses(system, &guesses) {
             Some(pairs) => (pairs, route),
             None => {
                 let is_next =
