@@ -41,6 +41,7 @@ const MOST_ITERATIONS: usize = 4;
 const DETUNING: f64 = 0.05;
 /// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen.
 const SETTLED: f64 = 1e-7;
+
 /// Why a sample got the whole spectrum of the reduced brake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]

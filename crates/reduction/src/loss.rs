@@ -16,8 +16,7 @@ use num_complex::Complex;
 use sparse::SparseAffineSystem;
 
 use super::inverse_iteration::{Nonlinear, Pair, have_merged};
-use super::reduced::largest_residual;
-use super::residual::reduced_residual;
+use super::residual::{largest_residual, reduced_residual};
 use super::{dense, split};
 use crate::ReductionError;
 
@@ -159,7 +158,8 @@ impl Losses {
     }
 
     /// The largest distance, relative to |lambda| and to first order, of those of some modes of a brake at a point that are next to the axis, with the dashpots,
-    /// from those with H: `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one. Not a number where there are none.
+    /// from those with H: `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one; 0 where none
+    /// is next to it.
     pub(super) fn distance(
         &self,
         (reduced, point, system): (&AffineSystem, &OperatingPoint, &SecondOrder),

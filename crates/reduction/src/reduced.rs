@@ -9,7 +9,7 @@ use sparse::Rectangle;
 use super::coarse::{Coarse, CoarseBasis, Doubt, Polished};
 use super::loss::Losses;
 use super::norms::NormsAt;
-use super::residual::{Pairs, ResidualForm, reduced_residual};
+use super::residual::{Pairs, ResidualForm, largest_residual, reduced_residual};
 use super::spectra::spectra;
 use super::{Combinations, dense, split};
 use crate::{ReductionError, Route};
@@ -226,10 +226,12 @@ impl Reduced {
     /// oscillate ([`grows_too_fast`]).
     pub(super) fn next_to_rectangle(&self, spectrum: &Spectrum, part: f64) -> Vec<Complex<f64>> {
         let part = part + self.error_of_dashpots();
-        let is_next = |lambda: &Complex<f64>| {
-            self.rectangle.contains_to_the_right(*lambda, part * lambda.norm()) && !grows_too_fast(*lambda)
-        };
-        spectrum.eigenvalues.iter().copied().filter(is_next).collect()
+        spectrum.eigenvalues.iter().copied().filter(|&lambda| self.is_wanted_within(lambda, part)).collect()
+    }
+
+    /// True of an eigenvalue in the rectangle or to its right, or outside by no more than a part of its size, that does not grow too fast.
+    fn is_wanted_within(&self, lambda: Complex<f64>, part: f64) -> bool {
+        self.rectangle.contains_to_the_right(lambda, part * lambda.norm()) && !grows_too_fast(lambda)
     }
 
     /// Distance, relative to |lambda|, that is assumed of a mode next to the axis of the [`system`](Self::system), which has dashpots, from one with loss
@@ -299,10 +301,8 @@ impl Reduced {
         let (pairs, route) = match at.led_from_guesses(system, &guesses) {
             Some(pairs) => (pairs, route),
             None => {
-                let is_next =
-                    |lambda: Complex<f64>| self.rectangle.contains_to_the_right(lambda, 0.0) && !grows_too_fast(lambda);
                 let mut all = at.spectrum(system)?;
-                all.retain(|(lambda, _)| is_next(*lambda));
+                all.retain(|(lambda, _)| self.is_wanted_within(*lambda, 0.0));
                 (all, Route::Spectrum(Some(Doubt::Loss)))
             }
         };
@@ -373,10 +373,4 @@ impl ReducedModes {
     pub fn largest_residual(&self) -> f64 {
         largest_residual(self.residuals.iter().copied())
     }
-}
-
-/// Largest of some residuals: zero of none, not a number where one is not.
-pub fn largest_residual(residuals: impl IntoIterator<Item = f64>) -> f64 {
-    let larger = |largest: f64, own: f64| if largest.is_nan() || own <= largest { largest } else { own };
-    residuals.into_iter().fold(0.0, larger)
 }

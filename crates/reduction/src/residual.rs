@@ -106,3 +106,9 @@ pub(super) fn reduced_residual(system: &SecondOrder, lambdas: &[Complex<f64>], y
     }
     out
 }
+
+/// Largest of some residuals: zero of none, not a number where one is not.
+pub fn largest_residual(residuals: impl IntoIterator<Item = f64>) -> f64 {
+    let larger = |largest: f64, own: f64| if largest.is_nan() || own <= largest { largest } else { own };
+    residuals.into_iter().fold(0.0, larger)
+}
