@@ -19,8 +19,9 @@ const SEARCHED: f64 = 0.25;
 const MOST_DRAWS: usize = 20;
 /// The first stream of draws that the basis of a set is made of, far from those of samples, of full checks and of training points.
 const FIRST_STREAM: u64 = u64::MAX / 4;
-/// Parts of 1 by which scenes and speeds of these draws advance: golden ratios of one and of two dimensions, which spread any number of them.
-const STEPS: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+/// Parts of 1 by which scenes and speeds of these draws advance: the golden ratio, by which any thirteen in a row
+/// are in all tenths of the scenes, and the root of 2.
+const STEPS: [f64; 2] = [0.618_033_988_749_895, 0.414_213_562_373_095];
 /// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen.
 pub(super) const MOST_ROUNDS: u64 = 2;
 
@@ -80,18 +81,25 @@ pub(super) struct Drawn {
 pub(super) fn draws(case: &FiniteElementCase, swept: &[OperatingPoint], count: usize) -> Result<Vec<Drawn>, Error> {
     let arrangements = arrangements(case);
     let scenes = scenes(case, &arrangements);
-    let part = |number: usize, step: f64| (number as f64 * step).fract();
-    let place = |number: usize, of: usize| (part(number, STEPS[0]) * of as f64) as usize;
     let draw = |number: usize| match swept {
         [] => {
             let (closed, state) = scenes[place(number, scenes.len())];
-            let speed = part(number, STEPS[1]);
-            let at = drawn_at(case, (closed, state), FIRST_STREAM + number as u64, speed)?;
+            let at = drawn_at(case, (closed, state), FIRST_STREAM + number as u64, advanced(number, STEPS[1]))?;
             Ok(Drawn { closed: closed.clone(), at })
         }
         _ => Ok(Drawn { closed: arrangements[0].clone(), at: swept[place(number, swept.len())].clone() }),
     };
     (0..count).map(draw).collect()
+}
+
+/// Part of 1 that a draw of some number has come to by steps.
+fn advanced(number: usize, step: f64) -> f64 {
+    (number as f64 * step).fract()
+}
+
+/// Index among some of what a draw of some number belongs to.
+fn place(number: usize, of: usize) -> usize {
+    (advanced(number, STEPS[0]) * of as f64) as usize
 }
 
 /// Arrangements, each under each law and range of speed.
@@ -138,10 +146,22 @@ fn spread(at: u64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::spread;
+    use std::collections::BTreeSet;
+
+    use super::{place, spread};
 
     #[test]
     fn numbers_are_spread_from_end_to_end() {
         assert_eq!((0..8).map(spread).collect::<Vec<_>>(), [0.0, 1.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375]);
+    }
+
+    #[test]
+    fn draws_in_a_row_reach_every_arrangement() {
+        for (scenes, draws) in [(2, 3), (10, 13), (30, 55), (60, 89)] {
+            for first in 0..200 {
+                let reached: BTreeSet<usize> = (first..first + draws).map(|number| place(number, scenes)).collect();
+                assert_eq!(reached.len(), scenes, "{draws} draws from {first}");
+            }
+        }
     }
 }
