@@ -119,6 +119,20 @@ pub fn within(
     }
 }
 
+/// The largest error, relative to their size, that eigenvalues in and to the right of a rectangle have at some points on a smaller basis, k x m, within one of
+/// modes, as it is estimated: draws of which the smaller basis was not made, for example. `reduced` is the brake on the larger basis.
+///
+/// # Errors
+/// No point or one of another system, a singular reduced mass matrix.
+pub fn error_within(
+    (reduced, smaller): (&AffineSystem, &DMatrix<f64>),
+    (rectangle, points): (Rectangle, &[OperatingPoint]),
+) -> Result<f64, ReductionError> {
+    let search = Search::new(reduced, rectangle, points)?;
+    let judged = search.judged(&mut Smaller::new(smaller.clone(), reduced))?;
+    Ok(judged.iter().map(|judged| judged.error).fold(0.0, f64::max))
+}
+
 /// Modes at a point in and next to the rectangle.
 struct Modes {
     lambdas: Vec<Complex<f64>>,

@@ -6,7 +6,7 @@ use cea::{EigenSolver, QrSolver, Workspace, backward_error};
 use linsys::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use reduction::{Combinations, Reduced, Route, Snapshots, Within, within};
+use reduction::{Combinations, Reduced, Route, Snapshots, Within, error_within, within};
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
 
@@ -293,6 +293,31 @@ fn a_smaller_basis_within_holds_the_eigenvalues_of_one_arrangement() {
         columns.push(small.basis().ncols());
     }
     assert!(columns.is_sorted() && columns[0] < columns[2] && columns[2] < basis.ncols(), "{columns:?}");
+}
+
+/// Fewer and fewer columns of a basis of modes: what eigenvalues are off by at draws is told by an estimate that needs no whole spectrum of it.
+#[test]
+fn errors_on_a_smaller_basis_are_estimated() {
+    let system = plate_with_a_spring();
+    let (_, reduced, leading) = of_modes(&system, &(0..6).map(drawn).collect::<Vec<_>>());
+    let further = [drawn(8), drawn(10)];
+    let mut estimates = Vec::new();
+    for columns in [leading + 10, leading + 20, leading + 30] {
+        let small = DMatrix::identity(reduced.order(), columns.min(reduced.order()));
+        let estimate = error_within((&reduced, &small), (RECTANGLE, &further)).unwrap();
+        let on_small = reduced.projected(&small).unwrap();
+        let of_point = |at: &OperatingPoint| {
+            let expected = truth(&reduced, at);
+            truth(&on_small, at).into_iter().map(|lambda| distance(lambda, &expected)).fold(0.0, f64::max)
+        };
+        let largest = further.iter().map(of_point).fold(0.0, f64::max);
+        assert!(
+            estimate > 0.2 * largest && estimate < 5.0 * largest + 1e-12,
+            "{columns}: {estimate:e} for {largest:e}"
+        );
+        estimates.push(estimate);
+    }
+    assert!(estimates[2] < estimates[0] && estimates[0] > 1e-9, "{estimates:?}");
 }
 
 /// First columns so few that modes are missing or far away: the smaller basis has all modes of the larger one all the same.

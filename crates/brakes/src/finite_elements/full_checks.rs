@@ -21,20 +21,24 @@ use crate::{Error, Prepared, Purpose};
 /// The first stream from which draws are taken, far from those of samples and from those of training points: how many samples a study has
 /// changes nothing.
 const FIRST_STREAM: u64 = u64::MAX / 2;
+/// Distance, relative to |lambda|, of a mode next to the axis above which a reduction is trained on a draw; chosen: up to it verdicts that are open for it are few
+/// enough to be settled, and bases made anew take longer.
+const TRAINED_ABOVE: f64 = 1e-4;
 
 /// Result of one draw: where the reduced brake and the whole one differ, and the point at which it may be trained on.
 struct OneCheck {
     found: FullChecks,
     at: Option<Trained>,
-    /// Largest distance, relative to |lambda|, of a mode next to the axis, where it is above what is assumed of the scene.
-    beyond: Option<f64>,
+    /// Largest distance, relative to |lambda|, of a mode next to the axis.
+    next_to_axis: f64,
 }
 
-bits!(OneCheck { found, at, beyond });
+bits!(OneCheck { found, at, next_to_axis });
 
 impl FiniteElementBrake {
     /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares draws with the whole one, chosen at random among all scenes. Where
-    /// they do not agree, these draws are trained on too, some times at most. It follows from the case alone, whatever the number of samples is.
+    /// they do not agree, these draws are trained on too, some times at most; what eigenvalues are off by then is assumed of samples. It follows from the case
+    /// alone, whatever the number of samples is.
     ///
     /// # Errors
     /// As [`FiniteElementBrake::new`].
@@ -70,14 +74,16 @@ impl FiniteElementBrake {
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));
             brake.full_checks = Some(sum);
-            if round == MOST_ROUNDS || !all.iter().any(is_open) {
-                for (at, distance) in all.into_iter().filter_map(|one| one.at.zip(one.beyond)) {
-                    let known = &mut brake.sets[at.set].held_out;
-                    *known = known.max(distance);
+            if round == MOST_ROUNDS || !all.iter().any(calls_for_training) {
+                for OneCheck { at, next_to_axis, .. } in &all {
+                    if let Some(at) = at {
+                        let known = &mut brake.sets[at.set].checked;
+                        *known = known.max(*next_to_axis);
+                    }
                 }
                 break;
             }
-            let open = all.into_iter().filter(is_open);
+            let open = all.into_iter().filter(calls_for_training);
             trained.extend(open.filter_map(|one| one.at));
             let Self { case, full_checks, .. } = brake;
             let trained_on = Self::with_points((case, pieces), Bases::OfEach, (&[], &trained), progress)?;
@@ -87,9 +93,9 @@ impl FiniteElementBrake {
     }
 }
 
-/// True if a draw calls for more training: one with other modes, or errors beyond those that are assumed.
-fn is_open(OneCheck { found, beyond, .. }: &OneCheck) -> bool {
-    found.has_other_modes() || beyond.is_some()
+/// True if a draw calls for more training: one with other modes, or an error that would leave many verdicts open.
+fn calls_for_training(OneCheck { found, next_to_axis, .. }: &OneCheck) -> bool {
+    found.has_other_modes() || *next_to_axis > TRAINED_ABOVE
 }
 
 /// Comparison of one draw, in one scene, with the whole brake. One without an operating point, as where contacts have no equilibrium, is counted as
@@ -105,7 +111,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         return Ok(OneCheck {
             found: FullChecks { samples: 1, failed: 1, divergence, ..FullChecks::default() },
             at: None,
-            beyond: None,
+            next_to_axis: 0.0,
         });
     };
     let (at, part, threshold) = (brake.full_point(scene, &point), brake.part(scene), brake.plan.threshold);
@@ -122,7 +128,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let Compared { distance, missed, left, pairs } = compared(&whole, reduced);
     let next_to_axis = pairs.iter().filter(|[of_whole, _]| is_next_to_axis(*of_whole));
     let distances = next_to_axis.map(|[of_whole, of_reduced]| (of_whole - of_reduced).norm() / of_whole.norm());
-    let off = distances.reduce(f64::max).filter(|&distance| distance > brake.error_of_modes(scene));
+    let next_to_axis = distances.fold(0.0, f64::max);
     // What samples count, which is found in another way.
     let sampled = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0)?;
     let counts = |mode: &&BandMode| brake.plan.is_studied(mode.lambda) && threshold.margin(mode.lambda) > mode.bound;
@@ -160,7 +166,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         failed: 0,
         trained_on: 0,
     };
-    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), beyond: off })
+    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), next_to_axis })
 }
 
 /// True if an eigenvalue is one of some, within [`AT_BORDER`] of its size.

@@ -20,6 +20,8 @@ const ALLOWANCE: f64 = 100.0;
 /// Least assumed error of an eigenvalue, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were
 /// solved with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
+/// Factor of the largest distance at full checks that is assumed at least; chosen: these are draws as the samples are.
+const BEYOND_CHECKED: f64 = 3.0;
 /// Reason why nothing is known of the errors of a reduced brake that has other modes than the whole one.
 const OTHER_MODES: &str =
     "the reduced brake does not have the modes of the whole one, at the medians or at draws of which it was not made";
@@ -86,7 +88,8 @@ impl FiniteElementBrake {
         let part = self.part(scene);
         let set = &self.sets[part.set];
         let of_part = if self.is_known(part) { part.within.distance } else { 1.0 };
-        (ALLOWANCE * (of_part + set.compared.distance.max(set.held_out))).max(LEAST_ERROR)
+        let of_set = set.compared.distance.max(set.held_out);
+        (ALLOWANCE * (of_part + of_set)).max(BEYOND_CHECKED * set.checked).max(LEAST_ERROR)
     }
 
     /// True if the distance of the modes of a part from those of its set was measured, on a basis that holds them.

@@ -7,7 +7,7 @@ use linsys::OperatingPoint;
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{CoarseBasis, Within, compared, within};
+use reduction::{CoarseBasis, Within, compared, error_within, within};
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};
@@ -23,6 +23,11 @@ use crate::prepared::Pieces;
 /// Error, relative to |lambda|, that eigenvalues may have on a smaller basis within that of a set, as it is estimated; chosen: a third of what that of a set
 /// is made for.
 const WITHIN: f64 = 3e-7;
+/// Draws of a part after those that its basis is made of, and the error that eigenvalues may have at these, as it is estimated; where it is larger, twice as
+/// many draws make the basis, some times at most. Chosen: the error is that of draws of which the basis of a set was not made.
+const FURTHER: u64 = 4;
+const WANTED_FURTHER: f64 = 1e-6;
+const MOST_DOUBLINGS: u32 = 3;
 /// Most points of a part at which its coarse modes are made; chosen.
 const COARSE_POINTS: usize = 24;
 
@@ -193,13 +198,28 @@ fn part_piece(
 ) -> Result<PartPiece, Error> {
     let first = &asked.arrangements[0];
     let at_median = of_brake(case, first, &naming_point(case, first)?);
-    let mut training = training(case, &asked.arrangements, case.reduction.training as u64, swept)?;
-    training.extend_from_slice(trained);
     let rectangle = rectangle(case);
-    let within = within((&set.reduced, set.leading), (rectangle, &training), WITHIN)?;
+    let drawn = |count: u64| training(case, &asked.arrangements, count, swept);
+    let (mut count, mut doublings) = (drawn(case.reduction.training as u64)?.len() as u64, 0);
+    let within = loop {
+        let mut training = drawn(count)?;
+        let further = drawn(count + FURTHER)?.split_off(training.len());
+        training.extend_from_slice(trained);
+        let mut within = within((&set.reduced, set.leading), (rectangle, &training), WITHIN)?;
+        // Points that a sweep goes through are all that there is.
+        let error = match further.is_empty() {
+            true => 0.0,
+            false => error_within((&set.reduced, &within.basis), (rectangle, &further))?,
+        };
+        within.distance = within.distance.max(error);
+        if error <= WANTED_FURTHER || doublings == MOST_DOUBLINGS {
+            break within;
+        }
+        (count, doublings) = (2 * count, doublings + 1);
+    };
     // Draws that did not agree before all others, and these thinned evenly.
     let mut known: Vec<OperatingPoint> = within.solved.iter().chain(trained).cloned().collect();
-    let others = &training[..training.len() - trained.len()];
+    let others = drawn(count.max(COARSE_POINTS as u64))?;
     let step = others.len().div_ceil(COARSE_POINTS.saturating_sub(known.len()).max(1)).max(1);
     known.extend(others.iter().step_by(step).cloned());
     let reduced = set.reduced_within(&within.basis, case)?.with_coarse(&known)?;

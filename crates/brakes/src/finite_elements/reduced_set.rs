@@ -1,7 +1,7 @@
 //! A finite element brake on its bases: with each set of constraints, and in the arrangements that are studied together.
 
 use std::sync::atomic::AtomicU64;
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use linsys::{AffineSystem, DofMap};
 use nalgebra::DMatrix;
@@ -44,8 +44,12 @@ pub struct ReducedSet {
     /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
     /// of them, or the medians, does not have the same modes, and 0 without any.
     pub held_out: f64,
+    /// The largest such distance at full checks; 0 without any.
+    pub checked: f64,
     /// Responses of the contacts far beyond the band, made when they are first asked for; `None` without contacts.
     responses: OnceLock<Option<Responses>>,
+    /// Held by whoever makes the responses, which takes long: others wait for it.
+    making_responses: Mutex<()>,
     /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
     pub held_out_residual: f64,
 }
@@ -100,8 +104,10 @@ impl ReducedSet {
             compared,
             drawn,
             held_out: 0.0,
+            checked: 0.0,
             held_out_residual: 0.0,
             responses: OnceLock::new(),
+            making_responses: Mutex::default(),
         })
     }
 
@@ -118,6 +124,10 @@ impl ReducedSet {
 
     /// Responses of the contacts far beyond the band.
     pub(super) fn responses(&self, case: &FiniteElementCase) -> Result<Option<&Responses>, Error> {
+        if let Some(made) = self.responses.get() {
+            return Ok(made.as_ref());
+        }
+        let _making = self.making_responses.lock().unwrap_or_else(PoisonError::into_inner);
         if self.responses.get().is_none() {
             let made = Responses::new(case, &self.system)?;
             return Ok(self.responses.get_or_init(|| made).as_ref());
