@@ -125,7 +125,7 @@ impl CycleArgs {
         let (tables, text): (Vec<Table>, String) = match &self.over {
             None => {
                 let cycles = cycles(brake, &plan.scenes[0], &options, &Bar::of("periods of the modes at most"))?;
-                (vec![cycles.table(), cycles.contacts_table()], cycles.text())
+                (vec![cycles.table(), cycles.contacts_table(), cycles.spectrum_table()], cycles.text())
             }
             Some(over) => workers(None)?.install(|| -> Result<_, Error> {
                 let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;

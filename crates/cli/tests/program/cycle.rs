@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{answer, asked, assert_same, hoffmann, refusal, results};
+use crate::common::{answer, asked, assert_same, csv_of, hoffmann, refusal, results};
 
 #[test]
 fn a_cycle_is_said_in_words_numbers_and_a_table() {
@@ -11,7 +11,10 @@ fn a_cycle_is_said_in_words_numbers_and_a_table() {
     let words = answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
     assert!(words.contains("cycle, mass") && words.contains("0.2230"), "{words}");
     let first = results(&out);
-    assert_eq!(first.keys().collect::<Vec<_>>(), ["cycle_contacts.csv", "cycles.csv", "study.txt"]);
+    assert_eq!(
+        first.keys().collect::<Vec<_>>(),
+        ["cycle_contacts.csv", "cycle_spectrum.csv", "cycles.csv", "study.txt"]
+    );
     answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
     assert_same(&first, &results(&out));
     let json: Value = serde_json::from_str(&answer("cycle", &hoffmann(), &["--json"])).unwrap();
@@ -21,6 +24,15 @@ fn a_cycle_is_said_in_words_numbers_and_a_table() {
     assert!((row["open belt"].as_f64().unwrap() * 4.485144715 - 0.968634).abs() < 1e-5);
     let friction = row["power_w friction"].as_f64().unwrap();
     assert!(friction > 0.0 && (row["power_w dashpots"].as_f64().unwrap() / friction + 1.0).abs() < 1e-8, "{row}");
+    // Harmonics hold what the motion has, all together and by body (Parseval).
+    let (header, harmonics) = csv_of(&first["cycle_spectrum.csv"]);
+    for column in ["loudness_m_per_s", "rms_velocity_m_per_s mass"] {
+        let place = header.iter().position(|name| name == column).unwrap();
+        let sum: f64 = harmonics.iter().map(|row| row[place].parse::<f64>().unwrap().powi(2)).sum();
+        let missing = 1.0 - sum / row[column].as_f64().unwrap().powi(2);
+        let part_above: f64 = harmonics.last().unwrap()[4].parse().unwrap();
+        assert!((0.0..1e-8).contains(&missing) && (missing - part_above).abs() < 1e-12, "{column}: {missing}");
+    }
     // Another question does not overwrite the folder.
     refusal(&asked("cycle", &hoffmann(), &["--harmonics", "5", "--out", out.to_str().unwrap()]), &["allowed: a new"]);
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::common::{SMALL, hoffmann, replaced, results, run, squeal};
+use crate::common::{SMALL, csv_of, hoffmann, replaced, results, run, squeal};
 
 /// The JSON element of a page: all between its tag and the first end of a script after it, as a browser has it.
 fn data(page: &str) -> Value {
@@ -33,13 +33,6 @@ fn rows(table: &Value) -> Vec<Vec<String>> {
         }
     }
     rows
-}
-
-fn csv_of(bytes: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
-    let mut reader = csv::Reader::from_reader(bytes);
-    let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
-    let header = cells(reader.headers().unwrap());
-    (header, reader.records().map(|record| cells(&record.unwrap())).collect())
 }
 
 /// Real and imaginary part of the numbers of a shape: base 64 of whole numbers of 16 bits, 32767 for the largest modulus.
