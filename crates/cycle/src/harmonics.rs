@@ -26,6 +26,12 @@ pub struct Harmonics {
 }
 
 impl Harmonics {
+    /// Frequency of a harmonic, Hz; that of harmonic 1 is the cycle's.
+    #[must_use]
+    pub fn frequency_hz(&self, harmonic: usize) -> f64 {
+        harmonic as f64 * self.omega / std::f64::consts::TAU
+    }
+
     /// Root mean square of the velocity of the given degrees of freedom together in a harmonic, 1 for the first, m/s.
     #[must_use]
     pub fn rms_of(&self, harmonic: usize, dofs: &[usize]) -> f64 {

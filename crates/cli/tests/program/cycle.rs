@@ -1,5 +1,7 @@
 //! `squeal cycle`: its files, its words, and what it refuses.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use crate::common::{answer, asked, assert_same, csv_of, hoffmann, refusal, results};
@@ -11,10 +13,11 @@ fn a_cycle_is_said_in_words_numbers_and_a_table() {
     let words = answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
     assert!(words.contains("cycle, mass") && words.contains("0.2230"), "{words}");
     let first = results(&out);
-    assert_eq!(
-        first.keys().collect::<Vec<_>>(),
-        ["cycle_contacts.csv", "cycle_spectrum.csv", "cycles.csv", "study.txt"]
-    );
+    let pictures =
+        ["cycle_contacts", "cycle_spectrum"].map(|stem| ["pdf", "png", "svg"].map(|end| format!("{stem}.{end}")));
+    let tables = ["cycle_contacts.csv", "cycle_spectrum.csv", "cycles.csv", "report.html", "study.txt"];
+    let expected: BTreeSet<String> = pictures.into_iter().flatten().chain(tables.map(str::to_owned)).collect();
+    assert_eq!(first.keys().cloned().collect::<BTreeSet<_>>(), expected);
     answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
     assert_same(&first, &results(&out));
     let json: Value = serde_json::from_str(&answer("cycle", &hoffmann(), &["--json"])).unwrap();

@@ -1,5 +1,6 @@
 // A body of points and lines, as an SVG.
 const TRAIL_POINTS = 36;
+const TRAIL_POINTS_OF_WAVE = 12;
 
 const linesPicture = (body, view) => {
   const { at, names: all, lines, isSpatial } = body;
@@ -19,7 +20,8 @@ const linesPicture = (body, view) => {
     setUnmoved: shape => {
       const onScreen = view.camera();
       rest.setAttribute('d', lines.map(ends => path(ends.map(i => onScreen(at[i])))).join(''));
-      const round = [...Array(TRAIL_POINTS).keys()].map(k => view.places(shape, (2 * Math.PI * k) / TRAIL_POINTS));
+      const points = Math.max(TRAIL_POINTS, TRAIL_POINTS_OF_WAVE * shape.waves.at(-1).order);
+      const round = [...Array(points).keys()].map(k => view.places(shape, (2 * Math.PI * k) / points));
       trails.setAttribute('d', at.map((_, i) => `${path(round.map(places => places[i]))}Z`).join(''));
     },
     setMoved: places => {

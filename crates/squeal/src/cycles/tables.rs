@@ -3,7 +3,7 @@
 use cycle::{Cycle, Measures, Motion};
 use output::Table;
 
-use super::{Branch, Branches, Cycles};
+use super::{Branch, Branches, Cycles, MotionOfMode};
 use crate::sweep::SweptParameter;
 
 /// Hz of an eigenvalue.
@@ -105,7 +105,7 @@ impl Cycles {
             for harmonic in 1..=harmonics.velocity.len() {
                 let rms = harmonics.rms_of(harmonic, &self.displacements);
                 part_above -= (rms / loudness).powi(2);
-                let numbers = [hz(harmonic as f64 * harmonics.omega), rms, part_above];
+                let numbers = [harmonics.frequency_hz(harmonic), rms, part_above];
                 let of_bodies = self.bodies.iter().map(|(_, dofs)| harmonics.rms_of(harmonic, dofs));
                 let numbers = numbers.into_iter().chain(of_bodies).map(|number| number.to_string());
                 rows.push([of.start.clone(), harmonic.to_string()].into_iter().chain(numbers).collect::<Vec<_>>());
@@ -160,6 +160,14 @@ impl Cycles {
              the motion's tangent deviates from the complex eigenvalue analysis by {:.1e}; powers sum to zero within {imbalance:.1e}\n",
             self.tangent_deviation
         )
+    }
+}
+
+impl MotionOfMode {
+    /// Start in words: `mode 2` or `noise 1`.
+    #[must_use]
+    pub fn start_in_words(&self) -> String {
+        if self.start.starts_with("noise") { self.start.clone() } else { format!("mode {}", self.start) }
     }
 }
 
