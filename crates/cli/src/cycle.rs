@@ -8,7 +8,7 @@ use brakes::case::{CaseFile, ChosenSpeed};
 use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
 use output::{Table, printable};
-use report::{cycle_branches_picture, cycle_figures, write_branches_page, write_cycle_page};
+use report::{branches_figure, cycle_figures, write_branches_page, write_cycle_page};
 use serde_json::json;
 use squeal::cycles::{Branches, CycleOptions, Cycles, Start, branches, contacts_digest, cycles};
 use squeal::folder::RunFolder;
@@ -123,7 +123,7 @@ impl Found {
             }
             Self::Branches(branches) => {
                 let title = format!("{}: cycles over {}", plan.name, branches.sweep.parameter.name);
-                let figure = cycle_branches_picture(branches, &title, heading)?;
+                let figure = branches_figure(branches, &title, heading)?;
                 figure.save_pictures(dir, "cycle_branches").map_err(report::Error::from)?;
                 Ok(write_branches_page(plan, branches, &geometry, figure, heading, dir)?)
             }

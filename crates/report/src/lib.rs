@@ -1,4 +1,4 @@
-//! Results for people: pictures of studies, sweeps, screenings and influences, and the page for a browser.
+//! Results for people: pictures of studies, sweeps, screenings, influences and motions, and the page for a browser.
 //!
 //! | of | picture | page |
 //! | --- | --- | --- |
@@ -7,7 +7,7 @@
 //! | a screening | [`screen_figure`] | [`write_screen_page`] |
 //! | studies side by side | [`compare_figure`] | [`write_compare_page`] |
 //! | the motion after the onset | [`cycle_figures`] | [`write_cycle_page`] |
-//! | its branches over a parameter | [`cycle_branches_picture`] | [`write_branches_page`] |
+//! | its branches over a parameter | [`branches_figure`] | [`write_branches_page`] |
 //! | the influence of inputs | [`influence_figure`] | |
 //! | likely squealing brakes | [`rare_figure`] | |
 //!
@@ -23,7 +23,7 @@ pub use html::{
     write_page, write_screen_page, write_sweep_page,
 };
 pub use pictures::{
-    compare_figure, cycle_branches_picture, cycle_figures, draw_damping, draw_occurrence, influence_figure, occurrence,
+    branches_figure, compare_figure, cycle_figures, draw_damping, draw_occurrence, influence_figure, occurrence,
     rare_figure, screen_figure, set_heading, sweep_figure,
 };
 

@@ -105,17 +105,17 @@ pub fn write_branches_page(
     dir: &Path,
 ) -> Result<(), Error> {
     let parameter = &branches.sweep.parameter.name;
-    let moving = branches.branches.iter().filter_map(|of| {
-        let (place, harmonics) = of.last.as_ref()?;
+    let all = branches.branches.iter().flat_map(|of| of.last.iter().map(move |last| (of, last)));
+    let moving = all.map(|(of, (place, harmonics))| {
         let cycle = &of.cycles[*place];
         let is_stable = cycle.in_time.as_ref().is_some_and(|(cycle, _)| cycle.is_stable());
         let stable = if is_stable { "stable" } else { "unstable" };
         let loudness = cycle.loudness.map_or(String::new(), |loudness| format!(", loudness {loudness:.4} m/s"));
-        Some(MovingCycle {
+        MovingCycle {
             name: format!("Cycle of mode {}", of.mode),
             note: format!("{stable}, at {parameter} = {}{loudness}", short(cycle.at)),
             harmonics,
-        })
+        }
     });
     let mut sentences: Vec<String> = branches.branches.iter().map(|of| sentence_of_branch(of, parameter)).collect();
     let from = branches.sweep.parameter.from;

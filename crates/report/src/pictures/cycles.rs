@@ -105,7 +105,7 @@ fn spectrum_of(of: &MotionOfMode, displacements: &[usize]) -> SpectrumOfCycle {
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub fn cycle_branches_picture(branches: &Branches, title: &str, note: &str) -> Result<Figure, Error> {
+pub fn branches_figure(branches: &Branches, title: &str, note: &str) -> Result<Figure, Error> {
     let modes = locus(&branches.sweep, "", "");
     let point = |of: &BranchCycle| {
         let in_time = of.in_time.as_ref().zip(of.loudness);

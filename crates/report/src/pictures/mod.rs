@@ -10,7 +10,7 @@ mod screen;
 mod sweep;
 
 pub use compare::compare_figure;
-pub use cycles::{cycle_branches_picture, cycle_figures};
+pub use cycles::{branches_figure, cycle_figures};
 pub(crate) use damping::damping;
 pub use damping::draw_damping;
 pub use influence::influence_figure;

@@ -49,9 +49,9 @@ pub struct Branch {
     pub cycles: Vec<BranchCycle>,
     /// Why it ends.
     pub end: BranchEnd,
-    /// The last of the cycles whose motion in time is stable, by its place among them, or else the last whose motion is known, and its harmonics, m
-    /// and m/s.
-    pub last: Option<(usize, Harmonics)>,
+    /// The last of the cycles whose motion in time is stable, and the last of those whose motion is known, by their places among them, with their
+    /// harmonics, m and m/s; one where they are the same.
+    pub last: Vec<(usize, Harmonics)>,
     /// Bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
 }
@@ -127,13 +127,16 @@ pub fn branches<B: UncertainBrake>(
         progress.advance(1);
         let cycles = points.iter().map(cycle).collect::<Result<Vec<_>, Error>>()?;
         let is_stable = |of: &BranchCycle| of.in_time.as_ref().is_some_and(|(cycle, _)| cycle.is_stable());
-        let last = cycles.iter().rposition(is_stable).or(cycles.iter().rposition(|of| of.in_time.is_some()));
+        let is_known = |of: &BranchCycle| of.in_time.is_some();
+        let mut last: Vec<usize> =
+            [cycles.iter().rposition(is_stable), cycles.iter().rposition(is_known)].into_iter().flatten().collect();
+        last.dedup();
         let harmonics = |place: usize| -> Result<Option<(usize, Harmonics)>, Error> {
             let BranchCycle { at, in_time: Some((cycle, measures)), .. } = &cycles[place] else { return Ok(None) };
             let of_plan = (plan.units, &displacements[..]);
             Ok(Some((place, harmonics_in_si(&system_at(*at)?, cycle, measures, of_plan)?)))
         };
-        let last = last.map(harmonics).transpose()?.flatten();
+        let last = last.into_iter().filter_map(|place| harmonics(place).transpose()).collect::<Result<_, _>>()?;
         progress.advance(1);
         Ok(Branch {
             mode: onset.mode.clone(),
