@@ -152,7 +152,9 @@ impl Balance {
                 return Ok((points, BranchEnd::Lost(no_tangent().to_string())));
             };
             let along = new_tangent[last];
-            let is_fold = along.abs() > UPRIGHT && along * direction < 0.0;
+            // From where it stands upright it may go back and turn before the next point.
+            let before = if direction == 0.0 { next[last] - x[last] } else { direction };
+            let is_fold = along.abs().min(before.abs()) > UPRIGHT && along * before < 0.0;
             if along.abs() > UPRIGHT {
                 direction = along;
             }

@@ -43,7 +43,7 @@ fn a_branch_stands_upright_at_its_onset_until_the_contact_opens() {
         assert!((point.cycle.parameter - onset).abs() < 1e-9, "{}", point.cycle.parameter);
         assert!((point.cycle.omega / lambda.im - 1.0).abs() < 1e-9);
     }
-    // Upright it turns nowhere, whatever rounding makes of its tangent.
+    // It goes on forwards, and upright it turns nowhere, whatever rounding makes of its tangent.
     assert!(points.iter().all(|point| !point.is_fold));
     assert_eq!(end, BranchEnd::Range);
     let last = points.last().unwrap();
