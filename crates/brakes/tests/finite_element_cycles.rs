@@ -219,6 +219,9 @@ fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
         (of_first(&in_mm.motions[0]), of_first(motion)),
     ];
     assert!(pairs.iter().all(|(mm, si)| (mm / si - 1e-3).abs() < 1e-15), "{pairs:?}");
+    // Areas are smaller too.
+    let power = |motion: &MotionOfMode| motion.radiated_power.as_ref().unwrap().iter().sum::<f64>();
+    assert!((power(&in_mm.motions[0]) / power(motion) - 1e-12).abs() < 1e-24 && power(motion) > 0.0);
     assert_eq!(in_mm.motions[0].history[0][0].normal_force, motion.history[0][0].normal_force);
 }
 

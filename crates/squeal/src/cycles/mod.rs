@@ -8,6 +8,7 @@ mod drawn;
 mod growing;
 mod of_draws;
 mod of_draws_tables;
+mod sound;
 mod starts;
 mod stopped;
 mod tables;
@@ -96,6 +97,8 @@ pub struct MotionOfMode {
     pub history: Vec<Vec<ContactMoment>>,
     /// Harmonics of the cycle, m and m/s.
     pub harmonics: Option<Harmonics>,
+    /// Power that the outer faces radiate in each harmonic at radiation efficiency 1, W; `None` of a brake without faces.
+    pub radiated_power: Option<Vec<f64>>,
     /// Frequency of the harmonic balance, Hz; `None` where it does not converge or there is no cycle.
     pub balanced_hz: Option<f64>,
 }
@@ -174,8 +177,8 @@ pub fn cycles<B: UncertainBrake>(
             .collect(),
     };
     let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
-    let brake = plan.brake(scene);
-    let displacements = displacements(plan, brake);
+    let of_scene = plan.brake(scene);
+    let displacements = displacements(plan, of_scene);
     let of_plan = (plan.units, &displacements[..]);
     progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
     let motions = stopped::when_cancelled(progress, |stop| {
@@ -184,12 +187,13 @@ pub fn cycles<B: UncertainBrake>(
         starts.into_par_iter().map(motion).collect::<Result<_, _>>()
     });
     progress.end();
-    let motions = motions?;
+    let mut motions: Vec<MotionOfMode> = motions?;
+    sound::radiate(brake, scene, &mut motions)?;
     Ok(Cycles {
         tangent_deviation,
         harmonics: options.harmonics,
         motions,
-        bodies: brake.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
+        bodies: of_scene.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
         has_peaks: plan.band.is_none(),
         displacements,
         contacts: system.contacts().iter().map(|contact| contact.name.clone()).collect(),
@@ -269,6 +273,7 @@ fn motion_of(
         measures,
         history,
         harmonics,
+        radiated_power: None,
         balanced_hz,
     })
 }

@@ -6,6 +6,9 @@ use output::Table;
 use super::{Branch, Branches, Cycles, MotionOfMode};
 use crate::sweep::SweptParameter;
 
+/// Column of the power that the outer faces radiate at radiation efficiency 1.
+const RADIATED: &str = "radiated_power_at_efficiency_1_w";
+
 /// Hz of an eigenvalue.
 fn hz(omega: f64) -> f64 {
     omega / std::f64::consts::TAU
@@ -30,6 +33,7 @@ impl Cycles {
         ]
         .map(str::to_owned)
         .to_vec();
+        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
         let families: Vec<String> = self.families();
         for (name, _) in &self.bodies {
             columns.push(format!("rms_velocity_m_per_s {name}"));
@@ -55,6 +59,8 @@ impl Cycles {
                 number(measures.map(Measures::imbalance)),
                 number(of.loudness),
             ];
+            let radiated = || number(of.radiated_power.as_ref().map(|all| all.iter().sum()));
+            row.extend(self.has_sound().then(radiated));
             for (_, dofs) in &self.bodies {
                 row.push(number(measures.map(|measures| measures.rms_of(dofs))));
                 row.extend(self.has_peaks.then(|| number(measures.map(|measures| measures.peak_of(dofs)))));
@@ -97,6 +103,7 @@ impl Cycles {
     pub fn spectrum_table(&self) -> Table {
         let mut columns =
             ["from_mode", "harmonic", "frequency_hz", "loudness_m_per_s", "part_above"].map(str::to_owned).to_vec();
+        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
         columns.extend(self.bodies.iter().map(|(name, _)| format!("rms_velocity_m_per_s {name}")));
         let mut rows = Vec::new();
         for of in &self.motions {
@@ -107,11 +114,17 @@ impl Cycles {
                 part_above -= (rms / loudness).powi(2);
                 let numbers = [harmonics.frequency_hz(harmonic), rms, part_above];
                 let of_bodies = self.bodies.iter().map(|(_, dofs)| harmonics.rms_of(harmonic, dofs));
-                let numbers = numbers.into_iter().chain(of_bodies).map(|number| number.to_string());
+                let radiated = of.radiated_power.as_ref().map(|all| all[harmonic - 1]);
+                let numbers = numbers.into_iter().chain(radiated).chain(of_bodies).map(|number| number.to_string());
                 rows.push([of.start.clone(), harmonic.to_string()].into_iter().chain(numbers).collect::<Vec<_>>());
             }
         }
         Table::new("cycle_spectrum", columns, rows)
+    }
+
+    /// True of a brake with faces, of which a cycle was found.
+    fn has_sound(&self) -> bool {
+        self.motions.iter().any(|of| of.radiated_power.is_some())
     }
 
     fn families(&self) -> Vec<String> {
