@@ -3,7 +3,7 @@
 use output::Table;
 
 use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
 use super::legend::{Entry, legend};
@@ -58,6 +58,8 @@ pub enum ContactDoes {
 const HEIGHT: f64 = 120.0;
 /// Distance between panels, pt; chosen: some two heights of small text.
 const GAP: f64 = 16.0;
+/// Room for the name of a contact beside its row, pt; chosen: a fifth of the page leaves the panels theirs.
+const MOST_NAME: f64 = 100.0;
 /// Least height of the row of a contact, pt, in which its name stands.
 const ROW: f64 = 11.0;
 
@@ -84,8 +86,8 @@ pub fn cycle_contacts_figure(data: &CycleContactsFigure) -> Result<Figure, Figur
     y = legend(&mut canvas, y + 4.0, &key(data));
     let height = HEIGHT.max(ROW * data.contacts.len() as f64);
     let margins = plots.each_ref().map(|plot| plot.left(&canvas, height));
-    let name_width = |name: &String| canvas.fonts.width(name, SMALL_TEXT, false);
-    let names = data.contacts.iter().map(name_width).fold(0.0, f64::max) + 6.0;
+    let rows: Vec<String> = data.contacts.iter().map(|name| end_of(&canvas, name)).collect();
+    let names = rows.iter().map(|name| canvas.fonts.width(name, SMALL_TEXT, false)).fold(0.0, f64::max) + 6.0;
     let right = canvas.width - PAGE_MARGIN - 6.0;
     let width = (right - PAGE_MARGIN - 2.0 * GAP - margins[0] - margins[1] - names) / 3.0;
     for cycle in &data.cycles {
@@ -102,7 +104,7 @@ pub fn cycle_contacts_figure(data: &CycleContactsFigure) -> Result<Figure, Figur
             frame(&mut canvas, area);
             x += margin + width + GAP;
         }
-        states(&mut canvas, Area { x: x + names, y, width, height }, data, cycle, part);
+        states(&mut canvas, Area { x: x + names, y, width, height }, (data, &rows), cycle, part);
         y += height + BELOW + 4.0;
     }
     for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
@@ -141,14 +143,27 @@ fn lines(
     }
 }
 
+/// The name of a contact, or its end, by which names of nodes and points differ, where it is too long for its row.
+fn end_of(canvas: &Canvas, name: &str) -> String {
+    let fits = |text: &str| canvas.fonts.width(text, SMALL_TEXT, false) <= MOST_NAME;
+    let mut ends = name.char_indices().map(|(at, _)| format!("..{}", &name[at..]));
+    if fits(name) { name.to_owned() } else { ends.find(|end| fits(end)).unwrap_or_default() }
+}
+
 /// Bars where contacts are open or stick, a row for each.
-fn states(canvas: &mut Canvas, area: Area, data: &CycleContactsFigure, cycle: &ContactsOfCycle, part: AxisScale) {
+fn states(
+    canvas: &mut Canvas,
+    area: Area,
+    (data, rows): (&CycleContactsFigure, &[String]),
+    cycle: &ContactsOfCycle,
+    part: AxisScale,
+) {
     x_axis(canvas, area, &part.ticks(4), true, true);
     canvas.text(Label::new(area.middle_x(), area.bottom() + BELOW, "part of the period (1)").middle());
     let row = area.height / data.contacts.len() as f64;
     for (at, (name, points)) in data.contacts.iter().zip(&cycle.contacts).enumerate() {
         let y = area.y + at as f64 * row;
-        canvas.text(Label::new(area.x - 4.0, y + 0.5 * row + 2.9, name.clone()).anchor(super::canvas::TextAnchor::End));
+        canvas.text(Label::new(area.x - 4.0, y + 0.5 * row + 2.9, rows[at].clone()).anchor(TextAnchor::End));
         let shares = [ContactDoes::Open, ContactDoes::Sticks]
             .map(|does| points.iter().filter(|point| point.does == does).count() as f64 / points.len() as f64);
         let words = format!("contact {name}: open in {:.3} of the steps, sticks in {:.3}", shares[0], shares[1]);

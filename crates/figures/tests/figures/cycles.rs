@@ -77,6 +77,16 @@ fn contacts_over_a_period_are_lines_with_bars_where_they_open_or_stick() {
         cycle_contacts_figure(&CycleContactsFigure::default()),
         Err(FigureError::Empty { what: "cycles" })
     ));
+    // Of a name that is longer than its row the end stands there, and all of it in the key.
+    let mut long = data.clone();
+    long.contacts[1] = "the lining of the inner pad at its trailing end, point 12".into();
+    let picture = check(&cycle_contacts_figure(&long).unwrap(), "cycle_contacts_long");
+    assert!(
+        picture.texts.iter().any(|text| text.starts_with("..") && text.ends_with("point 12")),
+        "{:?}",
+        picture.texts
+    );
+    assert!(says(&picture, "contact the lining of the inner pad at its trailing end, point 12"));
     let mut wrong = data;
     wrong.cycles[0].contacts[0][0].normal_force = f64::NAN;
     assert!(matches!(cycle_contacts_figure(&wrong), Err(FigureError::NotFinite { .. })));

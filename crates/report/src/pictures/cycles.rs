@@ -23,7 +23,8 @@ const MOST_CYCLES: usize = 5;
 /// # Errors
 /// A picture that cannot be drawn.
 pub fn cycle_figures(cycles: &Cycles, title: &str, note: &str) -> Result<Vec<(&'static str, Figure)>, Error> {
-    let all: Vec<&MotionOfMode> = cycles.motions.iter().filter(|of| of.harmonics.is_some()).collect();
+    let has_harmonics = |of: &&MotionOfMode| of.harmonics.as_ref().is_some_and(|all| !all.velocity.is_empty());
+    let all: Vec<&MotionOfMode> = cycles.motions.iter().filter(has_harmonics).collect();
     let drawn = &all[..all.len().min(MOST_CYCLES)];
     if drawn.is_empty() {
         return Ok(Vec::new());
