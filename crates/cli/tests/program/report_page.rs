@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::common::{SMALL, answer, csv_of, hoffmann, replaced, results, run, squeal};
 
@@ -202,6 +202,9 @@ fn a_cycle_has_a_page_on_which_it_moves_as_its_contact_does() {
     assert_eq!(shape["name"], "Cycle from mode 2");
     let orders: Vec<f64> = shape["orders"].as_array().unwrap().iter().map(|order| order.as_f64().unwrap()).collect();
     assert!(orders.len() > 2 && orders[..2] == [0.0, 1.0], "{orders:?}");
+    let (_, contacts) = csv_of(&files["cycle_contacts.csv"]);
+    let letters: String = contacts.iter().map(|row| if row[5] == "open" { 'o' } else { '-' }).collect();
+    assert_eq!(shape["open"], json!({ "belt": letters }));
     // The contact is a spring along the second degree of freedom: where it is closed, its force is that of the picture.
     let waves = parts(shape["parts"].as_str().unwrap());
     let y = |part: f64| -> f64 {
@@ -211,7 +214,6 @@ fn a_cycle_has_a_page_on_which_it_moves_as_its_contact_does() {
         };
         orders.iter().zip(waves.chunks_exact(2)).map(wave).sum()
     };
-    let (_, contacts) = csv_of(&files["cycle_contacts.csv"]);
     let forces: Vec<[f64; 2]> = contacts.iter().map(|row| [2, 3].map(|at| row[at].parse().unwrap())).collect();
     let [at, largest] = *forces.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
     let scale = (largest - 1.0) / y(at);

@@ -31,6 +31,10 @@ const displacements = ({ waves }, phase) => {
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
+// The contacts of a cycle that are open at a phase, by their names.
+const openAt = ({ open = {} }, phase) => new Set(Object.entries(open)
+  .filter(([, steps]) => steps[Math.round((phase / (2 * Math.PI)) * steps.length) % steps.length] === 'o').map(([name]) => name));
+
 // How far each point gets from its place, and each degree of freedom with its phase there, in degrees. A mode goes around on ellipses: half of the long axis;
 // a cycle is looked at in steps of the phase.
 const PHASES = 72;

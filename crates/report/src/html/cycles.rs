@@ -5,7 +5,7 @@ use std::path::Path;
 use figures::Figure;
 use output::hertz;
 use serde_json::json;
-use squeal::cycle::{Motion, Shares};
+use squeal::cycle::{ContactMoment, ContactState, Motion, Shares};
 use squeal::cycles::{Branch, Branches, Cycles, MotionOfMode};
 use squeal::fingerprint;
 use squeal::study::Plan;
@@ -72,6 +72,7 @@ pub fn write_cycle_page(
         Some(MovingCycle {
             name: format!("Cycle from {}", of.start_in_words()),
             note: of.loudness.map_or(String::new(), |loudness| format!("loudness {loudness:.4} m/s")),
+            open: openings(cycles, of),
             harmonics: of.harmonics.as_ref()?,
         })
     });
@@ -114,6 +115,7 @@ pub fn write_branches_page(
         MovingCycle {
             name: format!("Cycle of mode {}", of.mode),
             note: format!("{stable}, at {parameter} = {}{loudness}", short(cycle.at)),
+            open: Vec::new(),
             harmonics,
         }
     });
@@ -180,6 +182,16 @@ fn write(
         }),
     };
     page.write(&dir.join(FILE))
+}
+
+/// Contacts of a cycle that open, with the steps of its period at which they are.
+fn openings(cycles: &Cycles, of: &MotionOfMode) -> Vec<(String, String)> {
+    let letters = |contact: usize| -> String {
+        let is_open = |moments: &Vec<ContactMoment>| moments[contact].state == ContactState::Open;
+        of.history.iter().map(|moments| if is_open(moments) { 'o' } else { '-' }).collect()
+    };
+    let all = cycles.contacts.iter().enumerate().map(|(contact, name)| (name.clone(), letters(contact)));
+    all.filter(|(_, steps)| steps.contains('o')).collect()
 }
 
 /// What becomes of a motion.

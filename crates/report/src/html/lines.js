@@ -24,11 +24,12 @@ const linesPicture = (body, view) => {
       const round = [...Array(points).keys()].map(k => view.places(shape, (2 * Math.PI * k) / points));
       trails.setAttribute('d', at.map((_, i) => `${path(round.map(places => places[i]))}Z`).join(''));
     },
-    setMoved: places => {
+    setMoved: (places, open) => {
       links.setAttribute('d', lines.map(ends => path(ends.map(i => places[i]))).join(''));
       places.forEach(([x, y], i) => {
         dots[i].setAttribute('cx', x.toFixed(1));
         dots[i].setAttribute('cy', y.toFixed(1));
+        dots[i].classList.toggle('open', open.has(all[i]));
         names[i].setAttribute('x', (x + 10).toFixed(1));
         names[i].setAttribute('y', (y - 8).toFixed(1));
       });

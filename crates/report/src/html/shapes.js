@@ -58,7 +58,10 @@ const startShapes = () => {
   const setValues = () => {
     for (const [name, unit] of Object.entries(UNITS)) byId(`shape-${name}-value`).textContent = `${value(name)}${unit}`;
   };
-  const setMoved = () => picture.setMoved(view.places(shape(), radians(value('phase'))));
+  const setMoved = () => {
+    const phase = radians(value('phase'));
+    picture.setMoved(view.places(shape(), phase), openAt(shape(), phase));
+  };
   const redraw = () => { setValues(); picture.setUnmoved(shape()); setMoved(); };
 
   const describe = () => {
@@ -76,7 +79,8 @@ const startShapes = () => {
       make('td', { class: 'number' }, (size / most).toFixed(3)),
       make('td', { class: 'number' }, Math.round(phases[dof])))));
     const what = `${called} at ${hertz} Hz: most motion at ${largest[0].name}`;
-    byId('shape-words').replaceChildren(`${what}. ${body.words}`,
+    const hollow = Object.keys(shape().open ?? {}).some(contact => body.names.includes(contact)) ? ' A hollow one has its contact open.' : '';
+    byId('shape-words').replaceChildren(`${what}. ${body.words}${hollow}`,
       make('span', { class: 'on-screen' }, body.isSpatial ? ' Drag the picture to turn it, or use the arrow keys, + and -.' : ''));
     picture.element.setAttribute('aria-label', `${what}, animated`);
     redraw();

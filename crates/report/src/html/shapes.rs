@@ -4,7 +4,7 @@ use linsys::DofMap;
 use nalgebra::DVector;
 use num_complex::Complex;
 use output::hertz;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use squeal::cycle::Harmonics;
 use squeal::results::Results;
 use squeal::results::findings::SetFindings;
@@ -100,6 +100,8 @@ pub(super) struct MovingCycle<'m> {
     pub name: String,
     /// Text beside the frequency, after a comma; may be empty.
     pub note: String,
+    /// Contacts that open, each with a letter for each of equal steps of the period: `o` where it is open.
+    pub open: Vec<(String, String)>,
     pub harmonics: &'m Harmonics,
 }
 
@@ -115,7 +117,7 @@ pub(super) fn moving_cycles(
 ) -> Result<Value, Error> {
     let (mut room, mut left) = (MOST_SHAPE_NUMBERS, cycles.len());
     let mut shapes = Vec::new();
-    for MovingCycle { name, note, harmonics } in cycles {
+    for MovingCycle { name, note, open, harmonics } in cycles {
         let motion = |order: usize| {
             let shape = DVector::from_vec(harmonics.displacement(order));
             geometry.motion(ModeOf { basis, dofs, shape: &shape })
@@ -139,6 +141,7 @@ pub(super) fn moving_cycles(
             "name": name,
             "hertz": hertz(harmonics.frequency_hz(1)),
             "note": format!("{note}; its mean and first {shown}"),
+            "open": open.into_iter().map(|(name, steps)| (name, Value::from(steps))).collect::<Map<_, _>>(),
             "orders": (0..=number).collect::<Vec<_>>(),
             "parts": packed(waves.iter().flat_map(|u| [u.re, u.im]), largest),
         }));

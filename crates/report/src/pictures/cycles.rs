@@ -17,8 +17,8 @@ const MOST_CONTACTS: usize = 9;
 /// Cycles that have panels, at most; chosen: more are larger than a page.
 const MOST_CYCLES: usize = 5;
 
-/// The figures of the cycles of a scene with the names of their files, `cycle_contacts` and `cycle_spectrum`; none where no motion is a cycle or there
-/// is no contact. `title` and `note` stand above and below.
+/// The figures of the cycles of a scene with the names of their files, `cycle_contacts` and `cycle_spectrum`; none where no motion is a cycle, and of a brake
+/// without contacts not the first. `title` and `note` stand above and below.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
