@@ -1,4 +1,4 @@
-// Opens pages that `squeal run` or `squeal sweep` wrote in headless Chromium: do controls work, is nothing complained of or asked
+// Opens pages that `squeal run`, `sweep`, `screen` or `cycle` wrote in headless Chromium: do controls work, is nothing complained of or asked
 // from a network, does the picture show the numbers of the tables beside the page, and is it whole on paper?
 //
 // node tests/browser/report.mjs FOLDER... [--pictures DIR]
@@ -200,6 +200,45 @@ const bars = async (page, folder) => {
   }
 };
 
+// Marks of the figures of cycles say the numbers of the tables.
+const cycles = async (page, folder) => {
+  const rows = name => csv(readFileSync(join(folder, `${name}.csv`), 'utf8'));
+  const labels = selector => page.value(`[...document.querySelectorAll('${selector}')].map(mark => mark.getAttribute('aria-label'))`);
+  if (existsSync(join(folder, 'cycle_branches.csv'))) {
+    const said = await labels('#cycle_branches .point, #cycle_branches .fold');
+    const all = rows('cycle_branches');
+    // In both panels, but for what has no loudness.
+    assert.equal(said.length, all.length + all.filter(row => row.loudness_m_per_s !== '').length);
+    for (const { mode, cycle_hz: cycle, balance_hz: balance, loudness_m_per_s: loudness, stable } of all) {
+      const word = { yes: 'stable', no: 'unstable', '': 'in harmonic balance alone' }[stable];
+      const wanted = `: ${cycle || balance} Hz, ${word}${loudness && `, ${loudness} m/s`}`;
+      assert.ok(said.some(label => label.startsWith(`cycle of mode ${mode} at `) && label.includes(wanted)), `no mark says ${wanted}`);
+    }
+    return;
+  }
+  const moving = rows('cycles').filter(row => row.kind === 'cycle').slice(0, 5);
+  assert.equal(await page.value("document.querySelector('#cycle_spectrum') !== null"), moving.length > 0);
+  const said = await labels('#cycle_spectrum .harmonic');
+  const harmonics = rows('cycle_spectrum').map(row => `harmonic ${row.harmonic}: ${row.frequency_hz} Hz, ${row.loudness_m_per_s} m/s`);
+  assert.ok(said.length >= moving.length && said.every(label => harmonics.includes(label)), `${said}`);
+  const of = (column, unit) => moving.flatMap(({ from_mode: from }) => {
+    const all = rows('cycle_contacts').filter(row => row.from_mode === from);
+    return [...new Set(all.map(row => row.contact))].map(contact => {
+      const values = all.filter(row => row.contact === contact).map(row => Number(row[column]));
+      return `contact ${contact}: ${Math.min(...values).toFixed(4)} to ${Math.max(...values).toFixed(4)} ${unit}`;
+    });
+  });
+  const ranges = [...of('normal_force_n', 'N'), ...of('sliding_velocity_m_per_s', 'm/s')];
+  // Of the first cycle that moves, on a lattice: hollow where a contact is open at a third of the period.
+  const open = new Set(rows('cycle_contacts').filter(row => row.from_mode === moving[0]?.from_mode && row.state === 'open' && row.part_of_period === String(43 / 128))
+    .map(row => row.contact));
+  await page.value(select('shape-phase', '121'));
+  const hollow = await page.value("[...document.querySelectorAll('#shape-view circle')].filter(dot => dot.classList.contains('open')).length");
+  if (await page.value("JSON.parse(document.getElementById('data').textContent).moving.geometry.is_spatial === true")) assert.equal(hollow, open.size, 'hollow');
+  const lines = await labels('#cycle_contacts .contact');
+  assert.ok(lines.every(label => ranges.includes(label)), `${lines}`);
+};
+
 const theme = async page => {
   const background = 'getComputedStyle(document.body).backgroundColor';
   const seen = [await page.value(background)];
@@ -280,6 +319,8 @@ const check = async (browser, folder, pictures) => {
     if (await shapes(page)) await mesh(page, folder);
   } else if (await page.value("document.getElementById('drops') !== null")) {
     await bars(page, folder);
+  } else if (['cycles.csv', 'cycle_branches.csv'].some(name => existsSync(join(folder, name)))) {
+    await cycles(page, folder);
   } else {
     await marks(page, folder);
     if (!(await page.value("JSON.parse(document.getElementById('data').textContent).moving.geometry.why"))) await crossing(page, folder);

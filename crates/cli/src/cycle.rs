@@ -1,21 +1,23 @@
 //! `squeal cycle`: the motion that unstable modes grow into.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use brakes::case::{CaseFile, ChosenSpeed};
 use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
 use output::{Table, printable};
+use report::{branches_figure, cycle_figures, write_branches_page, write_cycle_page};
 use serde_json::json;
-use squeal::cycles::{CycleOptions, Start, branches, contacts_digest, cycles};
+use squeal::cycles::{Branches, CycleOptions, Cycles, Start, branches, contacts_digest, cycles};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::study::Study;
 use squeal::sweep::Over;
 use squeal::workers;
 
+use super::mesh_shapes::geometry;
 use super::options::{MemoryArgs, number};
 use super::scene::{SceneArgs, counts_from, swept_in_words};
 use super::sweep::over;
@@ -51,7 +53,7 @@ pub struct CycleArgs {
     /// Part of the sliding speed below which a contact sticks, above 0 and below 1
     #[arg(long, value_name = "EPS", default_value_t = CycleOptions::default().stick, allow_negative_numbers = true, value_parser = number)]
     pub stick: f64,
-    /// Folder for tables: new, empty, or that of the same motion
+    /// Folder for tables, figures and a page: new, empty, or that of the same motion
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// JSON for machines: the rows of the table
@@ -83,6 +85,49 @@ fn start(text: &str) -> Result<Start, String> {
     match text {
         "noise" => Ok(Start::Noise),
         rank => rank.parse().map(Start::Mode).map_err(|_| "allowed: the rank of a mode, or noise".to_owned()),
+    }
+}
+
+/// What was asked for.
+enum Found {
+    Cycles(Box<Cycles>),
+    Branches(Box<Branches>),
+}
+
+impl Found {
+    fn tables(&self) -> Vec<Table> {
+        match self {
+            Self::Cycles(cycles) => vec![cycles.table(), cycles.contacts_table(), cycles.spectrum_table()],
+            Self::Branches(branches) => vec![branches.table()],
+        }
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::Cycles(cycles) => cycles.text(),
+            Self::Branches(branches) => branches.text(),
+        }
+    }
+
+    /// Writes figures and page into a folder in which the tables stand.
+    fn draw<B: CaseBrake>(&self, brake: &B, heading: &str, dir: &Path) -> Result<(), Error> {
+        let (plan, geometry) = (brake.plan(), geometry(brake));
+        match self {
+            Self::Cycles(cycles) => {
+                let figures = cycle_figures(cycles, &plan.name, heading)?;
+                figures
+                    .iter()
+                    .try_for_each(|(stem, figure)| figure.save_pictures(dir, stem))
+                    .map_err(report::Error::from)?;
+                Ok(write_cycle_page(plan, cycles, &geometry, &figures, heading, dir)?)
+            }
+            Self::Branches(branches) => {
+                let title = format!("{}: cycles over {}", plan.name, branches.sweep.parameter.name);
+                let figure = branches_figure(branches, &title, heading)?;
+                figure.save_pictures(dir, "cycle_branches").map_err(report::Error::from)?;
+                Ok(write_branches_page(plan, branches, &geometry, figure, heading, dir)?)
+            }
+        }
     }
 }
 
@@ -122,11 +167,10 @@ impl CycleArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let (tables, text): (Vec<Table>, String) = match &self.over {
-            None => {
-                let cycles = cycles(brake, &plan.scenes[0], &options, &Bar::of("periods of the modes at most"))?;
-                (vec![cycles.table(), cycles.contacts_table()], cycles.text())
-            }
+        let found = match &self.over {
+            None => Found::Cycles(
+                cycles(brake, &plan.scenes[0], &options, &Bar::of("periods of the modes at most"))?.into(),
+            ),
             Some(over) => workers(None)?.install(|| -> Result<_, Error> {
                 let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
                 let branches = branches(
@@ -136,15 +180,20 @@ impl CycleArgs {
                     &options,
                     [&Bar::of("steps of the sweep"), &Bar::of("steps of the branches")],
                 )?;
-                Ok((vec![branches.table()], branches.text()))
+                Ok(Found::Branches(branches.into()))
             })?,
         };
+        let heading = match &self.over {
+            None => brake.medians_in_words() + &counts_from(&plan.threshold),
+            Some(over) => swept_in_words(plan, std::slice::from_ref(over)),
+        };
+        let tables = found.tables();
         let seconds = begin.elapsed().as_secs_f64();
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| -> Result<(), Error> {
                 tables.iter().try_for_each(|table| table.write(stage))?;
-                Ok(())
+                found.draw(brake, &heading, stage)
             })?;
             let own = json!({
                 "scene": plan.describe(&plan.scenes[0]),
@@ -163,11 +212,7 @@ impl CycleArgs {
         if self.json {
             return Ok(format!("{:#}\n", json!({ "scene": plan.describe(&plan.scenes[0]), "rows": tables[0].json() })));
         }
-        let heading = match &self.over {
-            None => brake.medians_in_words() + &counts_from(&plan.threshold),
-            Some(over) => swept_in_words(plan, std::slice::from_ref(over)),
-        };
         let place = results_folder::place(self.out.as_deref());
-        Ok(format!("{}\n\n{text}{seconds:.2} s{place}\n", printable(&heading)))
+        Ok(format!("{}\n\n{}{seconds:.2} s{place}\n", printable(&heading), found.text()))
     }
 }

@@ -58,6 +58,9 @@ impl std::fmt::Display for BranchEnd {
     }
 }
 
+/// Part along the parameter of a unit tangent up to which a branch stands upright, where it turns nowhere; chosen, far above rounding.
+const UPRIGHT: f64 = 1e-8;
+
 /// Steps shorter than this part of the longest are given up; chosen.
 const SHORTEST: f64 = 1e-4;
 
@@ -125,6 +128,8 @@ impl Balance {
         let unit = |at: usize| DVector::from_fn(last + 1, |i, _| if i == at { 1.0 } else { 0.0 });
         let no_tangent = || Error::NoConvergence { method: "the tangent of a branch", residual: f64::NAN };
         let mut tangent = bordered.lu().solve(&unit(last)).ok_or_else(no_tangent)?.normalize();
+        // The way along the parameter so far: none while the branch stands upright.
+        let mut direction = if tangent[last].abs() > UPRIGHT { tangent[last] } else { 0.0 };
         // The amplitude of the first kink is the length by which the series are measured.
         let longest = reach.longest_step * points[0].cycle.series.norm() / points[0].amplitude;
         let mut step = 0.1 * longest;
@@ -146,7 +151,13 @@ impl Balance {
             let Some(new_tangent) = bordered.lu().solve(&unit(last)).map(|tangent| tangent.normalize()) else {
                 return Ok((points, BranchEnd::Lost(no_tangent().to_string())));
             };
-            let is_fold = new_tangent[last] * tangent[last] < 0.0;
+            let along = new_tangent[last];
+            // From where it stands upright it may go back and turn before the next point.
+            let before = if direction == 0.0 { next[last] - x[last] } else { direction };
+            let is_fold = along.abs().min(before.abs()) > UPRIGHT && along * before < 0.0;
+            if along.abs() > UPRIGHT {
+                direction = along;
+            }
             let amplitude = amplitude_of(&cycle)?;
             if amplitude < END {
                 return Ok((points, BranchEnd::Sliding));

@@ -9,7 +9,7 @@
 //! | --- | --- |
 //! | write the equations | [`ContactSystem`], [`SlidingContact`], [`ContactFriction`]; [`ContactSystem::check_tangent`] holds them against the linear analysis |
 //! | know what a motion becomes | [`follow`]: Dormand and Prince's method, then [`shoot`] to a [`Cycle`] with its Floquet multipliers |
-//! | measure a cycle | [`measure`]: amplitudes, shares open and stuck, power by family; [`history`]: N(t) and slip |
+//! | measure a cycle | [`measure`]: amplitudes, shares open and stuck, power by family; [`history`]: N(t) and slip; [`harmonics`]: its Fourier series |
 //! | follow cycles over a parameter | [`Balance`]: harmonic balance on the contacts, [`Balance::branch_from_onset`] |
 
 mod contact;
@@ -18,6 +18,7 @@ mod dopri;
 mod error;
 mod friction;
 mod harmonic_balance;
+mod harmonics;
 mod measure;
 mod motion;
 mod powers;
@@ -30,7 +31,8 @@ pub use continuation::{BranchEnd, BranchPoint, NearMode, Reach, SystemAt};
 pub use error::Error;
 pub use friction::{Bristled, ContactFriction, Smoothed};
 pub use harmonic_balance::{Balance, BalancedCycle};
-pub use measure::{Measures, Shares, history, measure, measure_over};
+pub use harmonics::{Harmonics, harmonics};
+pub use measure::{ContactMoment, ContactState, Measures, Shares, history, measure, measure_over};
 pub use motion::{Motion, Settings, follow, follow_telling, state_after};
 pub use shooting::{Cycle, shoot};
 pub use system::{ContactSystem, Part};

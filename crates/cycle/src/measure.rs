@@ -1,7 +1,7 @@
 //! What a cycle does: amplitudes, shares of its period open and stuck, power by family of forces.
 
 use crate::dopri::{Flow, Integrator};
-use crate::{ContactSystem, Cycle, Error};
+use crate::{ContactSystem, Cycle, Error, SlidingContact};
 
 /// Measures of a periodic motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +25,40 @@ pub struct Shares {
     pub open: f64,
     /// Share of the period in which the contact is closed and slower than its stick speed, 0 to 1.
     pub stuck: f64,
+}
+
+/// A contact at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactMoment {
+    /// Normal force N, N; 0 where the contact is open.
+    pub normal_force: f64,
+    /// Sliding velocity w, m/s.
+    pub sliding_velocity: f64,
+    /// State of the contact.
+    pub state: ContactState,
+}
+
+/// State of a contact at a moment, as [`Shares`] count it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ContactState {
+    /// Closed, and faster than its stick speed.
+    Sliding,
+    /// Closed, and slower than its stick speed.
+    Stuck,
+    /// Open.
+    Open,
+}
+
+impl ContactState {
+    /// The state in a word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sliding => "sliding",
+            Self::Stuck => "stuck",
+            Self::Open => "open",
+        }
+    }
 }
 
 impl Measures {
@@ -181,7 +215,7 @@ fn measured(
     Ok((measures, motion.x))
 }
 
-/// Normal force and sliding velocity of each contact at equal steps over a period of a cycle, `samples` rows of `(N, w)` by contact, N and m/s.
+/// The contacts at equal steps over a period of a cycle, `samples` rows by contact.
 ///
 /// # Errors
 /// A motion that cannot be followed.
@@ -190,13 +224,19 @@ pub fn history(
     cycle: &Cycle,
     samples: usize,
     tolerance: f64,
-) -> Result<Vec<Vec<(f64, f64)>>, Error> {
-    let of_contacts = |x: &[f64]| {
+) -> Result<Vec<Vec<ContactMoment>>, Error> {
+    let of_contact = |contact: &SlidingContact, x: &[f64]| {
         let (u, velocity) = x.split_at(system.order());
-        let contacts = system.contacts().iter();
-        contacts.map(|contact| ((contact.load + contact.approach(u)).max(0.0), contact.slip(velocity))).collect()
+        let (normal_force, sliding_velocity) = (contact.load + contact.approach(u), contact.slip(velocity));
+        let state = match normal_force > 0.0 {
+            false => ContactState::Open,
+            true if sliding_velocity.abs() < contact.friction.stick_speed() => ContactState::Stuck,
+            true => ContactState::Sliding,
+        };
+        ContactMoment { normal_force: normal_force.max(0.0), sliding_velocity, state }
     };
-    Ok(states(system, cycle, samples, tolerance)?.iter().map(|x| of_contacts(x)).collect())
+    let of_contacts = |x: &Vec<f64>| system.contacts().iter().map(|contact| of_contact(contact, x)).collect();
+    Ok(states(system, cycle, samples, tolerance)?.iter().map(of_contacts).collect())
 }
 
 /// States of motion at equal steps over a period of a cycle.

@@ -5,9 +5,11 @@
 mod common;
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use common::{hoffmann, hoffmann_mode};
+use common::{Curve, hoffmann, hoffmann_mode, mass_on_belt};
 use cycle::{Balance, BranchEnd, Error, Motion, Reach, Settings, follow};
+use num_complex::Complex;
 
 const TIGHT: f64 = 1e-12;
 
@@ -43,10 +45,38 @@ fn a_branch_stands_upright_at_its_onset_until_the_contact_opens() {
         assert!((point.cycle.parameter - onset).abs() < 1e-9, "{}", point.cycle.parameter);
         assert!((point.cycle.omega / lambda.im - 1.0).abs() < 1e-9);
     }
+    // It goes on forwards, and upright it turns nowhere, whatever rounding makes of its tangent.
+    assert!(points.iter().all(|point| !point.is_fold));
     assert_eq!(end, BranchEnd::Range);
     let last = points.last().unwrap();
     assert!((last.cycle.parameter - 1.1).abs() < 1e-12);
     assert!((TAU / last.cycle.omega - 4.670813590).abs() < 1e-4, "{}", TAU / last.cycle.omega);
+}
+
+#[test]
+fn a_branch_goes_back_from_its_onset_to_a_fold_and_forth() {
+    // y'' + y = p y' + y'^3 - y'^5: in one harmonic p = 5/8 A^4 - 3/4 A^2 at the velocity A, which turns at A^2 = 0.6, and no other frequency than 1. Friction gives y' more,
+    // which a dashpot takes.
+    const SPEED: f64 = 0.4;
+    let curve = Curve(|w| {
+        let v = SPEED - w;
+        (1.0 + v + v.powi(3) - v.powi(5), 5.0 * v.powi(4) - 3.0 * v * v - 1.0)
+    });
+    let curve = Arc::new(curve);
+    let at = |p: f64| Ok::<_, Error>(mass_on_belt(SPEED, 1.0 - p, Arc::clone(&curve) as _));
+    let reach = Reach { range: [-0.3, 0.2], longest_step: 0.2, most_points: 200 };
+    let one = [Complex::new(1.0, 0.0)];
+    let (points, end) = Balance::new(1, 64).unwrap().branch_from_onset(&at, (1.0, &one), 0.0, &reach).unwrap();
+    assert_eq!(end, BranchEnd::Range);
+    let square = |amplitude: f64| (SPEED * amplitude).powi(2);
+    for point in &points {
+        let a2 = square(point.amplitude);
+        let p = 0.625 * a2 * a2 - 0.75 * a2;
+        assert!((point.cycle.parameter - p).abs() < 1e-8 && (point.cycle.omega - 1.0).abs() < 1e-9, "{point:?}");
+    }
+    let folds: Vec<usize> = (0..points.len()).filter(|at| points[*at].is_fold).collect();
+    let [fold] = folds[..] else { panic!("{folds:?}") };
+    assert!(square(points[fold - 1].amplitude) < 0.6 && square(points[fold].amplitude) > 0.6, "{points:?}");
 }
 
 #[test]

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt, part};
 use cycle::{
-    Bristled, ContactSystem, Cycle, Measures, Motion, Part, Settings, SlidingContact, Smoothed, follow, history,
-    measure, state_after,
+    Bristled, ContactState, ContactSystem, Cycle, Measures, Motion, Part, Settings, SlidingContact, Smoothed, follow,
+    harmonics, history, measure, state_after,
 };
 use friction::{
     BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent, VelocityDependentParameters,
@@ -58,7 +58,7 @@ fn hoffmanns_oscillator_lifts_off_as_two_matched_linear_phases_do() {
         assert!((cycle.period - period).abs() < 1e-8, "{mu}: {}", cycle.period);
         assert!((measures.contacts[0].open * cycle.period - open).abs() < 1e-6, "{mu}: {:?}", measures.contacts);
         let loads = history(&system, &cycle, 4096, TIGHT).unwrap();
-        let normal = loads.iter().map(|contacts| contacts[0].0).fold(0.0, f64::max);
+        let normal = loads.iter().map(|contacts| contacts[0].normal_force).fold(0.0, f64::max);
         assert!(((normal - 1.0) * 0.75 - largest).abs() < 2e-6, "{mu}: {normal}");
         let multiplier = cycle.largest_multiplier();
         assert!((0.889..0.8955).contains(&multiplier), "{mu}: {multiplier}");
@@ -68,6 +68,53 @@ fn hoffmanns_oscillator_lifts_off_as_two_matched_linear_phases_do() {
         assert!(
             power("friction") > 0.0 && power("dashpots") < 0.0 && power("opening").abs() < 1e-10 * power("friction")
         );
+    }
+}
+
+#[test]
+fn harmonics_hold_the_mean_square_of_the_velocity_and_add_up_to_the_motion() {
+    let (system, cycle, measures) = of_hoffmann(1.1, 1.0);
+    let all = [0, 1];
+    let found = harmonics(&system, &cycle, (&all, measures.rms_of(&all)), TIGHT).unwrap();
+    assert!((found.omega * cycle.period / std::f64::consts::TAU - 1.0).abs() < 1e-15);
+    let orders = 1..=found.velocity.len();
+    // Parseval, of both together and of each.
+    for (dofs, most) in [(&all[..], 1e-8), (&all[..1], 1e-6), (&all[1..], 1e-6)] {
+        let sum: f64 = orders.clone().map(|harmonic| found.rms_of(harmonic, dofs).powi(2)).sum();
+        let missing = 1.0 - sum / measures.rms_of(dofs).powi(2);
+        assert!((-1e-10..most).contains(&missing), "{dofs:?}: {missing}");
+    }
+    // The motion a while after the start, integrated by itself, displacements before velocities.
+    for part in [0.0, 0.37, 0.81] {
+        let x = state_after(&system, cycle.start.clone(), part * cycle.period, found.omega, TIGHT).unwrap();
+        let turn = |harmonic: usize| Complex::cis(std::f64::consts::TAU * harmonic as f64 * part);
+        for (dof, size) in [(0, measures.peak[0]), (1, measures.peak[1])] {
+            let waves = |of: &dyn Fn(usize) -> Complex<f64>| orders.clone().map(|k| (of(k) * turn(k)).re).sum::<f64>();
+            let displacement = found.mean[dof] + waves(&|k| found.displacement(k)[dof]);
+            assert_eq!(found.displacement(0)[dof], found.mean[dof].into());
+            assert!((displacement - x[dof]).abs() < 1e-4 * size, "{part}, {dof}: {displacement} {}", x[dof]);
+            let velocity = waves(&|k| found.velocity[k - 1][dof]);
+            assert!((velocity - x[2 + dof]).abs() < 1e-3 * size, "{part}, {dof}: {velocity} {}", x[2 + dof]);
+        }
+    }
+}
+
+#[test]
+fn contacts_are_open_and_stuck_at_as_many_steps_as_their_shares_say() {
+    let steps = 1000;
+    for (system, cycle, measures) in [of_hoffmann(1.1, 1.0), stick_slip(1e-3)] {
+        let moments = history(&system, &cycle, steps, 1e-9).unwrap();
+        let shares = measures.contacts[0];
+        for (state, share) in [(ContactState::Open, shares.open), (ContactState::Stuck, shares.stuck)] {
+            let counted = moments.iter().filter(|contacts| contacts[0].state == state).count();
+            assert!(
+                (counted as f64 / steps as f64 - share).abs() <= 2.0 / steps as f64,
+                "{state:?}: {counted} {share}"
+            );
+        }
+        for moment in moments.iter().map(|contacts| contacts[0]) {
+            assert_eq!(moment.state == ContactState::Open, moment.normal_force == 0.0, "{moment:?}");
+        }
     }
 }
 
@@ -139,7 +186,7 @@ fn van_der_pols_oscillator_has_its_amplitude_and_period() {
     let found = cycle(&system, vec![0.1, 0.0], 1.0, &ONE, TIGHT);
     assert!((found.period - 6.663286859).abs() < 1e-8, "{}", found.period);
     let slips = history(&system, &found, 8192, TIGHT).unwrap();
-    let amplitude = slips.iter().map(|contacts| (contacts[0].1 - 10.0).abs()).fold(0.0, f64::max);
+    let amplitude = slips.iter().map(|contacts| (contacts[0].sliding_velocity - 10.0).abs()).fold(0.0, f64::max);
     assert!((amplitude - 2.008619861).abs() < 1e-6, "{amplitude}");
 }
 
@@ -172,14 +219,14 @@ fn a_cubic_friction_curve_has_the_amplitudes_integrated_elsewhere() {
 }
 
 /// Coefficient 1 at rest and 0.6 in sliding at a belt of 0.3, undamped: `D = 0.4`, amplitude 0.5, period 7.095261538.
-fn stick_slip(stick_speed: f64) -> (f64, f64, f64) {
+fn stick_slip(stick_speed: f64) -> (ContactSystem, Cycle, Measures) {
     let law =
         VelocityDependent::new(VelocityDependentParameters { mu_s: 1.0, mu_k: 0.6, alpha: 1.0 / (30.0 * stick_speed) })
             .unwrap();
     let system = mass_on_belt(0.3, 0.0, Arc::new(Smoothed { law, stick_speed }));
     let found = cycle(&system, vec![0.45, 0.0], 1.0, &ONE, 1e-9);
     let measures = measure(&system, &found, 1e-9).unwrap();
-    (found.period, measures.peak[0], measures.contacts[0].stuck)
+    (system, found, measures)
 }
 
 #[test]
@@ -187,10 +234,10 @@ fn stick_slip_tends_to_coulombs_as_the_smoothing_narrows() {
     let (period, stuck) = (7.095261538, 2.0 * 0.4 / 0.3 / 7.095261538);
     let mut last = f64::INFINITY;
     for stick_speed in [1e-3, 4e-4, 1e-4] {
-        let found = stick_slip(stick_speed);
-        let errors = [found.0 / period - 1.0, found.1 / 0.5 - 1.0, found.2 / stuck - 1.0].map(f64::abs);
-        let error = errors.into_iter().fold(0.0, f64::max);
-        assert!(error < last, "{stick_speed}: {found:?}");
+        let (_, found, measures) = stick_slip(stick_speed);
+        let ratios = [found.period / period, measures.peak[0] / 0.5, measures.contacts[0].stuck / stuck];
+        let error = ratios.into_iter().map(|ratio| (ratio - 1.0).abs()).fold(0.0, f64::max);
+        assert!(error < last, "{stick_speed}: {ratios:?}");
         last = error;
     }
     assert!(last < 0.02, "{last}");

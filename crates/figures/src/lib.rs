@@ -33,6 +33,9 @@
 
 mod axis;
 mod canvas;
+mod cycle_branches;
+mod cycle_contacts;
+mod cycle_spectrum;
 mod damping;
 mod drops;
 mod error;
@@ -46,6 +49,7 @@ mod model_diagram;
 mod occurrence;
 mod paths;
 mod pdf;
+mod plot;
 mod point_names;
 mod raster;
 mod root_locus;
@@ -54,6 +58,9 @@ mod stability_map;
 mod style;
 mod vector;
 
+pub use cycle_branches::{CycleBranch, CycleBranchesFigure, CyclePoint, cycle_branches_figure};
+pub use cycle_contacts::{ContactDoes, ContactPoint, ContactsOfCycle, CycleContactsFigure, cycle_contacts_figure};
+pub use cycle_spectrum::{CycleSpectrumFigure, SpectrumOfCycle, cycle_spectrum_figure};
 pub use damping::{DampingFigure, UnstableRange, damping_figure};
 pub use drops::{DropBar, DropGroup, DropsFigure, drops};
 pub use error::FigureError;

@@ -2,11 +2,12 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
+use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
 use super::legend::{Entry, legend};
+use super::plot::{BELOW, Plot, inside};
 use super::point_names::write_names;
 use super::scale::{bar, color};
 use super::style::{BLUE, VERMILLION};
@@ -85,8 +86,7 @@ const GAP: f64 = 18.0;
 struct Panel {
     x: usize,
     y: usize,
-    scales: [AxisScale; 2],
-    labels: [String; 2],
+    plot: Plot,
 }
 
 /// Draws the root locus above frequency and growth against the parameter. Onsets are labelled by their modes. The axis of growth shows what
@@ -118,7 +118,7 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
         ),
     };
     let (hertz, per_second) = ("frequency (Hz)".to_owned(), "growth Re \u{3bb} (1/s)".to_owned());
-    let panel = |x, y, scales, labels| Panel { x, y, scales, labels };
+    let panel = |x, y, scales, labels| Panel { x, y, plot: Plot { scales, labels } };
     let locus = panel(1, 2, [frequency, growth], [hertz.clone(), per_second.clone()]);
     let below = [
         panel(0, 1, [parameter, frequency], [data.parameter.clone(), hertz]),
@@ -134,19 +134,19 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
         more => entries.push(Entry { symbol: None, text: format!("{more} branches go on below the picture") }),
     }
     y = legend(&mut canvas, y, &entries);
-    let left = PAGE_MARGIN + locus.left(&canvas, LOCUS_HEIGHT);
+    let left = PAGE_MARGIN + locus.plot.left(&canvas, LOCUS_HEIGHT);
     let right = canvas.width - PAGE_MARGIN - 10.0;
     let area = Area { x: left, y: y + 4.0, width: right - left, height: LOCUS_HEIGHT };
     locus.draw(&mut canvas, area, data);
-    y = area.bottom() + SMALL_TEXT + LINE_SPACING + 14.0;
-    let margins = below.each_ref().map(|panel| panel.left(&canvas, LOWER_HEIGHT));
+    y = area.bottom() + BELOW + 12.0;
+    let margins = below.each_ref().map(|panel| panel.plot.left(&canvas, LOWER_HEIGHT));
     let width = (right - PAGE_MARGIN - GAP - margins[0] - margins[1]) / 2.0;
     let mut x = PAGE_MARGIN;
     for (panel, margin) in below.iter().zip(margins) {
         panel.draw(&mut canvas, Area { x: x + margin, y, width, height: LOWER_HEIGHT }, data);
         x += margin + width + GAP;
     }
-    y += LOWER_HEIGHT + SMALL_TEXT + LINE_SPACING + 8.0;
+    y += LOWER_HEIGHT + BELOW + 6.0;
     for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
         y += LINE_SPACING;
         canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
@@ -156,23 +156,10 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
 }
 
 impl Panel {
-    /// Room for the vertical axis.
-    fn left(&self, canvas: &Canvas, height: f64) -> f64 {
-        y_title_width(canvas, height, &self.labels[1]) + widest(canvas, &self.scales[1].ticks(8)) + 6.0
-    }
-
     fn draw(&self, canvas: &mut Canvas, area: Area, data: &RootLocusFigure) {
-        let [x, y] = self.scales;
-        y_axis(canvas, area, &y.ticks(8), true);
-        x_axis(canvas, area, &x.ticks((area.width / 32.0) as i32), true, true);
-        y_title(canvas, area.x - widest(canvas, &y.ticks(8)) - 6.0, area, &self.labels[1]);
-        canvas.text(
-            Label::new(area.middle_x(), area.bottom() + SMALL_TEXT + LINE_SPACING + 2.0, self.labels[0].clone())
-                .middle(),
-        );
-        let place = |point: &[f64; 3]| {
-            (area.x + x.at(point[self.x]) * area.width, area.bottom() - y.at(point[self.y]) * area.height)
-        };
+        self.plot.axes(canvas, area);
+        let y = self.plot.scales[1];
+        let place = |point: &[f64; 3]| self.plot.place(area, [point[self.x], point[self.y]]);
         let is_inside = |mark: &&LocusMark| (-SEEN..=1.0 + SEEN).contains(&y.at(mark.at[self.y]));
         if self.y == 2 {
             let zero = area.bottom() - y.at(0.0) * area.height;
@@ -200,20 +187,6 @@ impl Panel {
             write_names(canvas, area, onsets.map(|mark| (mark.mode.as_str(), place(&mark.at))).collect());
         }
     }
-}
-
-/// The part of a line between the upper and the lower edge of an area.
-fn inside(from: (f64, f64), to: (f64, f64), area: Area) -> Option<((f64, f64), (f64, f64))> {
-    let (top, bottom) = (area.y, area.bottom());
-    if from.1.max(to.1) < top || from.1.min(to.1) > bottom {
-        return None;
-    }
-    let moved = |end: (f64, f64), other: (f64, f64)| {
-        let y = end.1.clamp(top, bottom);
-        let part = if y == end.1 { 0.0 } else { (y - end.1) / (other.1 - end.1) };
-        (end.0 + part * (other.0 - end.0), y)
-    };
-    Some((moved(from, to), moved(to, from)))
 }
 
 impl RootLocusFigure {

@@ -1,4 +1,4 @@
-//! Results for people: pictures of studies, sweeps, screenings and influences, and the page for a browser.
+//! Results for people: pictures of studies, sweeps, screenings, influences and motions, and the page for a browser.
 //!
 //! | of | picture | page |
 //! | --- | --- | --- |
@@ -6,6 +6,8 @@
 //! | a sweep | [`sweep_figure`] | [`write_sweep_page`] |
 //! | a screening | [`screen_figure`] | [`write_screen_page`] |
 //! | studies side by side | [`compare_figure`] | [`write_compare_page`] |
+//! | the motion after the onset | [`cycle_figures`] | [`write_cycle_page`] |
+//! | its branches over a parameter | [`branches_figure`] | [`write_branches_page`] |
 //! | the influence of inputs | [`influence_figure`] | |
 //! | likely squealing brakes | [`rare_figure`] | |
 //!
@@ -17,12 +19,12 @@ mod pictures;
 
 pub use error::Error;
 pub use html::{
-    BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_compare_page, write_page, write_screen_page,
-    write_sweep_page,
+    BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_branches_page, write_compare_page, write_cycle_page,
+    write_page, write_screen_page, write_sweep_page,
 };
 pub use pictures::{
-    compare_figure, draw_damping, draw_occurrence, influence_figure, occurrence, rare_figure, screen_figure,
-    set_heading, sweep_figure,
+    branches_figure, compare_figure, cycle_figures, draw_damping, draw_occurrence, influence_figure, occurrence,
+    rare_figure, screen_figure, set_heading, sweep_figure,
 };
 
 /// The README's example, compiled and run as a doctest.

@@ -3,7 +3,9 @@
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 
-use crate::{DrawnContacts, DrawnInputs, Error, ModeSource, Modifiable, Parametrised, Plan, Scene, SlidingContacts};
+use crate::{
+    DrawnContacts, DrawnInputs, Error, ModeSource, Modifiable, OuterFaces, Parametrised, Plan, Scene, SlidingContacts,
+};
 
 /// A brake with all its uncertain numbers.
 ///
@@ -81,6 +83,11 @@ pub trait UncertainBrake: Sync {
         None
     }
 
+    /// Faces to the air: for the sound of a motion.
+    fn outer_faces(&self) -> Option<&dyn OuterFaces> {
+        None
+    }
+
     /// Contacts of samples beyond their tangents: for the motions of draws.
     fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<Self::Sample>> {
         None
@@ -139,6 +146,10 @@ macro_rules! forwarded {
 
             fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
                 (**self).sliding_contacts()
+            }
+
+            fn outer_faces(&self) -> Option<&dyn OuterFaces> {
+                (**self).outer_faces()
             }
 
             fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<B::Sample>> {

@@ -7,8 +7,8 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 
 use crate::{
-    DrawnContacts, DrawnInputs, Error, Input, ModeSource, Modifiable, Parametrised, Plan, Scene, SingleParameter,
-    SlidingContacts, UncertainBrake,
+    DrawnContacts, DrawnInputs, Error, Input, ModeSource, Modifiable, OuterFaces, Parametrised, Plan, Scene,
+    SingleParameter, SlidingContacts, UncertainBrake,
 };
 
 /// A sample of a brake of any type.
@@ -81,6 +81,10 @@ impl<B: UncertainBrake<Sample: 'static>> UncertainBrake for Erased<B> {
 
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         self.0.sliding_contacts()
+    }
+
+    fn outer_faces(&self) -> Option<&dyn OuterFaces> {
+        self.0.outer_faces()
     }
 
     fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<AnySample>> {

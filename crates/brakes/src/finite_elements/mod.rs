@@ -7,6 +7,7 @@ mod full_checks;
 mod layout;
 mod mode_source;
 mod on_axis;
+mod outer_faces;
 mod parameters;
 mod places;
 mod points;
@@ -39,8 +40,8 @@ use montecarlo::{Progress, StreamRng};
 use num_complex::Complex;
 use reduction::ReductionError;
 use study::{
-    Cost, DrawnContacts, DrawnInputs, FullChecks, ModeSource, Modifiable, NamedParameter, Parametrised, Place, Plan,
-    Scene, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
+    Cost, DrawnContacts, DrawnInputs, FullChecks, ModeSource, Modifiable, NamedParameter, OuterFaces, Parametrised,
+    Place, Plan, Scene, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
 };
 use sweep::Over;
 
@@ -308,6 +309,10 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
+        Some(self)
+    }
+
+    fn outer_faces(&self) -> Option<&dyn OuterFaces> {
         Some(self)
     }
 

@@ -1,8 +1,10 @@
 //! `squeal cycle`: its files, its words, and what it refuses.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
-use crate::common::{answer, asked, assert_same, hoffmann, refusal, results};
+use crate::common::{answer, asked, assert_same, csv_of, hoffmann, refusal, results};
 
 #[test]
 fn a_cycle_is_said_in_words_numbers_and_a_table() {
@@ -11,7 +13,11 @@ fn a_cycle_is_said_in_words_numbers_and_a_table() {
     let words = answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
     assert!(words.contains("cycle, mass") && words.contains("0.2230"), "{words}");
     let first = results(&out);
-    assert_eq!(first.keys().collect::<Vec<_>>(), ["cycle_contacts.csv", "cycles.csv", "study.txt"]);
+    let pictures =
+        ["cycle_contacts", "cycle_spectrum"].map(|stem| ["pdf", "png", "svg"].map(|end| format!("{stem}.{end}")));
+    let tables = ["cycle_contacts.csv", "cycle_spectrum.csv", "cycles.csv", "report.html", "study.txt"];
+    let expected: BTreeSet<String> = pictures.into_iter().flatten().chain(tables.map(str::to_owned)).collect();
+    assert_eq!(first.keys().cloned().collect::<BTreeSet<_>>(), expected);
     answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
     assert_same(&first, &results(&out));
     let json: Value = serde_json::from_str(&answer("cycle", &hoffmann(), &["--json"])).unwrap();
@@ -21,6 +27,15 @@ fn a_cycle_is_said_in_words_numbers_and_a_table() {
     assert!((row["open belt"].as_f64().unwrap() * 4.485144715 - 0.968634).abs() < 1e-5);
     let friction = row["power_w friction"].as_f64().unwrap();
     assert!(friction > 0.0 && (row["power_w dashpots"].as_f64().unwrap() / friction + 1.0).abs() < 1e-8, "{row}");
+    // Harmonics hold what the motion has, all together and by body (Parseval).
+    let (header, harmonics) = csv_of(&first["cycle_spectrum.csv"]);
+    for column in ["loudness_m_per_s", "rms_velocity_m_per_s mass"] {
+        let place = header.iter().position(|name| name == column).unwrap();
+        let sum: f64 = harmonics.iter().map(|row| row[place].parse::<f64>().unwrap().powi(2)).sum();
+        let missing = 1.0 - sum / row[column].as_f64().unwrap().powi(2);
+        let part_above: f64 = harmonics.last().unwrap()[4].parse().unwrap();
+        assert!((0.0..1e-8).contains(&missing) && (missing - part_above).abs() < 1e-12, "{column}: {missing}");
+    }
     // Another question does not overwrite the folder.
     refusal(&asked("cycle", &hoffmann(), &["--harmonics", "5", "--out", out.to_str().unwrap()]), &["allowed: a new"]);
 }

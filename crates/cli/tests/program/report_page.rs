@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use crate::common::{SMALL, hoffmann, replaced, results, run, squeal};
+use crate::common::{SMALL, answer, csv_of, hoffmann, replaced, results, run, squeal};
 
 /// The JSON element of a page: all between its tag and the first end of a script after it, as a browser has it.
 fn data(page: &str) -> Value {
@@ -33,13 +33,6 @@ fn rows(table: &Value) -> Vec<Vec<String>> {
         }
     }
     rows
-}
-
-fn csv_of(bytes: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
-    let mut reader = csv::Reader::from_reader(bytes);
-    let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
-    let header = cells(reader.headers().unwrap());
-    (header, reader.records().map(|record| cells(&record.unwrap())).collect())
 }
 
 /// Real and imaginary part of the numbers of a shape: base 64 of whole numbers of 16 bits, 32767 for the largest modulus.
@@ -190,4 +183,53 @@ fn a_sweep_has_a_page_with_its_tables() {
         page
     });
     assert!(pages[0] == pages[1], "the page depends on the number of threads");
+}
+
+#[test]
+fn a_cycle_has_a_page_on_which_it_moves_as_its_contact_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    answer("cycle", &hoffmann(), &["--out", out.to_str().unwrap()]);
+    let files = results(&out);
+    let page = String::from_utf8(files["report.html"].clone()).unwrap();
+    let of_page = data(&page);
+    assert_eq!(assert_tables_are_files(&of_page, &files), ["cycles.csv", "cycle_spectrum.csv", "cycle_contacts.csv"]);
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(page.contains("becomes a cycle at 0.2230 Hz, 1.1 % below the mode: a contact is open for up to 21.6 %"));
+    let shapes = of_page["moving"]["shapes"].as_array().unwrap();
+    assert_eq!(shapes.len(), 1);
+    let shape = &shapes[0];
+    assert_eq!(shape["name"], "Cycle from mode 2");
+    let orders: Vec<f64> = shape["orders"].as_array().unwrap().iter().map(|order| order.as_f64().unwrap()).collect();
+    assert!(orders.len() > 2 && orders[..2] == [0.0, 1.0], "{orders:?}");
+    let (_, contacts) = csv_of(&files["cycle_contacts.csv"]);
+    let letters: String = contacts.iter().map(|row| if row[5] == "open" { 'o' } else { '-' }).collect();
+    assert_eq!(shape["open"], json!({ "belt": letters }));
+    // The contact is a spring along the second degree of freedom: where it is closed, its force is that of the picture.
+    let waves = parts(shape["parts"].as_str().unwrap());
+    let y = |part: f64| -> f64 {
+        let wave = |(order, two): (&f64, &[[f64; 2]])| {
+            let angle = std::f64::consts::TAU * order * part;
+            two[1][0] * angle.cos() - two[1][1] * angle.sin()
+        };
+        orders.iter().zip(waves.chunks_exact(2)).map(wave).sum()
+    };
+    let forces: Vec<[f64; 2]> = contacts.iter().map(|row| [2, 3].map(|at| row[at].parse().unwrap())).collect();
+    let [at, largest] = *forces.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    let scale = (largest - 1.0) / y(at);
+    assert!(scale > 0.0);
+    for [part, force] in forces {
+        let drawn = (1.0 + scale * y(part)).max(0.0);
+        assert!((drawn - force).abs() < 5e-3 * largest, "{part}: {drawn} {force}");
+    }
+    // Over a parameter the last cycle of each branch moves.
+    let out = folder.path().join("over");
+    answer("cycle", &hoffmann(), &["--over", "mu=0.5:1.1", "--out", out.to_str().unwrap()]);
+    let files = results(&out);
+    let page = String::from_utf8(files["report.html"].clone()).unwrap();
+    let of_page = data(&page);
+    assert_eq!(assert_tables_are_files(&of_page, &files), ["cycle_branches.csv"]);
+    let note = of_page["moving"]["shapes"][0]["note"].as_str().unwrap();
+    assert!(note.starts_with("stable, at mu = 1.1, loudness 1.5249 m/s; its mean and first"), "{note}");
+    assert!(page.contains("Mode 2 starts to grow at mu = 0.75375 with 0.2251 Hz."), "{page}");
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // also in the helpers
 
+mod cycles;
 mod made_up;
 
 use std::fs;

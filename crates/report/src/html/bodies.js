@@ -5,14 +5,61 @@ const axisNames = 'xyz';
 const unpacked = (text, List) => new List(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)).buffer);
 const parts = text => Float32Array.from(unpacked(text, Int16Array), part => part / 32767);
 
-// Real and imaginary part of each number of a mode, of which the largest has the modulus 1.
-const partsOf = shape => {
-  if (!shape.re) {
-    const both = parts(shape.parts);
-    shape.re = both.filter((_, i) => i % 2 === 0);
-    shape.im = both.filter((_, i) => i % 2 === 1);
+// A shape with its waves: real and imaginary part of each number, of which the largest has the modulus 1. A mode is one wave, of order 1: once to and fro
+// while the phase goes around. A cycle is its mean, of order 0, and some harmonics.
+const unpackedShape = shape => {
+  if (!shape.waves) {
+    const [all, orders] = [parts(shape.parts), shape.orders ?? [1]];
+    const length = all.length / orders.length;
+    shape.waves = orders.map((order, wave) => {
+      const both = all.subarray(wave * length, (wave + 1) * length);
+      return { order, re: both.filter((_, i) => i % 2 === 0), im: both.filter((_, i) => i % 2 === 1) };
+    });
   }
   return shape;
+};
+
+// The displacement of each degree of freedom at a phase: Re of the sum of all waves, each times e^(i order phase).
+const displacements = ({ waves }, phase) => {
+  const moved = new Float32Array(waves[0].re.length);
+  for (const { order, re, im } of waves) {
+    const [c, s] = [Math.cos(order * phase), Math.sin(order * phase)];
+    for (let dof = 0; dof < moved.length; dof++) moved[dof] += re[dof] * c - im[dof] * s;
+  }
+  return moved;
+};
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+// The contacts of a cycle that are open at a phase, by their names.
+const openAt = ({ open = {} }, phase) => new Set(Object.entries(open)
+  .filter(([, steps]) => steps[Math.round((phase / (2 * Math.PI)) * steps.length) % steps.length] === 'o').map(([name]) => name));
+
+// How far each point gets from its place, and each degree of freedom with its phase there, in degrees. A mode goes around on ellipses: half of the long axis;
+// a cycle is looked at in steps of the phase.
+const PHASES = 72;
+const farthestOf = ({ dofs }, shape) => {
+  const far = (places, value) => places.map(dof => value[dof] ?? 0);
+  const { waves } = shape;
+  if (waves.length === 1) {
+    const [{ re, im }] = waves;
+    const points = dofs.map(places => {
+      const [a, b] = [far(places, re), far(places, im)];
+      const [aa, bb, ab] = [dot(a, a), dot(b, b), dot(a, b)];
+      return Math.sqrt((aa + bb) / 2 + Math.hypot((aa - bb) / 2, ab));
+    });
+    return { points, sizes: re.map((x, i) => Math.hypot(x, im[i])), phases: re.map((x, i) => (Math.atan2(im[i], x) * 180) / Math.PI) };
+  }
+  const [points, sizes] = [new Float32Array(dofs.length), new Float32Array(waves[0].re.length)];
+  const phases = new Float32Array(sizes.length);
+  for (let step = 0; step < PHASES; step++) {
+    const moved = displacements(shape, (2 * Math.PI * step) / PHASES);
+    moved.forEach((u, dof) => {
+      if (Math.abs(u) > sizes[dof]) [sizes[dof], phases[dof]] = [Math.abs(u), (360 * step) / PHASES];
+    });
+    dofs.forEach((places, i) => { points[i] = Math.max(points[i], Math.hypot(...far(places, moved))); });
+  }
+  return { points: Array.from(points), sizes, phases };
 };
 
 const latticeBody = ({ points, lines, is_spatial: isSpatial }) => ({

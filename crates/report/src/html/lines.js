@@ -1,5 +1,6 @@
 // A body of points and lines, as an SVG.
 const TRAIL_POINTS = 36;
+const TRAIL_POINTS_OF_WAVE = 12;
 
 const linesPicture = (body, view) => {
   const { at, names: all, lines, isSpatial } = body;
@@ -19,14 +20,16 @@ const linesPicture = (body, view) => {
     setUnmoved: shape => {
       const onScreen = view.camera();
       rest.setAttribute('d', lines.map(ends => path(ends.map(i => onScreen(at[i])))).join(''));
-      const round = [...Array(TRAIL_POINTS).keys()].map(k => view.places(shape, (2 * Math.PI * k) / TRAIL_POINTS));
+      const points = Math.max(TRAIL_POINTS, TRAIL_POINTS_OF_WAVE * shape.waves.at(-1).order);
+      const round = [...Array(points).keys()].map(k => view.places(shape, (2 * Math.PI * k) / points));
       trails.setAttribute('d', at.map((_, i) => `${path(round.map(places => places[i]))}Z`).join(''));
     },
-    setMoved: places => {
+    setMoved: (places, open) => {
       links.setAttribute('d', lines.map(ends => path(ends.map(i => places[i]))).join(''));
       places.forEach(([x, y], i) => {
         dots[i].setAttribute('cx', x.toFixed(1));
         dots[i].setAttribute('cy', y.toFixed(1));
+        dots[i].classList.toggle('open', open.has(all[i]));
         names[i].setAttribute('x', (x + 10).toFixed(1));
         names[i].setAttribute('y', (y - 8).toFixed(1));
       });

@@ -9,6 +9,7 @@
 
 mod answer;
 mod compare;
+mod cycles;
 mod data;
 mod facts;
 mod geometry;
@@ -23,6 +24,7 @@ mod tables;
 mod text;
 
 pub use compare::write_compare_page;
+pub use cycles::{write_branches_page, write_cycle_page};
 pub use geometry::{BasisOf, Geometry, MeshMotion, ModeOf};
 pub use mesh::MeshSurface;
 pub use screen::write_screen_page;
@@ -39,7 +41,7 @@ use self::text::escaped;
 use crate::Error;
 use crate::pictures::damping;
 
-/// Name of the page of a study, a sweep, a screening or a comparison, in the folder of its other results.
+/// Name of the page of a study, a sweep, a screening, a comparison or a motion, in the folder of its other results.
 const FILE: &str = "report.html";
 
 /// The figure of occurrences, with what its marks are: arrangements are told where there are several.
@@ -81,7 +83,7 @@ pub fn write_page(
     let page = Page {
         title: results.plan().name.clone(),
         answer: answer::answer(results, motions)?,
-        figures: [&occurrence_section(results), &*damping_section(results)?, shapes::SECTION].concat(),
+        figures: [occurrence_section(results), damping_section(results)?, shapes::section_of_modes()].concat(),
         facts: facts::of_study(results),
         data: data::of_study(results, geometry, dir)?,
     };

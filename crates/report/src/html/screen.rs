@@ -55,7 +55,7 @@ pub fn write_screen_page(
         answer: answer(screen),
         figures: figure
             .map_or_else(String::new, |figure| filled(include_str!("screen.html"), &[("figure", &figure.svg())]))
-            + shapes::SECTION,
+            + &shapes::section_of_modes(),
         facts: format!(
             "<p>Linear about steady sliding. The loads of contacts stay as they are without changes. {}</p>\n<h3>Counts</h3>\n{}{}{}",
             escaped(&screen.rests_on().map(|text| capitalised(&text) + ".").join(" ")),

@@ -48,28 +48,39 @@ const startShapes = () => {
       make('option', { value: i }, [name, `${hertz} Hz`, note].filter(Boolean).join(', '))));
   }));
 
-  const shape = () => partsOf(shapes[choice.value]);
+  // The largest number of a mode is drawn as far as the size says, and so is the farthest point of a cycle.
+  const shape = () => {
+    const chosen = unpackedShape(shapes[choice.value]);
+    chosen.farthest ??= farthestOf(body, chosen);
+    chosen.scale ??= chosen.orders ? 1 / chosen.farthest.points.reduce((a, b) => Math.max(a, b), Number.MIN_VALUE) : 1;
+    return chosen;
+  };
   const setValues = () => {
     for (const [name, unit] of Object.entries(UNITS)) byId(`shape-${name}-value`).textContent = `${value(name)}${unit}`;
   };
-  const setMoved = () => picture.setMoved(view.places(shape(), radians(value('phase'))));
+  const setMoved = () => {
+    const phase = radians(value('phase'));
+    picture.setMoved(view.places(shape(), phase), openAt(shape(), phase));
+  };
   const redraw = () => { setValues(); picture.setUnmoved(shape()); setMoved(); };
 
   const describe = () => {
-    const { name: called, hertz, re, im } = shape();
-    picture.setShape(shape());
+    const { name: called, hertz, farthest: { points, sizes, phases } } = shape();
+    picture.setShape(points);
     // A body of several points has the same degrees of freedom at each.
     const motions = new Map();
     body.dofs.forEach((dofs, i) => dofs.forEach((dof, axis) => {
-      if (dof !== null && dof < re.length && !motions.has(dof)) motions.set(dof, [i, axis]);
+      if (dof !== null && dof < sizes.length && !motions.has(dof)) motions.set(dof, [i, axis]);
     }));
-    const sized = [...motions].map(([dof, at]) => ({ dof, at, size: Math.hypot(re[dof], im[dof]) }));
+    const sized = [...motions].map(([dof, at]) => ({ dof, at, size: sizes[dof] }));
     const largest = sized.sort((a, b) => b.size - a.size).slice(0, 8).map(motion => ({ ...motion, name: body.motionName(...motion.at) }));
+    const most = shape().orders ? largest[0].size : 1;
     byId('shape-largest').replaceChildren(...largest.map(({ name, dof, size }) => make('tr', {}, make('th', { scope: 'row' }, name),
-      make('td', { class: 'number' }, size.toFixed(3)),
-      make('td', { class: 'number' }, Math.round((Math.atan2(im[dof], re[dof]) * 180) / Math.PI)))));
+      make('td', { class: 'number' }, (size / most).toFixed(3)),
+      make('td', { class: 'number' }, Math.round(phases[dof])))));
     const what = `${called} at ${hertz} Hz: most motion at ${largest[0].name}`;
-    byId('shape-words').replaceChildren(`${what}. ${body.words}`,
+    const hollow = Object.keys(shape().open ?? {}).some(contact => body.names.includes(contact)) ? ' A hollow one has its contact open.' : '';
+    byId('shape-words').replaceChildren(`${what}. ${body.words}${hollow}`,
       make('span', { class: 'on-screen' }, body.isSpatial ? ' Drag the picture to turn it, or use the arrow keys, + and -.' : ''));
     picture.element.setAttribute('aria-label', `${what}, animated`);
     redraw();
@@ -118,7 +129,7 @@ const startTurning = (frame, element, slider, redraw) => {
     control.value = name === 'turn' ? ((((there + 180) % 360) + 360) % 360) - 180 : there;
   };
   frame.classList.add('spatial');
-  withParts(frame, { tabindex: 0, role: 'group', 'aria-label': 'Picture of the mode: arrow keys turn it, + and - bring it nearer or farther' }, []);
+  withParts(frame, { tabindex: 0, role: 'group', 'aria-label': 'Picture: arrow keys turn it, + and - bring it nearer or farther' }, []);
   frame.addEventListener('keydown', event => {
     if (!KEYS[event.key] || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();

@@ -28,7 +28,7 @@ startTheme();
 for (const table of document.querySelectorAll('table.sortable')) makeSortable(table);
 if (byId('occurrence')) startOccurrence();
 if (byId('shapes')) startShapes();
-for (const id of ['locus', 'drops']) if (byId(id)) startFigure(byId(id));
+for (const id of ['locus', 'drops', 'cycle_branches', 'cycle_contacts', 'cycle_spectrum']) if (byId(id)) startFigure(byId(id));
 if (data.tables.length) startTables();
 else byId('tables').hidden = true;
 document.querySelector('nav').append(...[...document.querySelectorAll('section:not([hidden])')].map(section =>

@@ -25,7 +25,6 @@ const across = (a, b, c, d) => {
   const [u, v] = [[0, 1, 2].map(i => c[i] - a[i]), [0, 1, 2].map(i => d[i] - b[i])];
   return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
 };
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 // Pairs of nodes where faces meet at an angle, or where one ends.
 const edgesOf = ({ at, faces }) => {
@@ -43,13 +42,6 @@ const edgesOf = ({ at, faces }) => {
   const isEdge = found => found.length !== 2 || Math.abs(dot(...found)) < EDGE;
   return [...normals].filter(([, found]) => isEdge(found)).map(([key]) => [Math.floor(key / 65536), key % 65536]);
 };
-
-// How far each node gets from its place in a cycle: the long half axis of the ellipse on which it goes around.
-const amplitudesOf = ({ dofs }, { re, im }) => dofs.map(places => {
-  const [a, b] = [re, im].map(part => places.map(dof => part[dof]));
-  const [aa, bb, ab] = [dot(a, a), dot(b, b), dot(a, b)];
-  return Math.sqrt((aa + bb) / 2 + Math.hypot((aa - bb) / 2, ab));
-});
 
 const surfacePicture = (body, view) => {
   const { at, faces, ofSolids } = body;
@@ -100,8 +92,7 @@ const surfacePicture = (body, view) => {
     element,
     // The colour at a part of the legend, and amplitudes at equal steps of it.
     legend: { colour: part => inCss(colourAt(part * part)), marks: ['0', '0.06', '0.25', '0.56', '1'] },
-    setShape: shape => {
-      const amplitudes = amplitudesOf(body, shape);
+    setShape: amplitudes => {
       const most = amplitudes.reduce((a, b) => Math.max(a, b), Number.MIN_VALUE);
       farthest = amplitudes.indexOf(most);
       colours = faces.map(face => colourAt((amplitudes[face[0]] + amplitudes[face[1]] + amplitudes[face[2]] + amplitudes[face[3]]) / (4 * most)));

@@ -67,7 +67,7 @@ pub fn write_sweep_page(
     let page = Page {
         title,
         answer,
-        figures: filled(include_str!("sweep.html"), &[("figure", &figure.svg())]) + shapes::SECTION,
+        figures: filled(include_str!("sweep.html"), &[("figure", &figure.svg())]) + &shapes::section_of_modes(),
         facts: format!(
             "<p>Linear about steady sliding; one parameter or two are moved, all others are at their medians.</p>\n<h3>Counts</h3>\n{}{}{}",
             described(&counts),

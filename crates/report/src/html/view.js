@@ -1,4 +1,4 @@
-// How a body is seen: u(t) = Re(shape e^(i phase)) from where the sliders say.
+// How a body is seen: its displacements at a phase, from where the sliders say.
 const VIEW = { width: 480, height: 400, margin: 15 };
 const radians = degrees => (degrees * Math.PI) / 180;
 
@@ -16,10 +16,9 @@ const viewOf = (body, value) => {
       return [VIEW.width / 2 + zoom * (a * cosTurn - b * sinTurn), VIEW.height / 2 - zoom * up, zoom * (depth * cosTilt - c * sinTilt)];
     };
   };
-  const places = ({ re, im }, phase) => {
-    const [size, onScreen] = [body.amplitude * value('size'), camera()];
-    const [c, s] = [size * Math.cos(phase), size * Math.sin(phase)];
-    const moved = dof => (dof === null || dof >= re.length ? 0 : re[dof] * c - im[dof] * s);
+  const places = (shape, phase) => {
+    const [size, onScreen, all] = [body.amplitude * value('size') * shape.scale, camera(), displacements(shape, phase)];
+    const moved = dof => size * (all[dof] ?? 0);
     return at.map(([x, y, z], i) => {
       const [u, v, w] = dofs[i];
       return onScreen([x + moved(u), y + moved(v), z + moved(w)]);

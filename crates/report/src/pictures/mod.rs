@@ -1,6 +1,7 @@
 //! The pictures of what was found: data of `squeal`, drawn by `figures`.
 
 mod compare;
+mod cycles;
 mod damping;
 mod influence;
 mod occurrence;
@@ -9,6 +10,7 @@ mod screen;
 mod sweep;
 
 pub use compare::compare_figure;
+pub use cycles::{branches_figure, cycle_figures};
 pub(crate) use damping::damping;
 pub use damping::draw_damping;
 pub use influence::influence_figure;

@@ -25,7 +25,8 @@ pub fn sweep_figure(found: &Found, growth: Option<[f64; 2]>, title: &str, note: 
     })
 }
 
-fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
+/// The root locus of a sweep, as data.
+pub(super) fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
     let hertz = |omega: f64| frequency_hz(Complex::new(0.0, omega));
     let branch =
         |branch: &NamedBranch| LocusBranch { mode: branch.mode.clone(), points: fine(branch, &sweep.parameter) };

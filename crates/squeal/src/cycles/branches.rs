@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use cea::{QrSolver, Workspace, right_vector};
-use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Measures, NearMode, Reach, measure};
+use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Harmonics, Measures, NearMode, Reach, measure};
 use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
 
-use super::{CycleOptions, TOLERANCE, checked, contacts_of, in_si, stopped};
+use super::{CycleOptions, TOLERANCE, checked, contacts_of, displacements, harmonics_in_si, in_si, stopped};
 use crate::Error;
-use crate::sweep::{ChangeOf, Over, SweepOnset, SweptParameter, sweep};
+use crate::sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
 
 /// Longest step along a branch, in amplitudes of the first kink; chosen: some 20 points between an onset and the end of a range.
 const LONGEST_STEP: f64 = 0.3;
@@ -22,14 +22,18 @@ const MOST_POINTS: usize = 200;
 /// Branches of cycles over a parameter, and what may be missing among them.
 #[derive(Debug, Clone)]
 pub struct Branches {
-    /// The parameter.
-    pub parameter: SweptParameter,
+    /// The sweep that found the onsets, with the modes over the parameter.
+    pub sweep: Sweep,
     /// The branches, by their onsets.
     pub branches: Vec<Branch>,
+}
+
+impl Branches {
     /// Number of modes that oscillate and grow at the begin of the range already: their branches start outside.
-    pub growing_at_start: usize,
-    /// Ranges of the parameter in which a mode comes so near its threshold that it may have an onset or not.
-    pub unresolved: Vec<(f64, f64)>,
+    #[must_use]
+    pub fn growing_at_start(&self) -> usize {
+        self.sweep.unstable_at_start - self.sweep.diverging_at_start
+    }
 }
 
 /// The branch of cycles that starts at an onset.
@@ -45,6 +49,9 @@ pub struct Branch {
     pub cycles: Vec<BranchCycle>,
     /// Why it ends.
     pub end: BranchEnd,
+    /// The last of the cycles whose motion in time is stable, and the last of those whose motion is known, by their places among them, with their
+    /// harmonics, m and m/s; one where they are the same.
+    pub last: Vec<(usize, Harmonics)>,
     /// Bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
 }
@@ -62,6 +69,8 @@ pub struct BranchCycle {
     pub is_fold: bool,
     /// The motion in time with its multipliers, and its measures; `None` where shooting from the balance does not find it.
     pub in_time: Option<(Cycle, Measures)>,
+    /// Loudness of the motion in time, m/s.
+    pub loudness: Option<f64>,
 }
 
 /// Branches of cycles of a scene over one parameter, from each onset of an oscillating mode in its range. The progress of the sweep counts its
@@ -80,11 +89,12 @@ pub fn branches<B: UncertainBrake>(
     let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
     let key = &plan.scenes[scene];
     let found = sweep(study, scene, over, &QrSolver, of_sweep)?;
-    let parameter = found.parameter;
+    let parameter = &found.parameter;
     let of_cea = |at: f64| match brake.parametrised() {
         Some(parametrised) => Ok(parametrised.system_with(key, &[(parameter.place, at)])?),
         None => Err(Error::NotGiven { capability: "parametrised", needed_by: "cycles over a parameter" }),
     };
+    let displacements = displacements(plan, plan.brake(key));
     let bodies: Vec<_> = plan.brake(key).bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect();
     // A mode that jumps over the threshold at an opening has no motion of small amplitude there.
     let onsets: Vec<_> =
@@ -103,17 +113,30 @@ pub fn branches<B: UncertainBrake>(
         let (points, end) = balance.branch_from_onset(&system_at, mode, onset.at, &reach)?;
         let cycle = |point: &cycle::BranchPoint| -> Result<BranchCycle, Error> {
             let at = point.cycle.parameter;
+            let in_time = in_time(&balance, &system_at(at)?, &point.cycle, mode)
+                .map(|(cycle, measures)| (cycle, in_si(measures, plan.units)));
             Ok(BranchCycle {
                 at,
                 balanced_hz: point.cycle.omega / std::f64::consts::TAU,
                 amplitude: point.amplitude,
                 is_fold: point.is_fold,
-                in_time: in_time(&balance, &system_at(at)?, &point.cycle, mode)
-                    .map(|(cycle, measures)| (cycle, in_si(measures, plan.units))),
+                loudness: in_time.as_ref().map(|(_, measures)| measures.rms_of(&displacements)),
+                in_time,
             })
         };
         progress.advance(1);
-        let cycles = points.iter().map(cycle).collect::<Result<_, Error>>()?;
+        let cycles = points.iter().map(cycle).collect::<Result<Vec<_>, Error>>()?;
+        let is_stable = |of: &BranchCycle| of.in_time.as_ref().is_some_and(|(cycle, _)| cycle.is_stable());
+        let is_known = |of: &BranchCycle| of.in_time.is_some();
+        let mut last: Vec<usize> =
+            [cycles.iter().rposition(is_stable), cycles.iter().rposition(is_known)].into_iter().flatten().collect();
+        last.dedup();
+        let harmonics = |place: usize| -> Result<Option<(usize, Harmonics)>, Error> {
+            let BranchCycle { at, in_time: Some((cycle, measures)), .. } = &cycles[place] else { return Ok(None) };
+            let of_plan = (plan.units, &displacements[..]);
+            Ok(Some((place, harmonics_in_si(&system_at(*at)?, cycle, measures, of_plan)?)))
+        };
+        let last = last.into_iter().filter_map(|place| harmonics(place).transpose()).collect::<Result<_, _>>()?;
         progress.advance(1);
         Ok(Branch {
             mode: onset.mode.clone(),
@@ -121,6 +144,7 @@ pub fn branches<B: UncertainBrake>(
             onset_hz: onset.omega / std::f64::consts::TAU,
             cycles,
             end,
+            last,
             bodies: bodies.clone(),
         })
     };
@@ -131,19 +155,20 @@ pub fn branches<B: UncertainBrake>(
     });
     progress.end();
     let branches = branches?;
-    let growing_at_start = found.unstable_at_start - found.diverging_at_start;
-    if branches.is_empty() && (growing_at_start > 0 || !found.unresolved.is_empty()) {
+    let branches = Branches { sweep: found, branches };
+    let (growing_at_start, unresolved) = (branches.growing_at_start(), &branches.sweep.unresolved);
+    if branches.branches.is_empty() && (growing_at_start > 0 || !unresolved.is_empty()) {
         let near = |(from, to): &(f64, f64)| format!("; from {from} to {to} one may be, or not");
-        let unresolved: String = found.unresolved.iter().map(near).collect();
+        let unresolved: String = unresolved.iter().map(near).collect();
         let allowed = format!(
             "a range with an onset in it; modes that grow at its begin already: {growing_at_start}{unresolved}"
         );
         return Err(Error::Argument { argument: "over", value: over.to_string(), allowed });
     }
-    if branches.is_empty() {
+    if branches.branches.is_empty() {
         return Err(Error::NeverSqueals { scene: format!("{} over {over}", plan.describe(key)) });
     }
-    Ok(Branches { parameter, branches, growing_at_start, unresolved: found.unresolved })
+    Ok(branches)
 }
 
 /// The motion in time that a balanced cycle stands for, where shooting finds it.

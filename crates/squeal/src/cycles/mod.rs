@@ -8,18 +8,22 @@ mod drawn;
 mod growing;
 mod of_draws;
 mod of_draws_tables;
+mod sound;
 mod starts;
 mod stopped;
 mod tables;
 
 pub use branches::{Branch, BranchCycle, Branches, branches};
 pub use drawn::{DrawnFate, MeasuredMotion};
-pub(crate) use drawn::{Following, loudest, motions};
+pub(crate) use drawn::{Following, displacements, loudest, motions};
 use growing::{GrowingMode, growing_modes};
 pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
 
-use cycle::{Balance, ContactSystem, Cycle, Measures, Motion, Settings, follow_telling, history, measure};
+use cycle::{
+    Balance, ContactMoment, ContactSystem, Cycle, Harmonics, Measures, Motion, Settings, follow_telling, harmonics,
+    history, measure,
+};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
@@ -70,8 +74,10 @@ pub struct Cycles {
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
     /// False of a reduced brake, whose coordinates have no largest displacement.
     pub(crate) has_peaks: bool,
+    /// Degrees of freedom that are no rotations: their velocities together are the loudness.
+    pub displacements: Vec<usize>,
     /// Names of the contacts.
-    pub(crate) contacts: Vec<String>,
+    pub contacts: Vec<String>,
 }
 
 /// The motion that starts at a mode.
@@ -85,8 +91,14 @@ pub struct MotionOfMode {
     pub motion: Motion,
     /// Measures of the cycle; `None` where the motion is none.
     pub measures: Option<Measures>,
-    /// Normal force, N, and sliding velocity, m/s, of each contact at equal steps over the period; none where the motion is no cycle.
-    pub history: Vec<Vec<(f64, f64)>>,
+    /// Loudness of the cycle, m/s.
+    pub loudness: Option<f64>,
+    /// Contacts at 128 equal steps over the period, N and m/s; none where the motion is no cycle.
+    pub history: Vec<Vec<ContactMoment>>,
+    /// Harmonics of the cycle, m and m/s.
+    pub harmonics: Option<Harmonics>,
+    /// Power that the outer faces radiate in each harmonic at radiation efficiency 1, W; `None` of a brake without faces.
+    pub radiated_power: Option<Vec<f64>>,
     /// Frequency of the harmonic balance, Hz; `None` where it does not converge or there is no cycle.
     pub balanced_hz: Option<f64>,
 }
@@ -165,22 +177,25 @@ pub fn cycles<B: UncertainBrake>(
             .collect(),
     };
     let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
+    let of_scene = plan.brake(scene);
+    let displacements = displacements(plan, of_scene);
+    let of_plan = (plan.units, &displacements[..]);
     progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
     let motions = stopped::when_cancelled(progress, |stop| {
         let system = system.clone().until(stop);
-        let motion =
-            |(name, mode, start)| motion_of(&system, &balance, &settings, (mode, start), (name, plan.units), progress);
+        let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, progress);
         starts.into_par_iter().map(motion).collect::<Result<_, _>>()
     });
     progress.end();
-    let motions = motions?;
-    let brake = plan.brake(scene);
+    let mut motions: Vec<MotionOfMode> = motions?;
+    sound::radiate(brake, scene, &mut motions)?;
     Ok(Cycles {
         tangent_deviation,
         harmonics: options.harmonics,
         motions,
-        bodies: brake.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
+        bodies: of_scene.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
         has_peaks: plan.band.is_none(),
+        displacements,
         contacts: system.contacts().iter().map(|contact| contact.name.clone()).collect(),
     })
 }
@@ -191,6 +206,23 @@ pub(crate) fn in_si(mut measures: Measures, units: Units) -> Measures {
     let numbers = rms_velocity.iter_mut().chain(peak).chain([kinetic_energy]);
     numbers.chain(powers.iter_mut().map(|(_, power)| power)).for_each(|number| *number *= units.length());
     measures
+}
+
+/// Harmonics of a cycle in m and m/s, of a system in some units: as many as hold the loudness, by its degrees of freedom and `measures` in SI.
+///
+/// # Errors
+/// A motion that cannot be followed.
+pub(super) fn harmonics_in_si(
+    system: &ContactSystem,
+    cycle: &Cycle,
+    measures: &Measures,
+    (units, displacements): (Units, &[usize]),
+) -> Result<Harmonics, cycle::Error> {
+    let rms = measures.rms_of(displacements) / units.length();
+    let mut found = harmonics(system, cycle, (displacements, rms), TOLERANCE)?;
+    found.mean.iter_mut().for_each(|mean| *mean *= units.length());
+    found.velocity.iter_mut().flatten().for_each(|velocity| *velocity *= units.length());
+    Ok(found)
 }
 
 /// Digest of some contacts with the units in which they are.
@@ -204,8 +236,8 @@ fn motion_of(
     system: &ContactSystem,
     balance: &Balance,
     settings: &Settings,
-    (mode, start): (&GrowingMode, Vec<f64>),
-    (name, units): (String, Units),
+    (name, mode, start): (String, &GrowingMode, Vec<f64>),
+    (units, displacements): (Units, &[usize]),
     progress: &dyn Progress,
 ) -> Result<MotionOfMode, Error> {
     let (omega, shape) = (mode.lambda.im, &mode.shape[..]);
@@ -225,9 +257,23 @@ fn motion_of(
     let measures = cycle.map(|cycle| measure(system, cycle, TOLERANCE)).transpose()?;
     let measures = measures.map(|measures| in_si(measures, units));
     let mut history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
-    history.iter_mut().flatten().for_each(|(_, slip)| *slip *= units.length());
+    history.iter_mut().flatten().for_each(|moment| moment.sliding_velocity *= units.length());
+    let of_cycle = cycle.zip(measures.as_ref());
+    let harmonics = of_cycle
+        .map(|(cycle, measures)| harmonics_in_si(system, cycle, measures, (units, displacements)))
+        .transpose()?;
     let balanced = cycle.and_then(|cycle| balance.near(system, cycle, TOLERANCE).ok());
     let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
     progress.advance(settings.most_periods as u64 - periods);
-    Ok(MotionOfMode { start: name, lambda: mode.lambda, motion, measures, history, balanced_hz })
+    Ok(MotionOfMode {
+        start: name,
+        lambda: mode.lambda,
+        motion,
+        loudness: measures.as_ref().map(|measures| measures.rms_of(displacements)),
+        measures,
+        history,
+        harmonics,
+        radiated_power: None,
+        balanced_hz,
+    })
 }

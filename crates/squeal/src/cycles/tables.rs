@@ -3,8 +3,11 @@
 use cycle::{Cycle, Measures, Motion};
 use output::Table;
 
-use super::{Branch, Branches, Cycles};
+use super::{Branch, Branches, Cycles, MotionOfMode};
 use crate::sweep::SweptParameter;
+
+/// Column of the power that the outer faces radiate at radiation efficiency 1.
+const RADIATED: &str = "radiated_power_at_efficiency_1_w";
 
 /// Hz of an eigenvalue.
 fn hz(omega: f64) -> f64 {
@@ -26,9 +29,11 @@ impl Cycles {
             "residual",
             "kinetic_energy_j",
             "power_imbalance",
+            "loudness_m_per_s",
         ]
         .map(str::to_owned)
         .to_vec();
+        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
         let families: Vec<String> = self.families();
         for (name, _) in &self.bodies {
             columns.push(format!("rms_velocity_m_per_s {name}"));
@@ -52,7 +57,10 @@ impl Cycles {
                 number(cycle.map(|cycle| cycle.residual)),
                 number(measures.map(|measures| measures.kinetic_energy)),
                 number(measures.map(Measures::imbalance)),
+                number(of.loudness),
             ];
+            let radiated = || number(of.radiated_power.as_ref().map(|all| all.iter().sum()));
+            row.extend(self.has_sound().then(radiated));
             for (_, dofs) in &self.bodies {
                 row.push(number(measures.map(|measures| measures.rms_of(dofs))));
                 row.extend(self.has_peaks.then(|| number(measures.map(|measures| measures.peak_of(dofs)))));
@@ -68,19 +76,55 @@ impl Cycles {
         Table::new("cycles", columns, rows)
     }
 
-    /// Normal force and sliding velocity of each contact over the period of each cycle: `cycle_contacts`.
+    /// Normal force, sliding velocity and state of each contact over the period of each cycle: `cycle_contacts`.
     #[must_use]
     pub fn contacts_table(&self) -> Table {
-        let columns = ["from_mode", "contact", "part_of_period", "normal_force_n", "sliding_velocity_m_per_s"];
+        let columns = ["from_mode", "contact", "part_of_period", "normal_force_n", "sliding_velocity_m_per_s", "state"];
         let rows = self.motions.iter().flat_map(|of| {
             of.history.iter().enumerate().flat_map(move |(step, contacts)| {
                 let part = step as f64 / of.history.len() as f64;
-                self.contacts.iter().zip(contacts).map(move |(name, (normal, slip))| {
-                    vec![of.start.clone(), name.clone(), part.to_string(), normal.to_string(), slip.to_string()]
+                self.contacts.iter().zip(contacts).map(move |(name, moment)| {
+                    vec![
+                        of.start.clone(),
+                        name.clone(),
+                        part.to_string(),
+                        moment.normal_force.to_string(),
+                        moment.sliding_velocity.to_string(),
+                        moment.state.name().to_owned(),
+                    ]
                 })
             })
         });
         Table::new("cycle_contacts", columns, rows)
+    }
+
+    /// Harmonics of the velocity of each cycle, together and by body: `cycle_spectrum`.
+    #[must_use]
+    pub fn spectrum_table(&self) -> Table {
+        let mut columns =
+            ["from_mode", "harmonic", "frequency_hz", "loudness_m_per_s", "part_above"].map(str::to_owned).to_vec();
+        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
+        columns.extend(self.bodies.iter().map(|(name, _)| format!("rms_velocity_m_per_s {name}")));
+        let mut rows = Vec::new();
+        for of in &self.motions {
+            let (Some(harmonics), Some(loudness)) = (&of.harmonics, of.loudness) else { continue };
+            let mut part_above = 1.0;
+            for harmonic in 1..=harmonics.velocity.len() {
+                let rms = harmonics.rms_of(harmonic, &self.displacements);
+                part_above -= (rms / loudness).powi(2);
+                let numbers = [harmonics.frequency_hz(harmonic), rms, part_above];
+                let of_bodies = self.bodies.iter().map(|(_, dofs)| harmonics.rms_of(harmonic, dofs));
+                let radiated = of.radiated_power.as_ref().map(|all| all[harmonic - 1]);
+                let numbers = numbers.into_iter().chain(radiated).chain(of_bodies).map(|number| number.to_string());
+                rows.push([of.start.clone(), harmonic.to_string()].into_iter().chain(numbers).collect::<Vec<_>>());
+            }
+        }
+        Table::new("cycle_spectrum", columns, rows)
+    }
+
+    /// True of a brake with faces, of which a cycle was found.
+    fn has_sound(&self) -> bool {
+        self.motions.iter().any(|of| of.radiated_power.is_some())
     }
 
     fn families(&self) -> Vec<String> {
@@ -132,6 +176,14 @@ impl Cycles {
     }
 }
 
+impl MotionOfMode {
+    /// Start in words: `mode 2` or `noise 1`.
+    #[must_use]
+    pub fn start_in_words(&self) -> String {
+        if self.start.starts_with("noise") { self.start.clone() } else { format!("mode {}", self.start) }
+    }
+}
+
 fn cycle_of(motion: &Motion) -> Option<&Cycle> {
     match motion {
         Motion::Cycle(cycle) => Some(cycle),
@@ -157,7 +209,7 @@ impl Branches {
             "mode",
             "onset",
             "onset_hz",
-            &self.parameter.name,
+            &self.sweep.parameter.name,
             "balance_hz",
             "cycle_hz",
             "amplitude",
@@ -168,6 +220,7 @@ impl Branches {
             "stuck",
             "loudest_body",
             "rms_velocity_m_per_s",
+            "loudness_m_per_s",
             "branch_end",
         ];
         let rows = self.branches.iter().flat_map(|branch| branch.cycles.iter().map(|cycle| branch.row(cycle)));
@@ -177,14 +230,14 @@ impl Branches {
     /// The branches in words.
     #[must_use]
     pub fn text(&self) -> String {
-        let SweptParameter { name, from, .. } = &self.parameter;
+        let SweptParameter { name, from, .. } = &self.sweep.parameter;
         let mut text: String = self.branches.iter().map(|branch| branch.text(name)).collect();
         text += "amplitude: of the first harmonic, in that at which the first contact opens or sticks\n";
-        if self.growing_at_start > 0 {
-            let modes = self.growing_at_start;
+        if self.growing_at_start() > 0 {
+            let modes = self.growing_at_start();
             text += &format!("modes that grow at {name} = {from} already, whose cycles are not followed: {modes}\n");
         }
-        for (from, to) in &self.unresolved {
+        for (from, to) in &self.sweep.unresolved {
             text += &format!(
                 "{name} = {from} to {to}: a mode comes so near its threshold that it may have an onset or not\n"
             );
@@ -204,7 +257,7 @@ impl Branch {
         ];
         let Some((cycle, measures)) = &of.in_time else {
             row.extend([String::new(), of.amplitude.to_string(), yes(of.is_fold)]);
-            row.extend(vec![String::new(); 6]);
+            row.extend(vec![String::new(); 7]);
             row.push(self.end.to_string());
             return row;
         };
@@ -221,6 +274,7 @@ impl Branch {
             greatest(|shares| shares.stuck).to_string(),
             loudest,
             rms.to_string(),
+            of.loudness.map_or(String::new(), |loudness| loudness.to_string()),
             self.end.to_string(),
         ]);
         row
