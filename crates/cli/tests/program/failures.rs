@@ -1,7 +1,6 @@
 //! Samples that fail are counted and listed, and are no data.
 
-use crate::common::{SMALL, asked, replaced, run};
-use crate::prepared;
+use crate::common::{SMALL, replaced, run};
 
 #[test]
 fn failed_samples_are_listed_and_missing_from_every_count() {
@@ -44,24 +43,4 @@ fn failed_samples_are_listed_and_missing_from_every_count() {
         solved += of_panel;
     }
     assert!(partly > 0 && solved > 0, "some samples fail and some do not");
-}
-
-/// Where nothing is known of the errors of a reduced brake its answers are printed, and no script takes them for answers. As the case asks for it, the same command
-/// succeeds (`prepared.rs`).
-#[test]
-fn a_reduced_brake_of_unknown_errors_ends_with_exit_code_1() {
-    let folder = tempfile::tempdir().unwrap();
-    let case = prepared::case(folder.path());
-    let coarse = ["training=1", "residual=1e-3", "full_checks=0"].map(|field| format!("reduction.{field}"));
-    let coarse: Vec<&str> = coarse.iter().flat_map(|field| ["--set", field]).collect();
-    let out = folder.path().join("out");
-    for (command, own) in [("cea", &[][..]), ("check", &[]), ("run", &["--out", out.to_str().unwrap()])] {
-        // The first prepares it for all.
-        let output = asked(command, &case, &[&coarse, own].concat());
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(1), "{command}: {said}");
-        assert!(!output.stdout.is_empty(), "{command}");
-        let last = said.lines().last().unwrap();
-        assert!(last.contains("the reduced brake does not have the modes of the whole one"), "{command}: {last}");
-    }
 }
