@@ -88,7 +88,7 @@ fn start(text: &str) -> Result<Start, String> {
     }
 }
 
-/// What was asked for.
+/// Motions from their starts, or branches over a parameter.
 enum Found {
     Cycles(Box<Cycles>),
     Branches(Box<Branches>),

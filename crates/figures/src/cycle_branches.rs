@@ -60,7 +60,7 @@ const FREQUENCY_HEIGHT: f64 = 190.0;
 /// Part of the frequencies of cycles and onsets that the axis has above and below them; chosen, so that modes beside them are seen.
 const BESIDE: f64 = 0.1;
 
-/// How a piece of a branch is drawn.
+/// Line style of a piece of a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Piece {
     Stable,

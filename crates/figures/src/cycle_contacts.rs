@@ -23,7 +23,7 @@ pub struct CycleContactsFigure {
     pub note: String,
 }
 
-/// What the contacts of a cycle do.
+/// Motion of the contacts of a cycle.
 #[derive(Debug, Clone, Default)]
 pub struct ContactsOfCycle {
     /// Heading of the cycle.
@@ -39,7 +39,7 @@ pub struct ContactPoint {
     pub normal_force: f64,
     /// Sliding velocity, m/s.
     pub sliding_velocity: f64,
-    /// What the contact does.
+    /// State of the contact.
     pub does: ContactDoes,
 }
 
