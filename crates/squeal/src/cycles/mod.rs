@@ -27,6 +27,7 @@ use cycle::{
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+use sound::Sound;
 use study::{Scene, SlidingContacts, UncertainBrake, Units};
 
 use crate::Error;
@@ -70,6 +71,8 @@ pub struct Cycles {
     pub harmonics: usize,
     /// The motions, by their starts.
     pub motions: Vec<MotionOfMode>,
+    /// Part of the area of the outer faces, 0 to 1, that counts as at rest because its nodes are in no row of the matrices; `None` of a brake without faces.
+    pub outer_without_rows: Option<f64>,
     /// Names of the bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
     /// False of a reduced brake, whose coordinates have no largest displacement.
@@ -181,18 +184,18 @@ pub fn cycles<B: UncertainBrake>(
     let displacements = displacements(plan, of_scene);
     let of_plan = (plan.units, &displacements[..]);
     progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
-    let motions = stopped::when_cancelled(progress, |stop| {
-        let system = system.clone().until(stop);
-        let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, progress);
-        starts.into_par_iter().map(motion).collect::<Result<_, _>>()
+    let found = stopped::when_cancelled(progress, |stop| {
+        let (system, sound) = (system.clone().until(stop), Sound::of(brake, scene, progress)?);
+        let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, sound.as_ref(), progress);
+        Ok((starts.into_par_iter().map(motion).collect::<Result<Vec<_>, Error>>()?, sound))
     });
     progress.end();
-    let mut motions: Vec<MotionOfMode> = motions?;
-    sound::radiate(brake, scene, &mut motions)?;
+    let (motions, sound) = found?;
     Ok(Cycles {
         tangent_deviation,
         harmonics: options.harmonics,
         motions,
+        outer_without_rows: sound.as_ref().map(Sound::without_rows),
         bodies: of_scene.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
         has_peaks: plan.band.is_none(),
         displacements,
@@ -238,6 +241,7 @@ fn motion_of(
     settings: &Settings,
     (name, mode, start): (String, &GrowingMode, Vec<f64>),
     (units, displacements): (Units, &[usize]),
+    sound: Option<&Sound>,
     progress: &dyn Progress,
 ) -> Result<MotionOfMode, Error> {
     let (omega, shape) = (mode.lambda.im, &mode.shape[..]);
@@ -272,8 +276,10 @@ fn motion_of(
         loudness: measures.as_ref().map(|measures| measures.rms_of(displacements)),
         measures,
         history,
+        radiated_power: sound
+            .zip(harmonics.as_ref())
+            .map(|(sound, harmonics)| harmonics.velocity.iter().map(|velocity| sound.power(velocity)).collect()),
         harmonics,
-        radiated_power: None,
         balanced_hz,
     })
 }

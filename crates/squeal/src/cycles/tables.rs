@@ -122,9 +122,9 @@ impl Cycles {
         Table::new("cycle_spectrum", columns, rows)
     }
 
-    /// True of a brake with faces, of which a cycle was found.
+    /// True of a brake with outer faces.
     fn has_sound(&self) -> bool {
-        self.motions.iter().any(|of| of.radiated_power.is_some())
+        self.outer_without_rows.is_some()
     }
 
     fn families(&self) -> Vec<String> {
