@@ -19,8 +19,9 @@ impl OuterFaces for FiniteElementBrake {
             return Ok(None);
         }
         let rows = mesh.rows_of_nodes(&self.free_rows(scene.key.constraints));
-        // What the case fixes and what huge entries hold is at rest.
-        let known: Vec<Dof> = self.case.dofs.iter().chain(&self.case.held).copied().collect();
+        // What the case fixes, huge entries hold or the mesh holds is at rest.
+        let case = &self.case;
+        let known: Vec<Dof> = case.dofs.iter().chain(&case.held).chain(&case.held_in_mesh).copied().collect();
         Ok(Some(FacesInMotion {
             form: form(&pieces, &rows, self.part(scene).reduced.basis(), progress)?,
             without_rows: part_without(&pieces, &mesh.rows_of_nodes(&known)),
@@ -127,6 +128,10 @@ mod tests {
         let brick = mesh(&[square_of(-2.0), square_of(2.0)].concat(), CellKind::Hexahedron);
         let close = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-14, "{found} {exact}");
         close(square(&brick, |_| [3.0, 0.0, 0.0]), 9.0 * 2.0 * 12.0);
+        // A skin on one of its faces adds nothing to it.
+        let mut skinned = brick.clone();
+        skinned.cells.push(Cell { kind: CellKind::Quadrilateral, nodes: vec![1, 2, 6, 5] });
+        close(square(&skinned, |_| [3.0, 0.0, 0.0]), 9.0 * 2.0 * 12.0);
         // A turn about z: u_n is y on the faces of x and x on those of y.
         let second = |length: f64| length.powi(3) / 12.0;
         close(square(&brick, |[x, y, _]| [-y, x, 0.0]), 2.0 * 4.0 * (second(3.0) + second(2.0)));

@@ -71,7 +71,7 @@ pub struct Cycles {
     pub harmonics: usize,
     /// The motions, by their starts.
     pub motions: Vec<MotionOfMode>,
-    /// Part of the area of the outer faces, 0 to 1, that counts as at rest because its nodes are in no row of the matrices; `None` of a brake without faces.
+    /// Part of the area of the outer faces, 0 to 1, that counts as at rest though nothing is known to hold it: its nodes have no rows; `None` of a brake without faces.
     pub outer_without_rows: Option<f64>,
     /// Names of the bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,

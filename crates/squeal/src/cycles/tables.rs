@@ -9,6 +9,9 @@ use crate::sweep::SweptParameter;
 /// Column of the power that the outer faces radiate at radiation efficiency 1.
 const RADIATED: &str = "radiated_power_at_efficiency_1_w";
 
+/// Column of the part of the outer area that counts as at rest in it.
+const WITHOUT_ROWS: &str = "outer_area_without_rows";
+
 /// Hz of an eigenvalue.
 fn hz(omega: f64) -> f64 {
     omega / std::f64::consts::TAU
@@ -33,7 +36,7 @@ impl Cycles {
         ]
         .map(str::to_owned)
         .to_vec();
-        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
+        columns.extend(self.outer_without_rows.iter().flat_map(|_| [RADIATED, WITHOUT_ROWS].map(str::to_owned)));
         let families: Vec<String> = self.families();
         for (name, _) in &self.bodies {
             columns.push(format!("rms_velocity_m_per_s {name}"));
@@ -59,8 +62,8 @@ impl Cycles {
                 number(measures.map(Measures::imbalance)),
                 number(of.loudness),
             ];
-            let radiated = || number(of.radiated_power.as_ref().map(|all| all.iter().sum()));
-            row.extend(self.has_sound().then(radiated));
+            let radiated = number(of.radiated_power.as_ref().map(|all| all.iter().sum()));
+            row.extend(self.outer_without_rows.iter().flat_map(|part| [radiated.clone(), part.to_string()]));
             for (_, dofs) in &self.bodies {
                 row.push(number(measures.map(|measures| measures.rms_of(dofs))));
                 row.extend(self.has_peaks.then(|| number(measures.map(|measures| measures.peak_of(dofs)))));
@@ -103,7 +106,7 @@ impl Cycles {
     pub fn spectrum_table(&self) -> Table {
         let mut columns =
             ["from_mode", "harmonic", "frequency_hz", "loudness_m_per_s", "part_above"].map(str::to_owned).to_vec();
-        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
+        columns.extend(self.outer_without_rows.map(|_| RADIATED.to_owned()));
         columns.extend(self.bodies.iter().map(|(name, _)| format!("rms_velocity_m_per_s {name}")));
         let mut rows = Vec::new();
         for of in &self.motions {
@@ -120,11 +123,6 @@ impl Cycles {
             }
         }
         Table::new("cycle_spectrum", columns, rows)
-    }
-
-    /// True of a brake with outer faces.
-    fn has_sound(&self) -> bool {
-        self.outer_without_rows.is_some()
     }
 
     fn families(&self) -> Vec<String> {
@@ -172,7 +170,19 @@ impl Cycles {
             "\nopen, stuck: largest share of the period of a contact; multiplier: what a small deviation becomes in a period\n\
              the motion's tangent deviates from the complex eigenvalue analysis by {:.1e}; powers sum to zero within {imbalance:.1e}\n",
             self.tangent_deviation
-        )
+        ) + &self.at_rest()
+    }
+
+    /// A line on the outer faces that count as at rest for want of rows, where there are any.
+    fn at_rest(&self) -> String {
+        match self.outer_without_rows {
+            Some(part) if part > 0.0 => format!(
+                "radiated power: {:.2} % of the outer area counts as at rest, as its nodes have no rows in the matrices and nothing is said to hold them: too \
+                 little where they move\n",
+                100.0 * part
+            ),
+            _ => String::new(),
+        }
     }
 }
 
