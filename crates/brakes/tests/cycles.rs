@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use brakes::case::{CaseFile, ChosenSpeed, LatticeCase, MatricesCase, SceneChoice};
 use brakes::{AnyBrake, LatticeBrake, MatricesBrake, Purpose};
 use cea::{Mode, Workspace};
-use cycle::{Motion, Settings, follow, harmonics, measure, state_after};
+use cycle::{Motion, Settings, follow, harmonics, measure, state_after, states};
 use montecarlo::Progress;
 use num_complex::Complex;
 use squeal::cycles::{CycleOptions, Start, cycles};
@@ -101,7 +101,8 @@ fn the_lattice_has_the_cycle_that_another_program_integrated() {
     assert!(measures.contacts.iter().all(|shares| shares.stuck == 0.0) && (open - 0.584).abs() < 1e-3, "{measures:?}");
     // Its harmonics hold the velocities of all, and of the four oscillators above, by Parseval.
     let all: Vec<usize> = (0..system.order()).collect();
-    let found = harmonics(&system, &cycle, (&all, measures.rms_of(&all)), 1e-11).unwrap();
+    let states = states(&system, &cycle, 1024, 1e-11).unwrap();
+    let found = harmonics(&cycle, all.len(), &states, (&all, measures.rms_of(&all)));
     for (dofs, most) in [(&all[..], 1e-8), (&[0, 9], 1e-5), (&[18, 24], 1e-5)] {
         let sum: f64 = (1..=found.velocity.len()).map(|harmonic| found.rms_of(harmonic, dofs).powi(2)).sum();
         let missing = 1.0 - sum / measures.rms_of(dofs).powi(2);

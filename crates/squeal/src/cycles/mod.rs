@@ -22,7 +22,7 @@ pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_co
 
 use cycle::{
     Balance, ContactMoment, ContactSystem, Cycle, Harmonics, Measures, Motion, Settings, follow_telling, harmonics,
-    history, measure,
+    history, measure, states,
 };
 use montecarlo::Progress;
 use num_complex::Complex;
@@ -106,8 +106,11 @@ pub struct MotionOfMode {
     pub balanced_hz: Option<f64>,
 }
 
-/// Equal steps of a period in a table of what contacts do; chosen: ten of a ninth harmonic.
-const HISTORY: usize = 128;
+/// Equal steps of a period at which a cycle is taken for its harmonics, 256 at most; chosen.
+const STEPS: usize = 1024;
+
+/// Equal steps of a period in a table of what contacts do, an eighth of these; chosen: ten of a ninth harmonic.
+const HISTORY: usize = STEPS / 8;
 
 /// Name of the computation that needs the contacts of a brake.
 pub const MOTION: &str = "the motion after the onset";
@@ -211,21 +214,18 @@ pub(crate) fn in_si(mut measures: Measures, units: Units) -> Measures {
     measures
 }
 
-/// Harmonics of a cycle in m and m/s, of a system in some units: as many as hold the loudness, by its degrees of freedom and `measures` in SI.
-///
-/// # Errors
-/// A motion that cannot be followed.
+/// Harmonics of a cycle in m and m/s, from its states in some units: as many as hold the loudness, by its degrees of freedom and `measures` in SI.
 pub(super) fn harmonics_in_si(
-    system: &ContactSystem,
     cycle: &Cycle,
+    states: &[Vec<f64>],
     measures: &Measures,
     (units, displacements): (Units, &[usize]),
-) -> Result<Harmonics, cycle::Error> {
+) -> Harmonics {
     let rms = measures.rms_of(displacements) / units.length();
-    let mut found = harmonics(system, cycle, (displacements, rms), TOLERANCE)?;
+    let mut found = harmonics(cycle, measures.rms_velocity.len(), states, (displacements, rms));
     found.mean.iter_mut().for_each(|mean| *mean *= units.length());
     found.velocity.iter_mut().flatten().for_each(|velocity| *velocity *= units.length());
-    Ok(found)
+    found
 }
 
 /// Digest of some contacts with the units in which they are.
@@ -260,12 +260,11 @@ fn motion_of(
     };
     let measures = cycle.map(|cycle| measure(system, cycle, TOLERANCE)).transpose()?;
     let measures = measures.map(|measures| in_si(measures, units));
-    let mut history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
+    let states = cycle.map(|cycle| states(system, cycle, STEPS, TOLERANCE)).transpose()?.unwrap_or_default();
+    let mut history = history(system, states.iter().step_by(STEPS / HISTORY));
     history.iter_mut().flatten().for_each(|moment| moment.sliding_velocity *= units.length());
     let of_cycle = cycle.zip(measures.as_ref());
-    let harmonics = of_cycle
-        .map(|(cycle, measures)| harmonics_in_si(system, cycle, measures, (units, displacements)))
-        .transpose()?;
+    let harmonics = of_cycle.map(|(cycle, measures)| harmonics_in_si(cycle, &states, measures, (units, displacements)));
     let balanced = cycle.and_then(|cycle| balance.near(system, cycle, TOLERANCE).ok());
     let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
     progress.advance(settings.most_periods as u64 - periods);
