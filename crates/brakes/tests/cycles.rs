@@ -12,7 +12,7 @@ use cycle::{Motion, Settings, follow, harmonics, measure, state_after, states};
 use montecarlo::Progress;
 use num_complex::Complex;
 use squeal::cycles::{CycleOptions, Start, cycles};
-use study::UncertainBrake;
+use study::{Moves, UncertainBrake};
 
 fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
@@ -143,6 +143,26 @@ fn a_case_of_matrices_has_the_cycle_of_its_equations() {
     let noise = answer(|text| text, &CycleOptions { from: Start::Noise, ..CycleOptions::default() }).unwrap();
     let Motion::Cycle(of_noise) = &noise.motions[0].motion else { panic!() };
     assert!((of_noise.period / cycle.period - 1.0).abs() < 1e-8);
+}
+
+/// Hoffmann's oscillator with both degrees of freedom called rotations: no loudness, and the harmonics that it has as a mass.
+#[test]
+fn a_cycle_of_rotations_alone_has_its_harmonics() {
+    let mut brake = hoffmann(|text| text);
+    let found = |brake: &MatricesBrake| cycles(brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let column = |table: &output::Table, name: &str| table.column(name).unwrap().map(str::to_owned).collect::<Vec<_>>();
+    let of_mass = found(&brake).spectrum_table();
+    brake.plan.labels.moves = vec![Moves::Turns; 2];
+    let cycles = found(&brake);
+    let of_turns = cycles.spectrum_table();
+    for name in ["frequency_hz", "rms_velocity_m_per_s mass"] {
+        assert_eq!(column(&of_turns, name), column(&of_mass, name));
+    }
+    let lines = column(&of_mass, "harmonic").len();
+    assert_eq!(column(&of_turns, "loudness_m_per_s"), vec!["0"; lines]);
+    assert_eq!(column(&of_turns, "part_above"), vec![""; lines]);
+    assert!(lines > 3);
+    assert_eq!(column(&cycles.table(), "loudness_m_per_s"), ["0"]);
 }
 
 #[test]

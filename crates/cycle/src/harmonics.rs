@@ -32,7 +32,8 @@ impl Harmonics {
     #[must_use]
     pub fn rms_of(&self, harmonic: usize, dofs: &[usize]) -> f64 {
         let velocity = &self.velocity[harmonic - 1];
-        dofs.iter().map(|&dof| 0.5 * velocity[dof].norm_sqr()).sum::<f64>().sqrt()
+        // The sum of none is -0.
+        (0.0 + dofs.iter().map(|&dof| 0.5 * velocity[dof].norm_sqr()).sum::<f64>()).sqrt()
     }
 
     /// Amplitude of the displacement of each degree of freedom in a harmonic, `u_k`, m; in harmonic 0 the mean.

@@ -73,7 +73,8 @@ impl Measures {
     /// Root mean square of the velocity of the given degrees of freedom together, m/s.
     #[must_use]
     pub fn rms_of(&self, dofs: &[usize]) -> f64 {
-        dofs.iter().map(|&dof| self.rms_velocity[dof].powi(2)).sum::<f64>().sqrt()
+        // The sum of none is -0.
+        (0.0 + dofs.iter().map(|&dof| self.rms_velocity[dof].powi(2)).sum::<f64>()).sqrt()
     }
 
     /// Largest displacement of one of the given degrees of freedom, m.

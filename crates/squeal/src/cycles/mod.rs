@@ -214,15 +214,17 @@ pub(crate) fn in_si(mut measures: Measures, units: Units) -> Measures {
     measures
 }
 
-/// Harmonics of a cycle in m and m/s, from its states in some units: as many as hold the loudness, by its degrees of freedom and `measures` in SI.
+/// Harmonics of a cycle in m and m/s, from its states in some units: as many as hold the loudness, by its degrees of freedom and `measures` in SI; of a
+/// cycle of rotations alone, which has none, all velocities.
 pub(super) fn harmonics_in_si(
     cycle: &Cycle,
     states: &[Vec<f64>],
     measures: &Measures,
     (units, displacements): (Units, &[usize]),
 ) -> Harmonics {
-    let rms = measures.rms_of(displacements) / units.length();
-    let mut found = harmonics(cycle, measures.rms_velocity.len(), states, (displacements, rms));
+    let all: Vec<usize> = (0..measures.rms_velocity.len()).collect();
+    let held = if measures.rms_of(displacements) > 0.0 { displacements } else { &all };
+    let mut found = harmonics(cycle, all.len(), states, (held, measures.rms_of(held) / units.length()));
     found.mean.iter_mut().for_each(|mean| *mean *= units.length());
     found.velocity.iter_mut().flatten().for_each(|velocity| *velocity *= units.length());
     found

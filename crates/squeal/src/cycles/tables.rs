@@ -115,11 +115,14 @@ impl Cycles {
             for harmonic in 1..=harmonics.velocity.len() {
                 let rms = harmonics.rms_of(harmonic, &self.displacements);
                 part_above -= (rms / loudness).powi(2);
-                let numbers = [harmonics.frequency_hz(harmonic), rms, part_above];
+                let head = [harmonic.to_string(), harmonics.frequency_hz(harmonic).to_string(), rms.to_string()];
+                // Rotations alone have no loudness of which this were a part.
+                let part_above = if loudness > 0.0 { part_above.to_string() } else { String::new() };
                 let of_bodies = self.bodies.iter().map(|(_, dofs)| harmonics.rms_of(harmonic, dofs));
                 let radiated = of.radiated_power.as_ref().map(|all| all[harmonic - 1]);
-                let numbers = numbers.into_iter().chain(radiated).chain(of_bodies).map(|number| number.to_string());
-                rows.push([of.start.clone(), harmonic.to_string()].into_iter().chain(numbers).collect::<Vec<_>>());
+                let numbers = radiated.into_iter().chain(of_bodies).map(|number| number.to_string());
+                let head = [of.start.clone()].into_iter().chain(head).chain([part_above]);
+                rows.push(head.chain(numbers).collect::<Vec<_>>());
             }
         }
         Table::new("cycle_spectrum", columns, rows)
