@@ -9,7 +9,9 @@ use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
 
-use super::{CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, harmonics_in_si, in_si, stopped};
+use super::{
+    CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, harmonics_in_si, in_si, when_cancelled,
+};
 use crate::Error;
 use crate::sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
 
@@ -151,7 +153,7 @@ pub fn branches<B: UncertainBrake>(
     };
     // Each is followed in harmonic balance, and then its points in time.
     progress.begin(2 * onsets.len() as u64, 0);
-    let branches = stopped::when_cancelled(progress, |stop| {
+    let branches = when_cancelled(progress, |stop| {
         onsets.into_iter().map(|onset| branch(onset, &stop)).collect::<Result<Vec<_>, _>>()
     });
     progress.end();

@@ -19,6 +19,7 @@ pub(crate) use drawn::{Following, displacements, loudest, motions};
 use growing::{GrowingMode, growing_modes};
 pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
+pub(crate) use stopped::when_cancelled;
 
 use cycle::{
     Balance, ContactMoment, ContactSystem, Cycle, Harmonics, Measures, Motion, Settings, follow_telling, harmonics,
@@ -187,7 +188,7 @@ pub fn cycles<B: UncertainBrake>(
     let displacements = displacements(plan, of_scene);
     let of_plan = (plan.units, &displacements[..]);
     progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
-    let found = stopped::when_cancelled(progress, |stop| {
+    let found = when_cancelled(progress, |stop| {
         let (system, sound) = (system.clone().until(stop), Sound::of(brake, scene, progress)?);
         let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, sound.as_ref(), progress);
         Ok((starts.into_par_iter().map(motion).collect::<Result<Vec<_>, Error>>()?, sound))
