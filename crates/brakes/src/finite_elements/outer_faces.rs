@@ -71,7 +71,8 @@ fn part_without(pieces: &[Piece], rows: &[[Option<usize>; 3]]) -> f64 {
         piece.area * weight * lacking.map(|(_, normal)| normal * normal).sum::<f64>()
     };
     let without: f64 = pieces.iter().flat_map(|piece| piece.nodes.iter().map(move |node| of_node(piece, node))).sum();
-    without / pieces.iter().map(|piece| piece.area).sum::<f64>()
+    // The sum of none is -0.
+    (0.0 + without) / pieces.iter().map(|piece| piece.area).sum::<f64>()
 }
 
 /// The outer faces of solids, and flat cells from both sides, in pieces. Lines and points have no area.
