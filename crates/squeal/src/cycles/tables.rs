@@ -180,8 +180,7 @@ impl Cycles {
     fn at_rest(&self) -> String {
         match self.outer_without_rows {
             Some(part) if part > 0.0 => format!(
-                "radiated power: {:.2} % of the outer area counts as at rest, as its nodes have no rows in the matrices and nothing is said to hold them: too \
-                 little where they move\n",
+                "radiated power: {:.2} % of the outer area counts as at rest, as it has no rows in the matrices and nothing is said to hold it\n",
                 100.0 * part
             ),
             _ => String::new(),
