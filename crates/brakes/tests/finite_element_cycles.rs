@@ -9,7 +9,7 @@ use brakes::{FiniteElementBrake, check_motion};
 use cycle::{ContactSystem, Motion, state_after};
 use formats::{Cell, CellKind, Node};
 use nalgebra::DVector;
-use squeal::cycles::{CycleOptions, MotionOfMode, cycles};
+use squeal::cycles::{CycleOptions, Cycles, MotionOfMode, cycles};
 use study::{DrawnContacts, Parametrised, SlidingContacts, UncertainBrake, Units};
 
 fn folder(name: &str) -> PathBuf {
@@ -209,6 +209,11 @@ fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     // A reduced coordinate is no place.
     let has = |column: &str| found.table().column(column).is_some();
     assert!(has("rms_velocity_m_per_s brake") && !has("peak_m brake"));
+    // A table without a cycle has the same columns.
+    let mut without = found.clone();
+    without.motions.clear();
+    let header = |of: &Cycles| String::from_utf8(of.table().csv().unwrap()).unwrap().lines().next().map(str::to_owned);
+    assert_eq!(header(&without), header(&found));
     // The same numbers in mm, t and s are a thousandth of these in SI; loads are in N in both.
     brake.plan.units = Units::MmTonneSecond;
     // A body of its mesh that the matrices do not have radiates nothing, and that is said.

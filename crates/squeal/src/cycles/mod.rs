@@ -72,7 +72,8 @@ pub struct Cycles {
     pub harmonics: usize,
     /// The motions, by their starts.
     pub motions: Vec<MotionOfMode>,
-    /// Part of the area of the outer faces, 0 to 1, that counts as at rest though nothing is known to hold it: its nodes have no rows; `None` of a brake without faces.
+    /// Part of the area of the outer faces, 0 to 1, that counts as at rest though nothing is known to hold it: its nodes have no rows; `None` of a brake
+    /// without faces.
     pub outer_without_rows: Option<f64>,
     /// Names of the bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
@@ -82,6 +83,8 @@ pub struct Cycles {
     pub displacements: Vec<usize>,
     /// Names of the contacts.
     pub contacts: Vec<String>,
+    /// Names of the families of forces.
+    pub(crate) families: Vec<String>,
 }
 
 /// The motion that starts at a mode.
@@ -204,6 +207,7 @@ pub fn cycles<B: UncertainBrake>(
         has_peaks: plan.band.is_none(),
         displacements,
         contacts: system.contacts().iter().map(|contact| contact.name.clone()).collect(),
+        families: system.families(),
     })
 }
 

@@ -37,7 +37,6 @@ impl Cycles {
         .map(str::to_owned)
         .to_vec();
         columns.extend(self.outer_without_rows.iter().flat_map(|_| [RADIATED, WITHOUT_ROWS].map(str::to_owned)));
-        let families: Vec<String> = self.families();
         for (name, _) in &self.bodies {
             columns.push(format!("rms_velocity_m_per_s {name}"));
             columns.extend(self.has_peaks.then(|| format!("peak_m {name}")));
@@ -45,7 +44,7 @@ impl Cycles {
         for name in &self.contacts {
             columns.extend([format!("open {name}"), format!("stuck {name}")]);
         }
-        columns.extend(families.iter().map(|family| format!("power_w {family}")));
+        columns.extend(self.families.iter().map(|family| format!("power_w {family}")));
         let rows = self.motions.iter().map(|of| {
             let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
             let (cycle, measures) = (cycle_of(&of.motion), of.measures.as_ref());
@@ -73,7 +72,7 @@ impl Cycles {
                 row.push(number(measures.map(|measures| measures.contacts[contact].stuck)));
             }
             let powers = |at: usize| number(measures.map(|measures| measures.powers[at].1));
-            row.extend((0..families.len()).map(powers));
+            row.extend((0..self.families.len()).map(powers));
             row
         });
         Table::new("cycles", columns, rows)
@@ -126,11 +125,6 @@ impl Cycles {
             }
         }
         Table::new("cycle_spectrum", columns, rows)
-    }
-
-    fn families(&self) -> Vec<String> {
-        let measures = self.motions.iter().find_map(|of| of.measures.as_ref());
-        measures.map_or_else(Vec::new, |measures| measures.powers.iter().map(|(family, _)| family.clone()).collect())
     }
 
     /// The motions in words, a line each with the loudest body.
