@@ -27,9 +27,11 @@ impl Surface {
             faces.extend((0..mesh.nodes.len()).map(|node| [node; 4]));
         }
         let thin = mesh.cells.iter().filter(|cell| cell.kind.faces().is_empty());
-        let mut skins = Skins::new(mesh);
-        let thin = thin.filter(|cell| is_of(mesh, cell)).filter_map(|cell| four(&cell.nodes));
-        faces.extend(thin.filter(|face| skins.is_new(face)));
+        let thin: Vec<_> = thin.filter(|cell| is_of(mesh, cell)).filter_map(|cell| four(&cell.nodes)).collect();
+        if !thin.is_empty() {
+            let mut skins = Skins::new(mesh, &thin);
+            faces.extend(thin.into_iter().filter(|face| skins.is_new(face)));
+        }
         let mut nodes: Vec<usize> = faces.iter().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -48,18 +50,20 @@ struct Skins {
 }
 
 impl Skins {
-    /// The triangles of all faces of solids, inner ones among them.
-    fn new(mesh: &Mesh) -> Self {
+    /// The triangles of all faces of solids, inner ones among them, whose corners are places of thin cells.
+    fn new(mesh: &Mesh, thin: &[[usize; 4]]) -> Self {
         let mut first = HashMap::new();
         // The sum makes one zero of both.
         let bits = |node: usize| mesh.nodes[node].position.map(|x| (x + 0.0).to_bits());
-        let place = (0..mesh.nodes.len()).map(|node| *first.entry(bits(node)).or_insert(node)).collect();
+        let place: Vec<usize> = (0..mesh.nodes.len()).map(|node| *first.entry(bits(node)).or_insert(node)).collect();
+        let of_thin: HashSet<usize> = thin.iter().flatten().map(|&node| place[node]).collect();
+        let is_wanted = |triangle: &[usize; 3]| triangle.iter().all(|corner| of_thin.contains(corner));
         let mut skins = Self { place, triangles: HashSet::new() };
         for cell in mesh.cells.iter().filter(|cell| is_of(mesh, cell)) {
             for corners in cell.kind.faces() {
                 let around: Vec<usize> = corners.iter().map(|&corner| cell.nodes[corner]).collect();
                 let halves = four(&around).map_or(vec![], |face| skins.halves(&face));
-                skins.triangles.extend(halves.into_iter().flatten());
+                skins.triangles.extend(halves.into_iter().flatten().filter(is_wanted));
             }
         }
         skins

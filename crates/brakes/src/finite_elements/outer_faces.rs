@@ -152,6 +152,24 @@ mod tests {
         assert!(g[(0, 1)].abs() < 1e-13 && g[(0, 1)] == g[(1, 0)], "{g}");
     }
 
+    struct Enough;
+
+    impl Progress for Enough {
+        fn begin(&self, _: u64, _: u64) {}
+        fn advance(&self, _: u64) {}
+        fn end(&self) {}
+        fn is_cancelled(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn a_form_ends_where_it_is_cancelled() {
+        let triangle = mesh(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]], CellKind::Triangle);
+        let found = form(&pieces(&triangle), &all_rows(&triangle), &DMatrix::zeros(9, 2), &Enough);
+        assert!(found.is_err_and(|error| error.is_cancelled()));
+    }
+
     /// The upper four nodes of a box without rows: its upper face and half of those beside it; without rows in z the upper face alone.
     #[test]
     fn area_without_rows_is_that_of_the_nodes_that_lack_them() {
