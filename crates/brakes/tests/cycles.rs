@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use brakes::case::{CaseFile, ChosenSpeed, LatticeCase, MatricesCase, SceneChoice};
 use brakes::{AnyBrake, LatticeBrake, MatricesBrake, Purpose};
 use cea::{Mode, Workspace};
-use cycle::{Motion, Settings, follow, harmonics, measure, state_after};
+use cycle::{Motion, Settings, follow, harmonics, measure, state_after, states};
 use montecarlo::Progress;
 use num_complex::Complex;
 use squeal::cycles::{CycleOptions, Start, cycles};
-use study::UncertainBrake;
+use study::{Moves, UncertainBrake};
 
 fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
@@ -101,7 +101,8 @@ fn the_lattice_has_the_cycle_that_another_program_integrated() {
     assert!(measures.contacts.iter().all(|shares| shares.stuck == 0.0) && (open - 0.584).abs() < 1e-3, "{measures:?}");
     // Its harmonics hold the velocities of all, and of the four oscillators above, by Parseval.
     let all: Vec<usize> = (0..system.order()).collect();
-    let found = harmonics(&system, &cycle, (&all, measures.rms_of(&all)), 1e-11).unwrap();
+    let states = states(&system, &cycle, 1024, 1e-11).unwrap();
+    let found = harmonics(&cycle, all.len(), &states, (&all, measures.rms_of(&all)));
     for (dofs, most) in [(&all[..], 1e-8), (&[0, 9], 1e-5), (&[18, 24], 1e-5)] {
         let sum: f64 = (1..=found.velocity.len()).map(|harmonic| found.rms_of(harmonic, dofs).powi(2)).sum();
         let missing = 1.0 - sum / measures.rms_of(dofs).powi(2);
@@ -142,6 +143,26 @@ fn a_case_of_matrices_has_the_cycle_of_its_equations() {
     let noise = answer(|text| text, &CycleOptions { from: Start::Noise, ..CycleOptions::default() }).unwrap();
     let Motion::Cycle(of_noise) = &noise.motions[0].motion else { panic!() };
     assert!((of_noise.period / cycle.period - 1.0).abs() < 1e-8);
+}
+
+/// Hoffmann's oscillator with both degrees of freedom called rotations: no loudness, and the harmonics that it has as a mass.
+#[test]
+fn a_cycle_of_rotations_alone_has_its_harmonics() {
+    let mut brake = hoffmann(|text| text);
+    let found = |brake: &MatricesBrake| cycles(brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let column = |table: &output::Table, name: &str| table.column(name).unwrap().map(str::to_owned).collect::<Vec<_>>();
+    let of_mass = found(&brake).spectrum_table();
+    brake.plan.labels.moves = vec![Moves::Turns; 2];
+    let cycles = found(&brake);
+    let of_turns = cycles.spectrum_table();
+    for name in ["frequency_hz", "rms_velocity_m_per_s mass"] {
+        assert_eq!(column(&of_turns, name), column(&of_mass, name));
+    }
+    let lines = column(&of_mass, "harmonic").len();
+    assert_eq!(column(&of_turns, "loudness_m_per_s"), vec!["0"; lines]);
+    assert_eq!(column(&of_turns, "part_above"), vec![""; lines]);
+    assert!(lines > 3);
+    assert_eq!(column(&cycles.table(), "loudness_m_per_s"), ["0"]);
 }
 
 #[test]

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use brakes::case::{CaseFile, FiniteElementCase};
 use brakes::{FiniteElementBrake, check_motion};
 use cycle::{ContactSystem, Motion, state_after};
+use formats::{Cell, CellKind, Node};
 use nalgebra::DVector;
-use squeal::cycles::{CycleOptions, MotionOfMode, cycles};
+use squeal::cycles::{CycleOptions, Cycles, MotionOfMode, cycles};
 use study::{DrawnContacts, Parametrised, SlidingContacts, UncertainBrake, Units};
 
 fn folder(name: &str) -> PathBuf {
@@ -177,6 +178,7 @@ fn motions_grow_with_loads_and_speeds() {
 
 /// The cycle of the mode of 6,037 Hz: SciPy's DOP853 on the same matrices and contacts, which were written to a file, has after 1,500 periods of the mode
 /// 6015.49589 Hz, an rms of all coordinates of 3.2895004 m/s, a mean kinetic energy of 0.0107153120 J, and one contact that is open for 0.2822 of the period.
+/// The first harmonic radiates 0.158667 W by a sum of NumPy over the mesh of the page, whose displacements have four to five digits.
 #[test]
 fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     let changes = [
@@ -202,11 +204,26 @@ fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     assert!(measures.contacts.iter().all(|shares| shares.stuck == 0.0));
     assert!(measures.imbalance() < 1e-8, "{}", measures.imbalance());
     assert!((motion.balanced_hz.unwrap() / cycle.frequency_hz() - 1.0).abs() < 1e-5);
+    let first = motion.radiated_power.as_ref().unwrap()[0];
+    assert!((first / 0.158667 - 1.0).abs() < 1e-4, "{first}");
     // A reduced coordinate is no place.
     let has = |column: &str| found.table().column(column).is_some();
     assert!(has("rms_velocity_m_per_s brake") && !has("peak_m brake"));
+    // A table without a cycle has the same columns.
+    let mut without = found.clone();
+    without.motions.clear();
+    let header = |of: &Cycles| String::from_utf8(of.table().csv().unwrap()).unwrap().lines().next().map(str::to_owned);
+    assert_eq!(header(&without), header(&found));
     // The same numbers in mm, t and s are a thousandth of these in SI; loads are in N in both.
     brake.plan.units = Units::MmTonneSecond;
+    // A body of its mesh that the matrices do not have radiates nothing, and that is said.
+    assert_eq!(found.table().column("outer_area_without_rows").unwrap().next(), Some("0"));
+    assert!(!found.text().contains("radiated power"));
+    let mesh = brake.case.mesh.as_mut().unwrap();
+    let body: Vec<usize> = (mesh.nodes.len()..mesh.nodes.len() + 4).collect();
+    let far = [[9.0, 0.0, 0.0], [9.1, 0.0, 0.0], [9.0, 0.1, 0.0], [9.0, 0.0, 0.1]];
+    mesh.nodes.extend(far.into_iter().zip(1_000_000..).map(|(position, label)| Node { label, position }));
+    mesh.cells.push(Cell { kind: CellKind::Tetrahedron, nodes: body });
     let in_mm = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
     let of_mm = in_mm.motions[0].measures.as_ref().unwrap();
     let of_first = |motion: &MotionOfMode| motion.harmonics.as_ref().unwrap().rms_of(1, &all);
@@ -222,7 +239,22 @@ fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     // Areas are smaller too.
     let power = |motion: &MotionOfMode| motion.radiated_power.as_ref().unwrap().iter().sum::<f64>();
     assert!((power(&in_mm.motions[0]) / power(motion) - 1e-12).abs() < 1e-24 && power(motion) > 0.0);
+    let part = in_mm.outer_without_rows.unwrap();
+    let of_body = 0.015 + 0.01 * 0.75_f64.sqrt();
+    assert!((part / (of_body / (of_body + area_of_disc_and_pad())) - 1.0).abs() < 1e-5, "{part}");
+    assert!(in_mm.text().contains(&format!("radiated power: {:.2} % of the outer area", 100.0 * part)));
+    assert_eq!(in_mm.table().column("outer_area_without_rows").unwrap().next(), Some(part.to_string().as_str()));
     assert_eq!(in_mm.motions[0].history[0][0].normal_force, motion.history[0][0].normal_force);
+}
+
+/// Outer area of the disc, a polygon of 54 sides, and of the pad above eight of them, m^2.
+fn area_of_disc_and_pad() -> f64 {
+    let of_body = |sides: f64, inner: f64, outer: f64, height: f64| {
+        let half = std::f64::consts::PI / 54.0;
+        let above = sides * 0.5 * (2.0 * half).sin() * (outer * outer - inner * inner);
+        2.0 * above + sides * 2.0 * half.sin() * (inner + outer) * height
+    };
+    of_body(54.0, 0.072, 0.138, 0.02) + of_body(8.0, 0.1, 0.138, 0.016) + 2.0 * 0.038 * 0.016
 }
 
 /// Two pads held by their loads: the points that are open in steady sliding have the gap of the equilibrium, and K lacks their springs and no others.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use brakes::{CaseBrake, FiniteElementBrake};
-use formats::{Dof, Mesh, ModeShape, Surface, write_vtu};
+use formats::{Mesh, ModeShape, Surface, write_vtu};
 use num_complex::Complex;
 use output::{OutputError, write};
 use report::{BasisOf, Geometry, MeshSurface, ModeOf};
@@ -81,6 +81,5 @@ fn on_mesh(
         BasisOf::Set(set) => (set, brake.origin(set)),
         BasisOf::Scene(scene) => (scene.key.constraints, brake.part(scene)),
     };
-    let rows: Vec<Dof> = brake.sets[set].dofs.free().iter().map(|&row| brake.case.dofs[row]).collect();
-    Ok(ModeShape::new(name, lambda, mesh, &rows, part.reduced.lift(mode.shape).as_slice())?)
+    Ok(ModeShape::new(name, lambda, mesh, &brake.free_rows(set), part.reduced.lift(mode.shape).as_slice())?)
 }

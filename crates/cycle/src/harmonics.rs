@@ -2,14 +2,10 @@
 
 use num_complex::Complex;
 
-use crate::measure::states;
-use crate::{ContactSystem, Cycle, Error};
+use crate::Cycle;
 
-/// Equal steps of a period at which the motion is taken; chosen: what is folded back into the last harmonic comes from three times its frequency.
-const STEPS: usize = 1024;
-
-/// Most harmonics; chosen, a quarter of the steps.
-const MOST_HARMONICS: usize = STEPS / 4;
+/// Steps of a period for each harmonic, at least; chosen: what is folded back into the last one comes from three times its frequency.
+const STEPS_OF_HARMONIC: usize = 4;
 
 /// Part of the mean square of the velocity that the harmonics leave out, at most; chosen, above the error of an integrated motion.
 const LEFT_OUT: f64 = 1e-8;
@@ -36,7 +32,8 @@ impl Harmonics {
     #[must_use]
     pub fn rms_of(&self, harmonic: usize, dofs: &[usize]) -> f64 {
         let velocity = &self.velocity[harmonic - 1];
-        dofs.iter().map(|&dof| 0.5 * velocity[dof].norm_sqr()).sum::<f64>().sqrt()
+        // The sum of none is -0.
+        (0.0 + dofs.iter().map(|&dof| 0.5 * velocity[dof].norm_sqr()).sum::<f64>()).sqrt()
     }
 
     /// Amplitude of the displacement of each degree of freedom in a harmonic, `u_k`, m; in harmonic 0 the mean.
@@ -52,35 +49,29 @@ impl Harmonics {
     }
 }
 
-/// Harmonics of a cycle: as many as hold all but 1e-8 of the mean square of the velocities of the given degrees of freedom, `rms` squared, or 256.
-///
-/// # Errors
-/// A motion that cannot be followed.
-pub fn harmonics(
-    system: &ContactSystem,
-    cycle: &Cycle,
-    (dofs, rms): (&[usize], f64),
-    tolerance: f64,
-) -> Result<Harmonics, Error> {
-    let (n, states) = (system.order(), states(system, cycle, STEPS, tolerance)?);
-    let mean_of = |dof: usize| states.iter().map(|x| x[dof]).sum::<f64>() / STEPS as f64;
+/// Harmonics of a cycle of `order` degrees of freedom, from its states at equal steps of the period: as many as hold all but 1e-8 of the mean square of the
+/// velocities of the given degrees of freedom, `rms` squared, or a quarter of the steps.
+#[must_use]
+pub fn harmonics(cycle: &Cycle, order: usize, states: &[Vec<f64>], (dofs, rms): (&[usize], f64)) -> Harmonics {
+    let (n, steps) = (order, states.len());
+    let mean_of = |dof: usize| states.iter().map(|x| x[dof]).sum::<f64>() / steps as f64;
     let mut found = Harmonics {
         omega: std::f64::consts::TAU / cycle.period,
         mean: (0..n).map(mean_of).collect(),
         velocity: vec![],
     };
     let mut held = 0.0;
-    while found.velocity.len() < MOST_HARMONICS && held < (1.0 - LEFT_OUT) * rms * rms {
+    while STEPS_OF_HARMONIC * found.velocity.len() < steps && held < (1.0 - LEFT_OUT) * rms * rms {
         let harmonic = found.velocity.len() + 1;
         let mut velocity = vec![Complex::default(); n];
         for (step, x) in states.iter().enumerate() {
             // The turn of whole periods is none: no angle grows.
-            let angle = std::f64::consts::TAU * ((harmonic * step) % STEPS) as f64 / STEPS as f64;
-            let turn = Complex::cis(-angle) * (2.0 / STEPS as f64);
+            let angle = std::f64::consts::TAU * ((harmonic * step) % steps) as f64 / steps as f64;
+            let turn = Complex::cis(-angle) * (2.0 / steps as f64);
             velocity.iter_mut().zip(&x[n..2 * n]).for_each(|(sum, v)| *sum += turn * v);
         }
         found.velocity.push(velocity);
         held += found.rms_of(harmonic, dofs).powi(2);
     }
-    Ok(found)
+    found
 }

@@ -32,7 +32,7 @@ pub use error::Error;
 pub use friction::{Bristled, ContactFriction, Smoothed};
 pub use harmonic_balance::{Balance, BalancedCycle};
 pub use harmonics::{Harmonics, harmonics};
-pub use measure::{ContactMoment, ContactState, Measures, Shares, history, measure, measure_over};
+pub use measure::{ContactMoment, ContactState, Measures, Shares, history, measure, measure_over, states};
 pub use motion::{Motion, Settings, follow, follow_telling, state_after};
 pub use shooting::{Cycle, shoot};
 pub use system::{ContactSystem, Part};

@@ -73,7 +73,8 @@ impl Measures {
     /// Root mean square of the velocity of the given degrees of freedom together, m/s.
     #[must_use]
     pub fn rms_of(&self, dofs: &[usize]) -> f64 {
-        dofs.iter().map(|&dof| self.rms_velocity[dof].powi(2)).sum::<f64>().sqrt()
+        // The sum of none is -0.
+        (0.0 + dofs.iter().map(|&dof| self.rms_velocity[dof].powi(2)).sum::<f64>()).sqrt()
     }
 
     /// Largest displacement of one of the given degrees of freedom, m.
@@ -215,16 +216,8 @@ fn measured(
     Ok((measures, motion.x))
 }
 
-/// The contacts at equal steps over a period of a cycle, `samples` rows by contact.
-///
-/// # Errors
-/// A motion that cannot be followed.
-pub fn history(
-    system: &ContactSystem,
-    cycle: &Cycle,
-    samples: usize,
-    tolerance: f64,
-) -> Result<Vec<Vec<ContactMoment>>, Error> {
+/// The contacts in each of some states of motion, rows by contact.
+pub fn history<'s>(system: &ContactSystem, states: impl IntoIterator<Item = &'s Vec<f64>>) -> Vec<Vec<ContactMoment>> {
     let of_contact = |contact: &SlidingContact, x: &[f64]| {
         let (u, velocity) = x.split_at(system.order());
         let (normal_force, sliding_velocity) = (contact.load + contact.approach(u), contact.slip(velocity));
@@ -236,24 +229,22 @@ pub fn history(
         ContactMoment { normal_force: normal_force.max(0.0), sliding_velocity, state }
     };
     let of_contacts = |x: &Vec<f64>| system.contacts().iter().map(|contact| of_contact(contact, x)).collect();
-    Ok(states(system, cycle, samples, tolerance)?.iter().map(of_contacts).collect())
+    states.into_iter().map(of_contacts).collect()
 }
 
-/// States of motion at equal steps over a period of a cycle.
-pub(crate) fn states(
-    system: &ContactSystem,
-    cycle: &Cycle,
-    samples: usize,
-    tolerance: f64,
-) -> Result<Vec<Vec<f64>>, Error> {
+/// States of motion of a cycle at so many equal steps over its period.
+///
+/// # Errors
+/// A motion that cannot be followed.
+pub fn states(system: &ContactSystem, cycle: &Cycle, steps: usize, tolerance: f64) -> Result<Vec<Vec<f64>>, Error> {
     let scales = system.scales(std::f64::consts::TAU / cycle.period);
     let flow = Measured { system, scales, families: system.families(), is_exact: true };
     let mut x = cycle.start.clone();
     x.resize(system.dimension() + flow.families.len() + system.order() + 1, 0.0);
     let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * cycle.period);
-    let mut states = Vec::with_capacity(samples);
-    for sample in 0..samples {
-        let time = cycle.period * sample as f64 / samples as f64;
+    let mut states = Vec::with_capacity(steps);
+    for step in 0..steps {
+        let time = cycle.period * step as f64 / steps as f64;
         while motion.time < time {
             motion.step(time)?;
         }

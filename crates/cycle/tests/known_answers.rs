@@ -9,7 +9,7 @@ use std::sync::Arc;
 use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt, part};
 use cycle::{
     Bristled, ContactState, ContactSystem, Cycle, Measures, Motion, Part, Settings, SlidingContact, Smoothed, follow,
-    harmonics, history, measure, state_after,
+    harmonics, history, measure, state_after, states,
 };
 use friction::{
     BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent, VelocityDependentParameters,
@@ -57,7 +57,7 @@ fn hoffmanns_oscillator_lifts_off_as_two_matched_linear_phases_do() {
         let (system, cycle, measures) = of_hoffmann(mu, 1.0);
         assert!((cycle.period - period).abs() < 1e-8, "{mu}: {}", cycle.period);
         assert!((measures.contacts[0].open * cycle.period - open).abs() < 1e-6, "{mu}: {:?}", measures.contacts);
-        let loads = history(&system, &cycle, 4096, TIGHT).unwrap();
+        let loads = history(&system, &states(&system, &cycle, 4096, TIGHT).unwrap());
         let normal = loads.iter().map(|contacts| contacts[0].normal_force).fold(0.0, f64::max);
         assert!(((normal - 1.0) * 0.75 - largest).abs() < 2e-6, "{mu}: {normal}");
         let multiplier = cycle.largest_multiplier();
@@ -75,7 +75,8 @@ fn hoffmanns_oscillator_lifts_off_as_two_matched_linear_phases_do() {
 fn harmonics_hold_the_mean_square_of_the_velocity_and_add_up_to_the_motion() {
     let (system, cycle, measures) = of_hoffmann(1.1, 1.0);
     let all = [0, 1];
-    let found = harmonics(&system, &cycle, (&all, measures.rms_of(&all)), TIGHT).unwrap();
+    let states = states(&system, &cycle, 1024, TIGHT).unwrap();
+    let found = harmonics(&cycle, 2, &states, (&all, measures.rms_of(&all)));
     assert!((found.omega * cycle.period / std::f64::consts::TAU - 1.0).abs() < 1e-15);
     let orders = 1..=found.velocity.len();
     // Parseval, of both together and of each.
@@ -103,7 +104,7 @@ fn harmonics_hold_the_mean_square_of_the_velocity_and_add_up_to_the_motion() {
 fn contacts_are_open_and_stuck_at_as_many_steps_as_their_shares_say() {
     let steps = 1000;
     for (system, cycle, measures) in [of_hoffmann(1.1, 1.0), stick_slip(1e-3)] {
-        let moments = history(&system, &cycle, steps, 1e-9).unwrap();
+        let moments = history(&system, &states(&system, &cycle, steps, 1e-9).unwrap());
         let shares = measures.contacts[0];
         for (state, share) in [(ContactState::Open, shares.open), (ContactState::Stuck, shares.stuck)] {
             let counted = moments.iter().filter(|contacts| contacts[0].state == state).count();
@@ -185,7 +186,7 @@ fn van_der_pols_oscillator_has_its_amplitude_and_period() {
     );
     let found = cycle(&system, vec![0.1, 0.0], 1.0, &ONE, TIGHT);
     assert!((found.period - 6.663286859).abs() < 1e-8, "{}", found.period);
-    let slips = history(&system, &found, 8192, TIGHT).unwrap();
+    let slips = history(&system, &states(&system, &found, 8192, TIGHT).unwrap());
     let amplitude = slips.iter().map(|contacts| (contacts[0].sliding_velocity - 10.0).abs()).fold(0.0, f64::max);
     assert!((amplitude - 2.008619861).abs() < 1e-6, "{amplitude}");
 }

@@ -46,21 +46,29 @@ impl Face {
     /// The point at own coordinates, also beyond the border.
     #[must_use]
     pub fn at(&self, own: [f64; 2]) -> SurfacePoint {
-        let shape = self.kind.shape(own);
-        let mut position = Vector3::zeros();
-        let mut tangents = [Vector3::zeros(); 2];
-        for ((node, &n), d) in self.positions.iter().zip(shape.values()).zip(shape.derivatives()) {
-            position += node * n;
-            tangents[0] += node * d[0];
-            tangents[1] += node * d[1];
-        }
-        SurfacePoint { position, tangents, area: tangents[0].cross(&tangents[1]), shape }
+        self.kind.at(&self.positions, own)
     }
 
     /// Area of the face with its normal, `int n dA`; its length is the area where it is flat.
     #[must_use]
     pub fn area(&self) -> Vector3<f64> {
         self.kind.rule().into_iter().map(|(own, weight)| self.at(own).area * weight).sum()
+    }
+}
+
+impl FaceKind {
+    /// The point at own coordinates, also beyond the border, of a face with its nodes at these positions.
+    #[must_use]
+    pub fn at(self, positions: &[Vector3<f64>], own: [f64; 2]) -> SurfacePoint {
+        let shape = self.shape(own);
+        let mut position = Vector3::zeros();
+        let mut tangents = [Vector3::zeros(); 2];
+        for ((node, &n), d) in positions.iter().zip(shape.values()).zip(shape.derivatives()) {
+            position += node * n;
+            tangents[0] += node * d[0];
+            tangents[1] += node * d[1];
+        }
+        SurfacePoint { position, tangents, area: tangents[0].cross(&tangents[1]), shape }
     }
 }
 

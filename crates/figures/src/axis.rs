@@ -188,6 +188,15 @@ pub(super) fn title(canvas: &mut Canvas, text: &str) -> f64 {
     y
 }
 
+/// Writes a note in grey below y, where the page ends.
+pub(super) fn note(canvas: &mut Canvas, mut y: f64, text: &str) {
+    for line in canvas.fonts.wrap(text, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
+        y += LINE_SPACING;
+        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
+    }
+    canvas.height = y + PAGE_MARGIN;
+}
+
 /// White space around the page, pt; chosen: less cuts lines at the edge, more makes figures smaller.
 pub(super) const PAGE_MARGIN: f64 = 4.0;
 

@@ -2,8 +2,8 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title};
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use super::axis::{AxisScale, PAGE_MARGIN, frame, note, title};
+use super::canvas::{Area, Canvas, Color, Paint};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
 use super::legend::{Entry, legend};
@@ -114,11 +114,7 @@ pub fn cycle_branches_figure(data: &CycleBranchesFigure) -> Result<Figure, Figur
         draw_branch(&mut canvas, (&below, area), (branch, point_style(series).color), branch.onset[1], &fast, data);
     }
     y = area.bottom() + BELOW + 6.0;
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

@@ -2,7 +2,7 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
+use super::axis::{AxisScale, PAGE_MARGIN, frame, note, title, x_axis};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
@@ -43,7 +43,7 @@ pub struct ContactPoint {
     pub does: ContactDoes,
 }
 
-/// What a contact does at a moment.
+/// State of a contact at a moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactDoes {
     /// It slides.
@@ -107,11 +107,7 @@ pub fn cycle_contacts_figure(data: &CycleContactsFigure) -> Result<Figure, Figur
         states(&mut canvas, Area { x: x + names, y, width, height }, (data, &rows), cycle, part);
         y += height + BELOW + 4.0;
     }
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

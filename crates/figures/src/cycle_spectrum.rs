@@ -2,8 +2,8 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title};
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use super::axis::{AxisScale, PAGE_MARGIN, frame, note, title};
+use super::canvas::{Area, Canvas, Label, Paint};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
 use super::legend::{Entry, legend};
@@ -84,11 +84,7 @@ pub fn cycle_spectrum_figure(data: &CycleSpectrumFigure) -> Result<Figure, Figur
         frame(&mut canvas, area);
         y = area.bottom() + BELOW + 4.0;
     }
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

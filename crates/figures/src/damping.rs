@@ -2,7 +2,9 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
+use super::axis::{
+    AxisScale, LINE_SPACING, PAGE_MARGIN, frame, note, title, widest, x_axis, y_axis, y_title, y_title_width,
+};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
@@ -104,11 +106,7 @@ pub fn damping_figure(data: &DampingFigure) -> Result<Figure, FigureError> {
     let points = data.unstable.iter().map(|of| (of.mode.as_str(), place(of.hz[1], of.damping_ratio[2])));
     write_names(&mut canvas, area, points.collect());
     y += 8.0;
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

@@ -2,7 +2,7 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
+use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, note, title, x_axis};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
@@ -111,11 +111,7 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
     let half = 0.5 * canvas.fonts.width(&data.x_label, SMALL_TEXT, false);
     let middle = area.middle_x().min(canvas.width - PAGE_MARGIN - half).max(PAGE_MARGIN + half);
     canvas.text(Label::new(middle, y, data.x_label.clone()).middle());
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

@@ -2,7 +2,7 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, x_axis};
+use super::axis::{AxisScale, PAGE_MARGIN, frame, note, title, x_axis};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
@@ -80,11 +80,7 @@ pub fn index_bars(data: &IndexFigure) -> Result<Figure, FigureError> {
     let middle = canvas.width / 2.0;
     canvas.text(Label::new(middle, y - 4.0, "part of the variance (%)").middle());
     y += 4.0;
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

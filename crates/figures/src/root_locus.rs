@@ -2,8 +2,8 @@
 
 use output::Table;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title};
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use super::axis::{AxisScale, PAGE_MARGIN, frame, note, title};
+use super::canvas::{Area, Canvas, Color, Paint};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
 use super::legend::{Entry, legend};
@@ -147,11 +147,7 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
         x += margin + width + GAP;
     }
     y += LOWER_HEIGHT + BELOW + 6.0;
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

@@ -3,7 +3,7 @@
 use output::Table;
 
 use super::axis::{
-    AxisScale, LINE_SPACING, PAGE_MARGIN, Tick, frame, title, widest, x_axis, y_axis, y_title, y_title_width,
+    AxisScale, LINE_SPACING, PAGE_MARGIN, Tick, frame, note, title, widest, x_axis, y_axis, y_title, y_title_width,
 };
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
@@ -129,11 +129,7 @@ pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
         canvas.text(Label::new(x, y + 2.9, curve.label.clone()).middle().halo());
     }
     y = below;
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y + 4.0, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + 4.0 + PAGE_MARGIN;
+    note(&mut canvas, y + 4.0, &data.note);
     Ok(Figure { canvas, table })
 }
 

@@ -89,6 +89,21 @@ pub struct Mesh {
     pub cells: Vec<Cell>,
 }
 
+impl Mesh {
+    /// Places, in a list of degrees of freedom, of x, y and z of each node; `None` where it lacks them.
+    #[must_use]
+    pub fn rows_of_nodes(&self, labels: &[Dof]) -> Vec<[Option<usize>; 3]> {
+        let place: HashMap<i64, usize> = self.nodes.iter().map(|node| node.label).zip(0..).collect();
+        let mut rows = vec![[None; 3]; self.nodes.len()];
+        for (row, dof) in labels.iter().enumerate() {
+            if let (Some(&node), 1..=3) = (place.get(&dof.node), dof.direction) {
+                rows[node][dof.direction as usize - 1] = Some(row);
+            }
+        }
+        rows
+    }
+}
+
 /// A complex mode `u(t) = Re(phi e^{lambda t})`: its eigenvalue and the displacement of each node of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeShape {
@@ -121,13 +136,8 @@ impl ModeShape {
                 allowed: format!("{}, the entries of the vector", phi.len()),
             });
         }
-        let place: HashMap<i64, usize> = mesh.nodes.iter().map(|node| node.label).zip(0..).collect();
-        let mut displacements = vec![[Complex::default(); 3]; mesh.nodes.len()];
-        for (dof, &value) in labels.iter().zip(phi) {
-            if let (Some(&at), 1..=3) = (place.get(&dof.node), dof.direction) {
-                displacements[at][dof.direction as usize - 1] = value;
-            }
-        }
+        let value = |at: Option<usize>| at.map_or(Complex::default(), |at| phi[at]);
+        let displacements = mesh.rows_of_nodes(labels).into_iter().map(|rows| rows.map(value)).collect();
         Ok(Self { name: name.into(), lambda, displacements })
     }
 }

@@ -1,5 +1,7 @@
 //! Outside of a mesh: faces that belong to one cell alone.
 
+use std::collections::{HashMap, HashSet};
+
 use crate::mesh::{Cell, Mesh};
 
 /// The outside of a mesh, for a picture of it.
@@ -14,8 +16,9 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The faces of solid cells that no second cell has, then all flat cells, lines and points; all nodes as points where the mesh has
-    /// no cells. A face on which nodes coincide has fewer corners. Cells with nodes that the mesh lacks are passed over.
+    /// The faces of solid cells that no second cell has, then flat cells, lines and points; all nodes as points where the mesh has
+    /// no cells. A face on which nodes coincide has fewer corners. Cells with nodes that the mesh lacks are passed over, and so are flat cells
+    /// that lie on faces of solids or on another flat cell, corner on corner: a skin, whose face is there already.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
         let mut faces = outer_faces(mesh);
@@ -24,7 +27,11 @@ impl Surface {
             faces.extend((0..mesh.nodes.len()).map(|node| [node; 4]));
         }
         let thin = mesh.cells.iter().filter(|cell| cell.kind.faces().is_empty());
-        faces.extend(thin.filter(|cell| is_of(mesh, cell)).filter_map(|cell| four(&cell.nodes)));
+        let thin: Vec<_> = thin.filter(|cell| is_of(mesh, cell)).filter_map(|cell| four(&cell.nodes)).collect();
+        if !thin.is_empty() {
+            let mut skins = Skins::new(mesh, &thin);
+            faces.extend(thin.into_iter().filter(|face| skins.is_new(face)));
+        }
         let mut nodes: Vec<usize> = faces.iter().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -32,6 +39,58 @@ impl Surface {
         let place = |node: usize| nodes.binary_search(&node).unwrap_or_default();
         let faces = faces.iter().map(|face| face.map(place)).collect();
         Self { nodes, faces, of_solids }
+    }
+}
+
+/// Triangles between corners of faces that a surface has: by the places of nodes, as a skin may have nodes of its own.
+struct Skins {
+    /// The first node at the place of each.
+    place: Vec<usize>,
+    triangles: HashSet<[usize; 3]>,
+}
+
+impl Skins {
+    /// The triangles of all faces of solids, inner ones among them, whose corners are places of thin cells.
+    fn new(mesh: &Mesh, thin: &[[usize; 4]]) -> Self {
+        let mut first = HashMap::new();
+        // The sum makes one zero of both.
+        let bits = |node: usize| mesh.nodes[node].position.map(|x| (x + 0.0).to_bits());
+        let place: Vec<usize> = (0..mesh.nodes.len()).map(|node| *first.entry(bits(node)).or_insert(node)).collect();
+        let of_thin: HashSet<usize> = thin.iter().flatten().map(|&node| place[node]).collect();
+        let is_wanted = |triangle: &[usize; 3]| triangle.iter().all(|corner| of_thin.contains(corner));
+        let mut skins = Self { place, triangles: HashSet::new() };
+        for cell in mesh.cells.iter().filter(|cell| is_of(mesh, cell)) {
+            for corners in cell.kind.faces() {
+                let around: Vec<usize> = corners.iter().map(|&corner| cell.nodes[corner]).collect();
+                let halves = four(&around).map_or(vec![], |face| skins.halves(&face));
+                skins.triangles.extend(halves.into_iter().flatten().filter(is_wanted));
+            }
+        }
+        skins
+    }
+
+    /// The two triangles into which either diagonal cuts a face; of a triangle the same ones. None of lines and points.
+    fn halves(&self, face: &[usize; 4]) -> Vec<[[usize; 3]; 2]> {
+        let [a, b, c, d] = face.map(|node| self.place[node]);
+        let sorted = |mut triangle: [usize; 3]| {
+            triangle.sort_unstable();
+            triangle
+        };
+        match (b == c, c == d) {
+            (true, _) => vec![],
+            (_, true) => vec![[sorted([a, b, c]); 2]],
+            _ => vec![[[a, b, c], [a, c, d]].map(sorted), [[b, c, d], [b, d, a]].map(sorted)],
+        }
+    }
+
+    /// True of a line, a point, and a flat cell of which a part is on no face before; from then on its face is one of them.
+    fn is_new(&mut self, face: &[usize; 4]) -> bool {
+        let halves = self.halves(face);
+        if halves.iter().any(|both| both.iter().all(|half| self.triangles.contains(half))) {
+            return false;
+        }
+        self.triangles.extend(halves.into_iter().flatten());
+        true
     }
 }
 
@@ -191,5 +250,42 @@ mod tests {
         assert_eq!(surface.faces, [[0, 1, 2, 3], [4, 5, 6, 6], [6, 7, 7, 7]]);
         assert_eq!(Surface::new(&mesh(&tower()[..2], &[])).faces, [[0; 4], [1; 4]]);
         assert_eq!(Surface::new(&Mesh::default()), Surface::default());
+    }
+
+    /// A skin is passed over on an outer and on an inner face, in triangles, with nodes of its own, and where there are two; one that sticks out is not.
+    #[test]
+    fn flat_cells_on_faces_of_solids_are_their_skin() {
+        use CellKind::{Hexahedron, Quadrilateral, Triangle};
+        let below: Vec<usize> = (0..8).collect();
+        let above: Vec<usize> = (4..12).collect();
+        let mut nodes = tower();
+        // Nodes of a skin's own on the upper face, one with the other zero, and two beside it.
+        nodes.extend([
+            [-0.0, 0.0, 2.0],
+            [1.0, 0.0, 2.0],
+            [1.0, 1.0, 2.0],
+            [0.0, 1.0, 2.0],
+            [2.0, 1.0, 2.0],
+            [2.0, 0.0, 2.0],
+        ]);
+        let solids: [(CellKind, &[usize]); 2] = [(Hexahedron, &below), (Hexahedron, &above)];
+        let with = |skins: &[(CellKind, &[usize])]| {
+            let surface = Surface::new(&mesh(&nodes, &[&solids, skins].concat()));
+            (surface.of_solids, surface.faces.len())
+        };
+        assert_eq!(with(&[(Quadrilateral, &[3, 2, 1, 0]), (Quadrilateral, &[4, 5, 6, 7])]), (10, 10));
+        assert_eq!(with(&[(Triangle, &[0, 1, 2]), (Triangle, &[2, 3, 0]), (Triangle, &[1, 2, 3])]), (10, 10));
+        assert_eq!(with(&[(Quadrilateral, &[12, 13, 14, 15])]), (10, 10));
+        assert_eq!(with(&[(Quadrilateral, &[13, 14, 16, 17]), (Quadrilateral, &[10, 16, 17, 9])]), (10, 11));
+        // Corners of two faces of the solid, on neither of them.
+        assert_eq!(with(&[(Quadrilateral, &[0, 1, 6, 7])]), (10, 11));
+        // A quadrilateral on two triangles.
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 1.0]];
+        let cells: [(CellKind, &[usize]); 3] = [
+            (CellKind::Tetrahedron, &[0, 1, 2, 4]),
+            (CellKind::Tetrahedron, &[0, 2, 3, 4]),
+            (Quadrilateral, &[0, 1, 2, 3]),
+        ];
+        assert_eq!(Surface::new(&mesh(&corners, &cells)).faces.len(), 6);
     }
 }

@@ -73,7 +73,7 @@ pub use mode_source::{BandMode, Bridge, CoarsePath, ModeResidual, ModeSource, Wh
 pub use modifiable::{Direction, Modifiable, ModifiablePlan, Moves, OwnSize, Place, Symmetry, WholeContact};
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
-pub use outer_faces::OuterFaces;
+pub use outer_faces::{FacesInMotion, OuterFaces};
 pub use parametrised::{NamedParameter, Parametrised};
 pub use plan::{Configuration, Origin, Plan, StudySource};
 pub use reference::Reference;

@@ -35,6 +35,7 @@ pub use whole_modes::BESIDE;
 
 use std::collections::BTreeMap;
 
+use formats::Dof;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, StreamRng};
 use num_complex::Complex;
@@ -226,6 +227,11 @@ impl FiniteElementBrake {
     /// The part of a set of constraints in which its modes have their names: with all patches closed.
     pub fn origin(&self, constraints: usize) -> &Part {
         &self.parts[self.of_origins[constraints]]
+    }
+
+    /// Names of the free rows with a set of constraints.
+    pub fn free_rows(&self, constraints: usize) -> Vec<Dof> {
+        self.sets[constraints].dofs.free().iter().map(|&row| self.case.dofs[row]).collect()
     }
 
     /// Cost against error of a set of constraints with all patches closed: what fewer columns of its basis hold.

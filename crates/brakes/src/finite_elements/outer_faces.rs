@@ -1,33 +1,31 @@
 //! The outer faces of a finite element brake, those of its mesh: for the sound of a motion.
 
 use elements::FaceKind;
-use formats::{Dof, Mesh, ModeShape, Surface};
-use nalgebra::DVector;
-use num_complex::Complex;
-use study::{OuterFaces, Scene};
+use formats::{Dof, Mesh, Surface};
+use montecarlo::Progress;
+use nalgebra::{DMatrix, Vector3};
+use study::{FacesInMotion, OuterFaces, Scene};
 
 use super::FiniteElementBrake;
 
+/// Pieces of faces that are summed at once; chosen: a cancelled run ends soon.
+const AT_ONCE: usize = 1024;
+
 impl OuterFaces for FiniteElementBrake {
-    fn squares_along_normals(
-        &self,
-        scene: &Scene,
-        motions: &[Vec<Complex<f64>>],
-    ) -> Result<Option<Vec<f64>>, study::Error> {
+    fn faces_in_motion(&self, scene: &Scene, progress: &dyn Progress) -> Result<Option<FacesInMotion>, study::Error> {
         let Some(mesh) = &self.case.mesh else { return Ok(None) };
         let pieces = pieces(mesh);
         if pieces.is_empty() {
             return Ok(None);
         }
-        let (set, reduced) = (&self.sets[scene.key.constraints], &self.part(scene).reduced);
-        let rows: Vec<Dof> = set.dofs.free().iter().map(|&row| self.case.dofs[row]).collect();
-        let square = |motion: &Vec<Complex<f64>>| {
-            let whole = reduced.lift(&DVector::from_column_slice(motion));
-            let shape = ModeShape::new(String::new(), Complex::default(), mesh, &rows, whole.as_slice())
-                .map_err(|error| study::Error::Brake(Box::new(error)))?;
-            Ok(pieces.iter().map(|piece| piece.square(&shape.displacements)).sum())
-        };
-        motions.iter().map(square).collect::<Result<_, _>>().map(Some)
+        let rows = mesh.rows_of_nodes(&self.free_rows(scene.key.constraints));
+        // What the case fixes, huge entries hold or the mesh holds is at rest.
+        let case = &self.case;
+        let known: Vec<Dof> = case.dofs.iter().chain(&case.held).chain(&case.held_in_mesh).copied().collect();
+        Ok(Some(FacesInMotion {
+            form: form(&pieces, &rows, self.part(scene).reduced.basis(), progress)?,
+            without_rows: part_without(&pieces, &mesh.rows_of_nodes(&known)),
+        }))
     }
 }
 
@@ -36,18 +34,45 @@ struct Piece {
     /// Nodes of the mesh with their shape functions there.
     nodes: Vec<(usize, f64)>,
     /// The normal, of length 1.
-    normal: [f64; 3],
+    normal: Vector3<f64>,
     /// Area, twice that of a face whose both sides are outside.
     area: f64,
 }
 
-impl Piece {
-    /// `|u_n|^2 dA`.
-    fn square(&self, displacements: &[[Complex<f64>; 3]]) -> f64 {
-        let along = |u: &[Complex<f64>; 3]| (0..3).map(|axis| u[axis] * self.normal[axis]).sum::<Complex<f64>>();
-        let u: Complex<f64> = self.nodes.iter().map(|&(node, weight)| along(&displacements[node]) * weight).sum();
-        self.area * u.norm_sqr()
+/// G of motions `V u`, where the rows of V, the basis, are those of nodes in x, y and z: the sum of `(n^T V) (n^T V)^T dA` over the pieces.
+fn form(
+    pieces: &[Piece],
+    rows: &[[Option<usize>; 3]],
+    basis: &DMatrix<f64>,
+    progress: &dyn Progress,
+) -> Result<DMatrix<f64>, study::Error> {
+    let mut form = DMatrix::zeros(basis.ncols(), basis.ncols());
+    for pieces in pieces.chunks(AT_ONCE) {
+        progress.go_on()?;
+        let mut along = DMatrix::zeros(basis.ncols(), pieces.len());
+        for (piece, mut along) in pieces.iter().zip(along.column_iter_mut()) {
+            for (node, weight) in &piece.nodes {
+                for (row, normal) in rows[*node].iter().zip(&piece.normal) {
+                    let Some(row) = row else { continue };
+                    let factor = piece.area.sqrt() * weight * normal;
+                    along.iter_mut().zip(&basis.row(*row)).for_each(|(sum, v)| *sum += factor * v);
+                }
+            }
+        }
+        form.gemm(1.0, &along, &along.transpose(), 1.0);
     }
+    Ok(form)
+}
+
+/// Part of the area whose motion along the normal is that of nodes without rows.
+fn part_without(pieces: &[Piece], rows: &[[Option<usize>; 3]]) -> f64 {
+    let of_node = |piece: &Piece, (node, weight): &(usize, f64)| {
+        let lacking = rows[*node].iter().zip(&piece.normal).filter(|(row, _)| row.is_none());
+        piece.area * weight * lacking.map(|(_, normal)| normal * normal).sum::<f64>()
+    };
+    let without: f64 = pieces.iter().flat_map(|piece| piece.nodes.iter().map(move |node| of_node(piece, node))).sum();
+    // The sum of none is -0.
+    (0.0 + without) / pieces.iter().map(|piece| piece.area).sum::<f64>()
 }
 
 /// The outer faces of solids, and flat cells from both sides, in pieces. Lines and points have no area.
@@ -62,20 +87,13 @@ fn pieces(mesh: &Mesh) -> Vec<Piece> {
             _ => FaceKind::Quadrilateral4,
         };
         let nodes: Vec<usize> = face[..kind.corners()].iter().map(|&node| surface.nodes[node]).collect();
+        let positions: Vec<Vector3<f64>> = nodes.iter().map(|&node| mesh.nodes[node].position.into()).collect();
         for (own, weight) in kind.rule() {
-            let shape = kind.shape(own);
-            let mut along = [[0.0; 3]; 2];
-            for (node, by) in nodes.iter().zip(shape.derivatives()) {
-                for (direction, by) in along.iter_mut().zip(by) {
-                    direction.iter_mut().zip(mesh.nodes[*node].position).for_each(|(sum, x)| *sum += by * x);
-                }
-            }
-            let [r, s] = along;
-            let normal = [r[1] * s[2] - r[2] * s[1], r[2] * s[0] - r[0] * s[2], r[0] * s[1] - r[1] * s[0]];
-            let size = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+            let point = kind.at(&positions, own);
+            let size = point.area.norm();
             if size > 0.0 {
-                let nodes = nodes.iter().copied().zip(shape.values().iter().copied()).collect();
-                pieces.push(Piece { nodes, normal: normal.map(|n| n / size), area: sides * weight * size });
+                let nodes = nodes.iter().copied().zip(point.shape.values().iter().copied()).collect();
+                pieces.push(Piece { nodes, normal: point.area / size, area: sides * weight * size });
             }
         }
     }
@@ -88,10 +106,15 @@ mod tests {
 
     use super::*;
 
-    /// The integral over the faces of a mesh of a real motion.
+    /// Rows of x, y and z of all nodes, one after the other.
+    fn all_rows(mesh: &Mesh) -> Vec<[Option<usize>; 3]> {
+        (0..mesh.nodes.len()).map(|node| [0, 1, 2].map(|axis| Some(3 * node + axis))).collect()
+    }
+
+    /// The integral over the faces of a mesh of a motion, the only one of a basis.
     fn square(mesh: &Mesh, motion: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
-        let u: Vec<_> = mesh.nodes.iter().map(|node| motion(node.position).map(Complex::from)).collect();
-        pieces(mesh).iter().map(|piece| piece.square(&u)).sum()
+        let u: Vec<f64> = mesh.nodes.iter().flat_map(|node| motion(node.position)).collect();
+        form(&pieces(mesh), &all_rows(mesh), &DMatrix::from_vec(u.len(), 1, u), &()).unwrap()[(0, 0)]
     }
 
     fn mesh(positions: &[[f64; 3]], kind: CellKind) -> Mesh {
@@ -106,6 +129,10 @@ mod tests {
         let brick = mesh(&[square_of(-2.0), square_of(2.0)].concat(), CellKind::Hexahedron);
         let close = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-14, "{found} {exact}");
         close(square(&brick, |_| [3.0, 0.0, 0.0]), 9.0 * 2.0 * 12.0);
+        // A skin on one of its faces adds nothing to it.
+        let mut skinned = brick.clone();
+        skinned.cells.push(Cell { kind: CellKind::Quadrilateral, nodes: vec![1, 2, 6, 5] });
+        close(square(&skinned, |_| [3.0, 0.0, 0.0]), 9.0 * 2.0 * 12.0);
         // A turn about z: u_n is y on the faces of x and x on those of y.
         let second = |length: f64| length.powi(3) / 12.0;
         close(square(&brick, |[x, y, _]| [-y, x, 0.0]), 2.0 * 4.0 * (second(3.0) + second(2.0)));
@@ -115,5 +142,47 @@ mod tests {
         // u_n = x: int x^2 (1 - x / 2) dx from 0 to 2 is 2 / 3.
         close(square(&triangle, |[x, ..]| [0.0, 0.0, x]), 2.0 * 8.0 / 12.0);
         assert!(pieces(&mesh(&[[0.0; 3], [1.0, 0.0, 0.0]], CellKind::Line)).is_empty());
+        // Two motions at once: their product is x times z on the two faces of x.
+        let both = brick.nodes.iter().map(|node| node.position).flat_map(|[.., z]| [3.0, z]);
+        let basis = DMatrix::from_row_iterator(8, 2, both);
+        let rows: Vec<_> = (0..8).map(|node| [Some(node), None, None]).collect();
+        let g = form(&pieces(&brick), &rows, &basis, &()).unwrap();
+        close(g[(0, 0)], 9.0 * 2.0 * 12.0);
+        close(g[(1, 1)], 2.0 * 3.0 * second(4.0));
+        assert!(g[(0, 1)].abs() < 1e-13 && g[(0, 1)] == g[(1, 0)], "{g}");
+    }
+
+    struct Enough;
+
+    impl Progress for Enough {
+        fn begin(&self, _: u64, _: u64) {}
+        fn advance(&self, _: u64) {}
+        fn end(&self) {}
+        fn is_cancelled(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn a_form_ends_where_it_is_cancelled() {
+        let triangle = mesh(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]], CellKind::Triangle);
+        let found = form(&pieces(&triangle), &all_rows(&triangle), &DMatrix::zeros(9, 2), &Enough);
+        assert!(found.is_err_and(|error| error.is_cancelled()));
+    }
+
+    /// The upper four nodes of a box without rows: its upper face and half of those beside it; without rows in z the upper face alone.
+    #[test]
+    fn area_without_rows_is_that_of_the_nodes_that_lack_them() {
+        let square_of = |z: f64| [[0.0, 0.0, z], [2.0, 0.0, z], [2.0, 3.0, z], [0.0, 3.0, z]];
+        let brick = mesh(&[square_of(0.0), square_of(4.0)].concat(), CellKind::Hexahedron);
+        let pieces = pieces(&brick);
+        let part = |rows: &[[Option<usize>; 3]]| part_without(&pieces, rows);
+        let mut rows = all_rows(&brick);
+        assert_eq!(part(&rows), 0.0);
+        rows[4..].iter_mut().for_each(|rows| rows[2] = None);
+        assert!((part(&rows) - 6.0 / 52.0).abs() < 1e-15, "{}", part(&rows));
+        rows[4..].fill([None; 3]);
+        assert!((part(&rows) - 26.0 / 52.0).abs() < 1e-15, "{}", part(&rows));
+        assert!((part(&[[None; 3]; 8]) - 1.0).abs() < 1e-15);
     }
 }

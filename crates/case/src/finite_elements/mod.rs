@@ -32,7 +32,7 @@ pub use side::Side;
 pub use spread::{Spread, SpreadParameter, SpreadParameters};
 pub use surface_loads::EQUILIBRIUM;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -73,6 +73,8 @@ pub struct FiniteElementCase {
     pub files: Vec<TakenMatrix>,
     /// Degrees of freedom that the matrices hold by huge entries; they have no row.
     pub held: Vec<Dof>,
+    /// Displacements that `*BOUNDARY` of the mesh holds; they need not lack a row.
+    pub held_in_mesh: BTreeSet<Dof>,
     /// The terms of the file, then its springs, then two of each body that turns, then the holders as one term, where there are any, then one term
     /// for each patch; patch by patch one channel for each pair in contact, along the sliding, then one for each across it, where friction
     /// acts there, then one for what opening adds to the spring of each, where loads are in equilibrium, and what its own parameters add, where it has

@@ -1,6 +1,6 @@
 //! Nodes, node sets and degrees of freedom by the names that a case gives them.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use formats::{Dof, Mesh, Solid, SurfaceSet};
 
@@ -21,6 +21,8 @@ pub(super) struct Model<'a> {
     pub solids: Vec<Solid>,
     pub element_sets: BTreeMap<String, Vec<i64>>,
     pub surfaces: BTreeMap<String, SurfaceSet>,
+    /// Displacements that the deck holds.
+    pub held: BTreeSet<Dof>,
     rows: HashMap<Dof, usize>,
     positions: HashMap<i64, [f64; 3]>,
 }
@@ -28,12 +30,12 @@ pub(super) struct Model<'a> {
 impl<'a> Model<'a> {
     pub fn new(check: &'a Check<'a>, deck: Option<formats::Deck>, dofs: Vec<Dof>) -> Self {
         let has_mesh = deck.is_some();
-        let formats::Deck { mesh, sets, solids, element_sets, surfaces } = deck.unwrap_or_default();
+        let formats::Deck { mesh, sets, solids, element_sets, surfaces, held } = deck.unwrap_or_default();
         let mesh = has_mesh.then_some(mesh);
         let rows = dofs.iter().copied().zip(0..).collect();
         let nodes = mesh.iter().flat_map(|mesh| &mesh.nodes);
         let positions = nodes.map(|node| (node.label, node.position)).collect();
-        Self { check, mesh, sets, dofs, solids, element_sets, surfaces, rows, positions }
+        Self { check, mesh, sets, dofs, solids, element_sets, surfaces, held, rows, positions }
     }
 
     /// The row of a node in a direction (1 to 3); `None` where the model holds it.

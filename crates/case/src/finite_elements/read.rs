@@ -192,6 +192,7 @@ impl FiniteElementCase {
             dofs: model.dofs,
             files,
             held,
+            held_in_mesh: model.held,
             node_sets: model.sets,
             mesh: model.mesh,
         })

@@ -40,6 +40,41 @@ fn a_cycle_is_said_in_words_numbers_and_a_table() {
     refusal(&asked("cycle", &hoffmann(), &["--harmonics", "5", "--out", out.to_str().unwrap()]), &["allowed: a new"]);
 }
 
+/// Hoffmann's oscillator of two rotations, by the names of its rows: contacts have a figure, velocities without loudness none.
+#[test]
+fn a_cycle_of_rotations_alone_is_drawn_by_its_contacts() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut case = std::fs::read_to_string(hoffmann()).unwrap();
+    for (from, to) in [
+        ("dofs = [\"x\", \"y\"]  ", "# "),
+        ("mass = [[1.0, 0.0], [0.0, 1.0]]", "mass = \"h.mas\""),
+        ("stiffness = [[2.0, 1.0], [1.0, 2.0]]", "stiffness = \"h.sti\""),
+        ("damping = [[0.05, 0.0], [0.0, 0.05]]", "damping = \"d.sti\""),
+        ("{ x =", "{ \"1.rx\" ="),
+        ("{ y =", "{ \"1.ry\" ="),
+        ("dofs = [\"x\", \"y\"]", "dofs = [\"1.rx\", \"1.ry\"]"),
+    ] {
+        assert!(case.contains(from), "{from}");
+        case = case.replacen(from, to, 1);
+    }
+    for (name, text) in [
+        ("h.dof", "1.4\n1.5\n"),
+        ("d.dof", "1.4\n1.5\n"),
+        ("h.mas", "1 1 1.0\n2 2 1.0\n"),
+        ("h.sti", "1 1 2.0\n1 2 1.0\n2 2 2.0\n"),
+        ("d.sti", "1 1 0.05\n2 2 0.05\n"),
+        ("case.toml", &case),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let out = folder.path().join("out");
+    answer("cycle", &folder.path().join("case.toml"), &["--out", out.to_str().unwrap()]);
+    let files = results(&out);
+    assert!(files.contains_key("cycle_contacts.svg") && !files.contains_key("cycle_spectrum.svg"));
+    let page = String::from_utf8(files["report.html"].clone()).unwrap();
+    assert!(page.contains("Cycle from mode 2") && page.contains("Its loudness is 0.0000 m/s"));
+}
+
 #[test]
 fn branches_go_from_the_onset_to_the_end_of_the_range() {
     let folder = tempfile::tempdir().unwrap();

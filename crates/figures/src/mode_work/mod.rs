@@ -6,7 +6,9 @@ mod phase;
 
 use num_complex::Complex64;
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, signed, title, widest, x_axis, y_title, y_title_width};
+use super::axis::{
+    AxisScale, LINE_SPACING, PAGE_MARGIN, frame, note, signed, title, widest, x_axis, y_title, y_title_width,
+};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
 use super::figure::Figure;
@@ -87,11 +89,7 @@ pub fn mode_and_work(data: &ModeWorkFigure) -> Result<Figure, FigureError> {
     let middle = (left + canvas.width - PAGE_MARGIN) / 2.0;
     canvas.text(Label::new(middle, y + 10.0, WORK_AXIS_TITLE).middle());
     y += 12.0;
-    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
-        y += LINE_SPACING;
-        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
-    }
-    canvas.height = y + PAGE_MARGIN;
+    note(&mut canvas, y, &data.note);
     Ok(Figure { canvas, table })
 }
 

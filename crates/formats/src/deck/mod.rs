@@ -1,16 +1,17 @@
 //! Nodes, elements and node sets of an input deck of Abaqus or CalculiX (`.inp`).
 //!
-//! Read are `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`, `*SYSTEM` and `*INCLUDE`. Keywords that are known to change none of what these say are
+//! Read are `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`, `*SYSTEM` and `*INCLUDE`, and of `*BOUNDARY` what it holds. Keywords that are known to change none of what these say are
 //! passed over; all others are refused, so that no node is elsewhere, no set another, and no direction a local one unnoticed. Decks with
 //! parts and instances have node numbers that are not those of the exported matrices, and are refused too.
 
+mod boundary;
 mod element;
 mod frame;
 mod keyword;
 mod sets;
 mod solids;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
 use self::element::ElementType;
@@ -18,6 +19,7 @@ use self::frame::{Coordinates, Frame};
 use self::keyword::{Keyword, set_name, split};
 use self::sets::{Elements, Range};
 pub use self::solids::{Solid, SurfaceSet};
+use crate::dof::Dof;
 use crate::error::FormatsError;
 use crate::limits::Limits;
 use crate::lines::Lines;
@@ -43,6 +45,8 @@ pub struct Deck {
     pub element_sets: BTreeMap<String, Vec<i64>>,
     /// Surfaces, as they are written.
     pub surfaces: BTreeMap<String, SurfaceSet>,
+    /// Displacements, directions 1 to 3, that some `*BOUNDARY` holds.
+    pub held: BTreeSet<Dof>,
 }
 
 /// Reads the nodes, elements and node sets of an input deck, compressed by gzip or not, with the files that it includes, by their paths
@@ -93,6 +97,7 @@ enum Block {
     Surface {
         name: String,
     },
+    Boundary,
     Other,
 }
 
@@ -153,7 +158,7 @@ impl Reading {
         self.end_of_block()?;
         self.block = self.keyword(&keyword)?;
         match keyword.option("INPUT") {
-            Some(_) if !matches!(self.block, Block::Other) => included(&keyword, "INPUT=file", depth),
+            Some(_) if !matches!(self.block, Block::Other | Block::Boundary) => included(&keyword, "INPUT=file", depth),
             _ => Ok(Next::Line),
         }
     }
@@ -222,6 +227,7 @@ impl Reading {
                 }
                 None => Block::Other,
             },
+            "BOUNDARY" => Block::Boundary,
             "STEP" => {
                 self.is_in_step = true;
                 Block::Other
@@ -243,6 +249,10 @@ impl Reading {
         let Self { deck, places, limits, elements, frame, block, .. } = self;
         match block {
             Block::Other => Ok(()),
+            Block::Boundary => {
+                boundary::add(&mut deck.held, &all().collect::<Vec<_>>(), places, &deck.sets);
+                Ok(())
+            }
             Block::Surface { name } => {
                 deck.surfaces.entry(name.clone()).or_default().add(line);
                 Ok(())

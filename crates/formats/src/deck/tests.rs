@@ -25,6 +25,19 @@ fn nodes_elements_and_sets_are_read_and_the_rest_is_passed_over() {
 }
 
 #[test]
+fn what_a_boundary_holds_is_read_and_what_it_says_otherwise_passed_over() {
+    let held = |lines: &str| {
+        let found = deck(&BRICK.replace("*STEP", &format!("*BOUNDARY, OP=NEW\n{lines}\n*STEP"))).unwrap().held;
+        found.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(held("two, 1, 3"), "1.x 1.y 1.z 2.x 2.y 2.z 3.x 3.y 3.z 4.x 4.y 4.z 7.x 7.y 7.z");
+    assert_eq!(held("7, 2\n8, 3, 6, 0.\n1, encastre\n 2 , ZSYMM"), "1.x 1.y 1.z 2.z 7.y 8.z");
+    assert_eq!(held("99, 1, 3\nnone, 1\n5, 4, 6\n6, 3, 1\n6\n6, 1.5\n6, TYPELESS\n,"), "");
+    // In a step too, where CalculiX has it before *FREQUENCY.
+    assert_eq!(deck(&format!("{BRICK}*BOUNDARY\n1, 3")).unwrap().held.len(), 1);
+}
+
+#[test]
 fn quadratic_elements_have_the_surface_of_their_corners() {
     // Two bricks, one on the other. The nodes within edges, 101 to 132, are all at one place: only their number counts here.
     let mut text = "*NODE\n".to_owned();

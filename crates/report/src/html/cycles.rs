@@ -135,7 +135,7 @@ pub fn write_branches_page(
     write(plan, found, (moving.collect(), geometry), &[("cycle_branches", figure)], scene, dir)
 }
 
-/// What a page says beside its figures.
+/// Words and facts of a page, beside its figures.
 struct Found {
     title: String,
     sentences: Vec<String>,
@@ -194,7 +194,7 @@ fn openings(cycles: &Cycles, of: &MotionOfMode) -> Vec<(String, String)> {
     all.filter(|(_, steps)| steps.contains('o')).collect()
 }
 
-/// What becomes of a motion.
+/// Fate of a motion, in a sentence.
 fn sentence(of: &MotionOfMode) -> String {
     let mode_hz = of.lambda.im / std::f64::consts::TAU;
     let from = match of.start_in_words() {
@@ -231,7 +231,7 @@ fn sentence(of: &MotionOfMode) -> String {
     }
 }
 
-/// Where a branch goes, and how much of it is stable.
+/// Course of a branch and how much of it is stable, in a sentence.
 fn sentence_of_branch(of: &Branch, parameter: &str) -> String {
     let in_time = of.cycles.iter().filter_map(|cycle| cycle.in_time.as_ref());
     let (known, stable) =

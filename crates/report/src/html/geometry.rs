@@ -147,6 +147,11 @@ impl<'a> Geometry<'a> {
         })
     }
 
+    /// True of a point of a drawing of points, by its name.
+    pub(super) fn has_point(&self, name: &str) -> bool {
+        matches!(&self.0, Body::Points(Points { points, .. }) if points.iter().any(|point| point.name == name))
+    }
+
     /// The drawing, or `why` there is nothing, for the script of the page.
     pub(super) fn json(&self) -> Value {
         match &self.0 {

@@ -26,15 +26,18 @@ const startShapes = () => {
   const slider = name => byId(`shape-${name}`);
   const value = name => Number(slider(name).value);
   const [section, choice, play, frame] = [byId('shapes'), byId('shape-mode'), byId('shape-play'), byId('shape-view')];
-  const { geometry, groups, shapes } = data.moving;
+  const { geometry, groups, shapes, left_out: leftOut } = data.moving;
   if (geometry.why) {
     section.replaceChildren(section.querySelector('h2'), make('p', {}, geometry.why));
     return;
   }
   if (!shapes.length) {
-    section.hidden = true;
+    if (leftOut) section.replaceChildren(section.querySelector('h2'), make('p', {}, leftOut));
+    else section.hidden = true;
     return;
   }
+  byId('shape-left-out').textContent = leftOut ?? '';
+  byId('shape-left-out').hidden = !leftOut;
   const body = bodyOf(geometry);
   const view = viewOf(body, value);
   const picture = (body.faces ? surfacePicture : linesPicture)(body, view);
@@ -79,7 +82,7 @@ const startShapes = () => {
       make('td', { class: 'number' }, (size / most).toFixed(3)),
       make('td', { class: 'number' }, Math.round(phases[dof])))));
     const what = `${called} at ${hertz} Hz: most motion at ${largest[0].name}`;
-    const hollow = Object.keys(shape().open ?? {}).some(contact => body.names.includes(contact)) ? ' A hollow one has its contact open.' : '';
+    const hollow = Object.keys(shape().open ?? {}).length ? ' A hollow one has its contact open.' : '';
     byId('shape-words').replaceChildren(`${what}. ${body.words}${hollow}`,
       make('span', { class: 'on-screen' }, body.isSpatial ? ' Drag the picture to turn it, or use the arrow keys, + and -.' : ''));
     picture.element.setAttribute('aria-label', `${what}, animated`);

@@ -63,7 +63,7 @@ pub(super) struct MovingMode<'m> {
     pub of: ModeOf<'m>,
 }
 
-/// Geometry and shapes, of the first modes as many as a page has room for: real and imaginary part of each number in turn, as
+/// Geometry and shapes, of the modes in their order as many as a page has room for, and how many it leaves out: real and imaginary part of each number in turn, as
 /// parts of the largest modulus. In the page they stand group by group.
 ///
 /// # Errors
@@ -73,12 +73,13 @@ pub(super) fn moving<'m>(
     groups: &[String],
     modes: impl IntoIterator<Item = MovingMode<'m>>,
 ) -> Result<Value, Error> {
-    let mut room = MOST_SHAPE_NUMBERS;
+    let (mut room, mut left_out) = (MOST_SHAPE_NUMBERS, 0);
     let mut shapes = Vec::new();
     for MovingMode { group, name, lambda, note, of } in modes {
         let Some(shape) = geometry.motion(of)? else { continue };
         if 2 * shape.len() > room {
-            break;
+            left_out += 1;
+            continue;
         }
         room -= 2 * shape.len();
         let largest = shape.iter().fold(f64::MIN_POSITIVE, |most, u| most.max(u.norm()));
@@ -91,7 +92,18 @@ pub(super) fn moving<'m>(
         }));
     }
     shapes.sort_by_key(|shape| shape["group"].as_u64());
-    Ok(json!({ "geometry": geometry.json(), "groups": groups, "shapes": shapes }))
+    let left_out = without_room(left_out, "mode", "modes");
+    Ok(json!({ "geometry": geometry.json(), "groups": groups, "shapes": shapes, "left_out": left_out }))
+}
+
+/// How many modes or cycles a page has no room for, in words; `None` where it has some for all.
+fn without_room(number: usize, one: &str, more: &str) -> Option<String> {
+    let what = match number {
+        0 => return None,
+        1 => format!("1 more {one} is"),
+        number => format!("{number} more {more} are"),
+    };
+    Some(format!("{what} left out, as a page has room for {MOST_SHAPE_NUMBERS} numbers of shapes."))
 }
 
 /// A cycle that a page shows in motion.
@@ -100,13 +112,14 @@ pub(super) struct MovingCycle<'m> {
     pub name: String,
     /// Text beside the frequency, after a comma; may be empty.
     pub note: String,
-    /// Contacts that open, each with a letter for each of equal steps of the period: `o` where it is open.
+    /// Contacts that open, each with a letter for each of equal steps of the period: `o` where it is open. Those that are points of the drawing are shown.
     pub open: Vec<(String, String)>,
     pub harmonics: &'m Harmonics,
 }
 
 /// Geometry and cycles as [`moving`] has modes: the mean and the first harmonics of each, one after the other in `parts`, with their numbers in
-/// `orders`, as parts of the largest modulus. Harmonics are left out where the first ones hold the motion, and where there is no room for all.
+/// `orders`, as parts of the largest modulus. Harmonics are left out where the first ones hold the motion, and where there is no room for all; cycles without
+/// room for their first are counted.
 ///
 /// # Errors
 /// A motion that does not fit the mesh.
@@ -115,7 +128,7 @@ pub(super) fn moving_cycles(
     (basis, dofs): (BasisOf<'_>, &DofMap),
     cycles: Vec<MovingCycle<'_>>,
 ) -> Result<Value, Error> {
-    let (mut room, mut left) = (MOST_SHAPE_NUMBERS, cycles.len());
+    let (mut room, mut left, mut left_out) = (MOST_SHAPE_NUMBERS, cycles.len(), 0);
     let mut shapes = Vec::new();
     for MovingCycle { name, note, open, harmonics } in cycles {
         let motion = |order: usize| {
@@ -125,15 +138,17 @@ pub(super) fn moving_cycles(
         let Some(mean) = motion(0)? else { continue };
         let fit = |room: usize| (room / (2 * mean.len().max(1))).saturating_sub(1);
         let number = harmonics_that_hold(harmonics).min(fit(room / left).max(1)).min(fit(room));
+        left -= 1;
         if number == 0 {
-            break;
+            left_out += 1;
+            continue;
         }
         let mut waves = mean;
         for order in 1..=number {
             waves.extend(motion(order)?.unwrap_or_default());
         }
         room -= 2 * waves.len();
-        left -= 1;
+        let open = open.into_iter().filter(|(name, _)| geometry.has_point(name));
         let largest = waves.iter().fold(f64::MIN_POSITIVE, |most, u| most.max(u.norm()));
         let shown = if number == 1 { "harmonic".to_owned() } else { format!("{number} harmonics") };
         shapes.push(json!({
@@ -141,12 +156,13 @@ pub(super) fn moving_cycles(
             "name": name,
             "hertz": hertz(harmonics.frequency_hz(1)),
             "note": format!("{note}; its mean and first {shown}"),
-            "open": open.into_iter().map(|(name, steps)| (name, Value::from(steps))).collect::<Map<_, _>>(),
+            "open": open.map(|(name, steps)| (name, Value::from(steps))).collect::<Map<_, _>>(),
             "orders": (0..=number).collect::<Vec<_>>(),
             "parts": packed(waves.iter().flat_map(|u| [u.re, u.im]), largest),
         }));
     }
-    Ok(json!({ "geometry": geometry.json(), "groups": ["One period of each"], "shapes": shapes }))
+    let left_out = without_room(left_out, "cycle", "cycles");
+    Ok(json!({ "geometry": geometry.json(), "groups": ["One period of each"], "shapes": shapes, "left_out": left_out }))
 }
 
 /// Number of the first harmonics that hold the displacements, as many as there are at most.
@@ -195,4 +211,46 @@ pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>) -> Result<Val
     }
     listed.sort_by_key(|(order, _)| *order);
     moving(geometry, &plan.labels.constraints, listed.into_iter().map(|(_, mode)| mode))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Harmonics of a motion that is 1 m/s in the first of so many degrees of freedom.
+    fn harmonics(order: usize) -> Harmonics {
+        let mut velocity = vec![Complex::default(); order];
+        velocity[0] = Complex::new(1.0, 0.0);
+        Harmonics { omega: 10.0, mean: vec![0.0; order], velocity: vec![velocity] }
+    }
+
+    fn shown(geometry: &Geometry<'_>, order: usize, number: usize) -> Value {
+        let (dofs, harmonics) = (DofMap::all(order), harmonics(order));
+        let open = vec![("2".to_owned(), "-o".to_owned()), ("belt".to_owned(), "o-".to_owned())];
+        let cycle =
+            || MovingCycle { name: "Cycle".into(), note: String::new(), open: open.clone(), harmonics: &harmonics };
+        let cycles = (0..number).map(|_| cycle()).collect();
+        moving_cycles(geometry, (BasisOf::Set(0), &dofs), cycles).unwrap()
+    }
+
+    #[test]
+    fn cycles_that_do_not_fit_are_counted() {
+        let of_lattice = |rows: usize, number| {
+            let moving = shown(&Geometry::lattice(rows, 1), 3 * rows + 3, number);
+            (moving["shapes"].as_array().unwrap().len(), moving["left_out"].clone())
+        };
+        assert_eq!(of_lattice(2, 3), (3, Value::Null));
+        // A cycle has four numbers for each degree of freedom.
+        let words = "2 more cycles are left out, as a page has room for 600000 numbers of shapes.";
+        assert_eq!(of_lattice(30_000, 3), (1, json!(words)));
+        assert_eq!(of_lattice(60_000, 1), (0, json!(words.replace("2 more cycles are", "1 more cycle is"))));
+    }
+
+    #[test]
+    fn contacts_open_at_points_that_are_drawn() {
+        let moving = shown(&Geometry::lattice(2, 1), 9, 1);
+        assert_eq!(moving["shapes"][0]["open"], json!({ "2": "-o" }));
+        let moving = shown(&Geometry::none("a reason"), 9, 1);
+        assert_eq!((moving["shapes"].as_array().unwrap().len(), &moving["left_out"]), (0, &Value::Null));
+    }
 }

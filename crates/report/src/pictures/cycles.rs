@@ -17,23 +17,20 @@ const MOST_CONTACTS: usize = 9;
 /// Cycles that have panels, at most; chosen: more are larger than a page.
 const MOST_CYCLES: usize = 5;
 
-/// The figures of the cycles of a scene with the names of their files, `cycle_contacts` and `cycle_spectrum`; none where no motion is a cycle, and of a brake
-/// without contacts not the first. `title` and `note` stand above and below.
+/// The figures of the cycles of a scene with the names of their files, `cycle_contacts` and `cycle_spectrum`; none where no motion is a cycle, of a brake
+/// without contacts not the first, of cycles of rotations alone not the second. `title` and `note` stand above and below.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
 pub fn cycle_figures(cycles: &Cycles, title: &str, note: &str) -> Result<Vec<(&'static str, Figure)>, Error> {
-    let has_harmonics = |of: &&MotionOfMode| of.harmonics.as_ref().is_some_and(|all| !all.velocity.is_empty());
-    let all: Vec<&MotionOfMode> = cycles.motions.iter().filter(has_harmonics).collect();
-    let drawn = &all[..all.len().min(MOST_CYCLES)];
-    if drawn.is_empty() {
-        return Ok(Vec::new());
-    }
-    let more = |number: usize, what: &str, table: &str| match number {
+    let all: Vec<&MotionOfMode> = cycles.motions.iter().filter(|of| of.harmonics.is_some()).collect();
+    let (heard, turning): (Vec<_>, Vec<_>) =
+        all.iter().copied().partition(|of: &&MotionOfMode| of.loudness.is_some_and(|loudness| loudness > 0.0));
+    let more = |number: usize, what: &str| match number {
         0 => String::new(),
-        number => format!("; {number} more {what} in {table}.csv"),
+        number => format!("; {number} more {what}"),
     };
-    let of_cycles = |table: &str| more(all.len() - drawn.len(), "cycles", table);
+    let drawn = &all[..all.len().min(MOST_CYCLES)];
     let chosen = chosen(cycles, drawn);
     let contacts = CycleContactsFigure {
         title: format!("{title}: contacts over the period"),
@@ -41,21 +38,29 @@ pub fn cycle_figures(cycles: &Cycles, title: &str, note: &str) -> Result<Vec<(&'
         cycles: drawn.iter().map(|of| contacts_of(of, &chosen)).collect(),
         note: [
             note,
-            &more(cycles.contacts.len() - chosen.len(), "contacts", "cycle_contacts"),
-            &of_cycles("cycle_contacts"),
+            &more(cycles.contacts.len() - chosen.len(), "contacts in cycle_contacts.csv"),
+            &more(all.len() - drawn.len(), "cycles in cycle_contacts.csv"),
         ]
         .concat(),
     };
+    let with_spectrum = &heard[..heard.len().min(MOST_CYCLES)];
     let spectrum = CycleSpectrumFigure {
         title: format!("{title}: harmonics of the velocity"),
-        cycles: drawn.iter().map(|of| spectrum_of(of, &cycles.displacements)).collect(),
-        note: [note, &of_cycles("cycle_spectrum")].concat(),
+        cycles: with_spectrum.iter().map(|of| spectrum_of(of, &cycles.displacements)).collect(),
+        note: [
+            note,
+            &more(heard.len() - with_spectrum.len(), "cycles in cycle_spectrum.csv"),
+            &more(turning.len(), "of rotations alone, without loudness, in cycle_spectrum.csv"),
+        ]
+        .concat(),
     };
     let mut figures = Vec::new();
-    if !chosen.is_empty() {
+    if !drawn.is_empty() && !chosen.is_empty() {
         figures.push(("cycle_contacts", cycle_contacts_figure(&contacts)?));
     }
-    figures.push(("cycle_spectrum", cycle_spectrum_figure(&spectrum)?));
+    if !with_spectrum.is_empty() {
+        figures.push(("cycle_spectrum", cycle_spectrum_figure(&spectrum)?));
+    }
     Ok(figures)
 }
 

@@ -4,12 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use cea::{QrSolver, Workspace, right_vector};
-use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Harmonics, Measures, NearMode, Reach, measure};
+use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Harmonics, Measures, NearMode, Reach, measure, states};
 use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
 
-use super::{CycleOptions, TOLERANCE, checked, contacts_of, displacements, harmonics_in_si, in_si, stopped};
+use super::{
+    CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, harmonics_in_si, in_si, when_cancelled,
+};
 use crate::Error;
 use crate::sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
 
@@ -134,7 +136,8 @@ pub fn branches<B: UncertainBrake>(
         let harmonics = |place: usize| -> Result<Option<(usize, Harmonics)>, Error> {
             let BranchCycle { at, in_time: Some((cycle, measures)), .. } = &cycles[place] else { return Ok(None) };
             let of_plan = (plan.units, &displacements[..]);
-            Ok(Some((place, harmonics_in_si(&system_at(*at)?, cycle, measures, of_plan)?)))
+            let states = states(&system_at(*at)?, cycle, STEPS, TOLERANCE)?;
+            Ok(Some((place, harmonics_in_si(cycle, &states, measures, of_plan))))
         };
         let last = last.into_iter().filter_map(|place| harmonics(place).transpose()).collect::<Result<_, _>>()?;
         progress.advance(1);
@@ -150,7 +153,7 @@ pub fn branches<B: UncertainBrake>(
     };
     // Each is followed in harmonic balance, and then its points in time.
     progress.begin(2 * onsets.len() as u64, 0);
-    let branches = stopped::when_cancelled(progress, |stop| {
+    let branches = when_cancelled(progress, |stop| {
         onsets.into_iter().map(|onset| branch(onset, &stop)).collect::<Result<Vec<_>, _>>()
     });
     progress.end();

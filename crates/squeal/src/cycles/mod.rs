@@ -19,14 +19,16 @@ pub(crate) use drawn::{Following, displacements, loudest, motions};
 use growing::{GrowingMode, growing_modes};
 pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
+pub(crate) use stopped::when_cancelled;
 
 use cycle::{
     Balance, ContactMoment, ContactSystem, Cycle, Harmonics, Measures, Motion, Settings, follow_telling, harmonics,
-    history, measure,
+    history, measure, states,
 };
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+use sound::Sound;
 use study::{Scene, SlidingContacts, UncertainBrake, Units};
 
 use crate::Error;
@@ -70,6 +72,9 @@ pub struct Cycles {
     pub harmonics: usize,
     /// The motions, by their starts.
     pub motions: Vec<MotionOfMode>,
+    /// Part of the area of the outer faces, 0 to 1, that counts as at rest though nothing is known to hold it: its nodes have no rows; `None` of a brake
+    /// without faces.
+    pub outer_without_rows: Option<f64>,
     /// Names of the bodies, with their degrees of freedom.
     pub(crate) bodies: Vec<(String, Vec<usize>)>,
     /// False of a reduced brake, whose coordinates have no largest displacement.
@@ -78,6 +83,8 @@ pub struct Cycles {
     pub displacements: Vec<usize>,
     /// Names of the contacts.
     pub contacts: Vec<String>,
+    /// Names of the families of forces.
+    pub(crate) families: Vec<String>,
 }
 
 /// The motion that starts at a mode.
@@ -103,8 +110,11 @@ pub struct MotionOfMode {
     pub balanced_hz: Option<f64>,
 }
 
-/// Equal steps of a period in a table of what contacts do; chosen: ten of a ninth harmonic.
-const HISTORY: usize = 128;
+/// Equal steps of a period at which a cycle is taken for its harmonics, 256 at most; chosen.
+const STEPS: usize = 1024;
+
+/// Equal steps of a period in a table of what contacts do, an eighth of these; chosen: ten of a ninth harmonic.
+const HISTORY: usize = STEPS / 8;
 
 /// Name of the computation that needs the contacts of a brake.
 pub const MOTION: &str = "the motion after the onset";
@@ -181,22 +191,23 @@ pub fn cycles<B: UncertainBrake>(
     let displacements = displacements(plan, of_scene);
     let of_plan = (plan.units, &displacements[..]);
     progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
-    let motions = stopped::when_cancelled(progress, |stop| {
-        let system = system.clone().until(stop);
-        let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, progress);
-        starts.into_par_iter().map(motion).collect::<Result<_, _>>()
+    let found = when_cancelled(progress, |stop| {
+        let (system, sound) = (system.clone().until(stop), Sound::of(brake, scene, progress)?);
+        let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, sound.as_ref(), progress);
+        Ok((starts.into_par_iter().map(motion).collect::<Result<Vec<_>, Error>>()?, sound))
     });
     progress.end();
-    let mut motions: Vec<MotionOfMode> = motions?;
-    sound::radiate(brake, scene, &mut motions)?;
+    let (motions, sound) = found?;
     Ok(Cycles {
         tangent_deviation,
         harmonics: options.harmonics,
         motions,
+        outer_without_rows: sound.as_ref().map(Sound::without_rows),
         bodies: of_scene.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
         has_peaks: plan.band.is_none(),
         displacements,
         contacts: system.contacts().iter().map(|contact| contact.name.clone()).collect(),
+        families: system.families(),
     })
 }
 
@@ -208,21 +219,20 @@ pub(crate) fn in_si(mut measures: Measures, units: Units) -> Measures {
     measures
 }
 
-/// Harmonics of a cycle in m and m/s, of a system in some units: as many as hold the loudness, by its degrees of freedom and `measures` in SI.
-///
-/// # Errors
-/// A motion that cannot be followed.
+/// Harmonics of a cycle in m and m/s, from its states in some units: as many as hold the loudness, by its degrees of freedom and `measures` in SI; of a
+/// cycle of rotations alone, which has none, all velocities.
 pub(super) fn harmonics_in_si(
-    system: &ContactSystem,
     cycle: &Cycle,
+    states: &[Vec<f64>],
     measures: &Measures,
     (units, displacements): (Units, &[usize]),
-) -> Result<Harmonics, cycle::Error> {
-    let rms = measures.rms_of(displacements) / units.length();
-    let mut found = harmonics(system, cycle, (displacements, rms), TOLERANCE)?;
+) -> Harmonics {
+    let all: Vec<usize> = (0..measures.rms_velocity.len()).collect();
+    let held = if measures.rms_of(displacements) > 0.0 { displacements } else { &all };
+    let mut found = harmonics(cycle, all.len(), states, (held, measures.rms_of(held) / units.length()));
     found.mean.iter_mut().for_each(|mean| *mean *= units.length());
     found.velocity.iter_mut().flatten().for_each(|velocity| *velocity *= units.length());
-    Ok(found)
+    found
 }
 
 /// Digest of some contacts with the units in which they are.
@@ -238,6 +248,7 @@ fn motion_of(
     settings: &Settings,
     (name, mode, start): (String, &GrowingMode, Vec<f64>),
     (units, displacements): (Units, &[usize]),
+    sound: Option<&Sound>,
     progress: &dyn Progress,
 ) -> Result<MotionOfMode, Error> {
     let (omega, shape) = (mode.lambda.im, &mode.shape[..]);
@@ -256,12 +267,11 @@ fn motion_of(
     };
     let measures = cycle.map(|cycle| measure(system, cycle, TOLERANCE)).transpose()?;
     let measures = measures.map(|measures| in_si(measures, units));
-    let mut history = cycle.map(|cycle| history(system, cycle, HISTORY, TOLERANCE)).transpose()?.unwrap_or_default();
+    let states = cycle.map(|cycle| states(system, cycle, STEPS, TOLERANCE)).transpose()?.unwrap_or_default();
+    let mut history = history(system, states.iter().step_by(STEPS / HISTORY));
     history.iter_mut().flatten().for_each(|moment| moment.sliding_velocity *= units.length());
     let of_cycle = cycle.zip(measures.as_ref());
-    let harmonics = of_cycle
-        .map(|(cycle, measures)| harmonics_in_si(system, cycle, measures, (units, displacements)))
-        .transpose()?;
+    let harmonics = of_cycle.map(|(cycle, measures)| harmonics_in_si(cycle, &states, measures, (units, displacements)));
     let balanced = cycle.and_then(|cycle| balance.near(system, cycle, TOLERANCE).ok());
     let balanced_hz = balanced.map(|balanced| balanced.omega / std::f64::consts::TAU);
     progress.advance(settings.most_periods as u64 - periods);
@@ -272,8 +282,10 @@ fn motion_of(
         loudness: measures.as_ref().map(|measures| measures.rms_of(displacements)),
         measures,
         history,
+        radiated_power: sound
+            .zip(harmonics.as_ref())
+            .map(|(sound, harmonics)| harmonics.velocity.iter().map(|velocity| sound.power(velocity)).collect()),
         harmonics,
-        radiated_power: None,
         balanced_hz,
     })
 }

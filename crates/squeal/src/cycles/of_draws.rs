@@ -16,7 +16,7 @@ use study::{DrawnContacts, ModeLabel, Scratch, Study, UncertainBrake};
 
 use super::drawn::{DrawnFate, Following, motions};
 use super::growing::grows_in_band;
-use super::{MOTION, digest, stopped};
+use super::{MOTION, digest, when_cancelled};
 use crate::Error;
 use crate::results::Results;
 
@@ -152,7 +152,7 @@ impl CyclesOfDraws {
         progress.begin(all.len() as u64, (all.len() - open.len()) as u64);
         let mut saved = Instant::now();
         let mut followed = 0;
-        let found = stopped::when_cancelled(progress, |stop| {
+        let found = when_cancelled(progress, |stop| {
             for chunk in open.chunks(DRAWS_PER_THREAD * rayon::current_num_threads()) {
                 let fates = chunk.par_iter().map(|&(scene, draw)| {
                     let of_draw = &self.scenes[scene].draws[draw];

@@ -320,7 +320,7 @@ impl CyclesOfDraws {
         Table::new("cycles_by_scene", header, rows.collect::<Vec<_>>())
     }
 
-    /// What stands above the motions in words.
+    /// Words above the motions.
     pub const HEADING: &str = "The motions that unstable modes grow into";
 
     /// Adds the motions in words to `summary.md` in a folder.

@@ -16,7 +16,7 @@ const LOOK: Duration = Duration::from_millis(100);
 ///
 /// # Errors
 /// Those of the work; of work that is cancelled, that it is.
-pub(super) fn when_cancelled<T>(
+pub(crate) fn when_cancelled<T>(
     progress: &dyn Progress,
     work: impl FnOnce(Arc<AtomicBool>) -> Result<T, Error>,
 ) -> Result<T, Error> {

@@ -9,6 +9,9 @@ use crate::sweep::SweptParameter;
 /// Column of the power that the outer faces radiate at radiation efficiency 1.
 const RADIATED: &str = "radiated_power_at_efficiency_1_w";
 
+/// Column of the part of the outer area that counts as at rest in it.
+const WITHOUT_ROWS: &str = "outer_area_without_rows";
+
 /// Hz of an eigenvalue.
 fn hz(omega: f64) -> f64 {
     omega / std::f64::consts::TAU
@@ -33,8 +36,7 @@ impl Cycles {
         ]
         .map(str::to_owned)
         .to_vec();
-        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
-        let families: Vec<String> = self.families();
+        columns.extend(self.outer_without_rows.iter().flat_map(|_| [RADIATED, WITHOUT_ROWS].map(str::to_owned)));
         for (name, _) in &self.bodies {
             columns.push(format!("rms_velocity_m_per_s {name}"));
             columns.extend(self.has_peaks.then(|| format!("peak_m {name}")));
@@ -42,7 +44,7 @@ impl Cycles {
         for name in &self.contacts {
             columns.extend([format!("open {name}"), format!("stuck {name}")]);
         }
-        columns.extend(families.iter().map(|family| format!("power_w {family}")));
+        columns.extend(self.families.iter().map(|family| format!("power_w {family}")));
         let rows = self.motions.iter().map(|of| {
             let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
             let (cycle, measures) = (cycle_of(&of.motion), of.measures.as_ref());
@@ -59,8 +61,8 @@ impl Cycles {
                 number(measures.map(Measures::imbalance)),
                 number(of.loudness),
             ];
-            let radiated = || number(of.radiated_power.as_ref().map(|all| all.iter().sum()));
-            row.extend(self.has_sound().then(radiated));
+            let radiated = number(of.radiated_power.as_ref().map(|all| all.iter().sum()));
+            row.extend(self.outer_without_rows.iter().flat_map(|part| [radiated.clone(), part.to_string()]));
             for (_, dofs) in &self.bodies {
                 row.push(number(measures.map(|measures| measures.rms_of(dofs))));
                 row.extend(self.has_peaks.then(|| number(measures.map(|measures| measures.peak_of(dofs)))));
@@ -70,7 +72,7 @@ impl Cycles {
                 row.push(number(measures.map(|measures| measures.contacts[contact].stuck)));
             }
             let powers = |at: usize| number(measures.map(|measures| measures.powers[at].1));
-            row.extend((0..families.len()).map(powers));
+            row.extend((0..self.families.len()).map(powers));
             row
         });
         Table::new("cycles", columns, rows)
@@ -103,7 +105,7 @@ impl Cycles {
     pub fn spectrum_table(&self) -> Table {
         let mut columns =
             ["from_mode", "harmonic", "frequency_hz", "loudness_m_per_s", "part_above"].map(str::to_owned).to_vec();
-        columns.extend(self.has_sound().then(|| RADIATED.to_owned()));
+        columns.extend(self.outer_without_rows.map(|_| RADIATED.to_owned()));
         columns.extend(self.bodies.iter().map(|(name, _)| format!("rms_velocity_m_per_s {name}")));
         let mut rows = Vec::new();
         for of in &self.motions {
@@ -112,24 +114,17 @@ impl Cycles {
             for harmonic in 1..=harmonics.velocity.len() {
                 let rms = harmonics.rms_of(harmonic, &self.displacements);
                 part_above -= (rms / loudness).powi(2);
-                let numbers = [harmonics.frequency_hz(harmonic), rms, part_above];
+                let head = [harmonic.to_string(), harmonics.frequency_hz(harmonic).to_string(), rms.to_string()];
+                // Rotations alone have no loudness of which this were a part.
+                let part_above = if loudness > 0.0 { part_above.to_string() } else { String::new() };
                 let of_bodies = self.bodies.iter().map(|(_, dofs)| harmonics.rms_of(harmonic, dofs));
                 let radiated = of.radiated_power.as_ref().map(|all| all[harmonic - 1]);
-                let numbers = numbers.into_iter().chain(radiated).chain(of_bodies).map(|number| number.to_string());
-                rows.push([of.start.clone(), harmonic.to_string()].into_iter().chain(numbers).collect::<Vec<_>>());
+                let numbers = radiated.into_iter().chain(of_bodies).map(|number| number.to_string());
+                let head = [of.start.clone()].into_iter().chain(head).chain([part_above]);
+                rows.push(head.chain(numbers).collect::<Vec<_>>());
             }
         }
         Table::new("cycle_spectrum", columns, rows)
-    }
-
-    /// True of a brake with faces, of which a cycle was found.
-    fn has_sound(&self) -> bool {
-        self.motions.iter().any(|of| of.radiated_power.is_some())
-    }
-
-    fn families(&self) -> Vec<String> {
-        let measures = self.motions.iter().find_map(|of| of.measures.as_ref());
-        measures.map_or_else(Vec::new, |measures| measures.powers.iter().map(|(family, _)| family.clone()).collect())
     }
 
     /// The motions in words, a line each with the loudest body.
@@ -172,7 +167,18 @@ impl Cycles {
             "\nopen, stuck: largest share of the period of a contact; multiplier: what a small deviation becomes in a period\n\
              the motion's tangent deviates from the complex eigenvalue analysis by {:.1e}; powers sum to zero within {imbalance:.1e}\n",
             self.tangent_deviation
-        )
+        ) + &self.at_rest()
+    }
+
+    /// A line on the outer faces that count as at rest for want of rows, where there are any.
+    fn at_rest(&self) -> String {
+        match self.outer_without_rows {
+            Some(part) if part > 0.0 => format!(
+                "radiated power: {:.2} % of the outer area counts as at rest, as it has no rows in the matrices and nothing is said to hold it\n",
+                100.0 * part
+            ),
+            _ => String::new(),
+        }
     }
 }
 

@@ -1,5 +1,8 @@
 //! Prediction of the effect of changes, by a few draws in a few scenes: changes are ranked by it.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, real_count, verdicts_beyond};
 use cycle::ContactSystem;
 use linsys::{OperatingPoint, SecondOrder};
@@ -14,6 +17,9 @@ use super::confirm::QUANTILE;
 use super::modified::{inverse, modifiable_of};
 use crate::Error;
 use crate::cycles::{Following, drawn_contacts_of, loudest, motions};
+
+/// Settings by which motions are followed, with a flag that ends them soon after it is set.
+pub(super) type UntilStopped = (Following, Arc<AtomicBool>);
 
 /// Number of arrangements of a panel that are analysed; chosen: the prediction only ranks.
 const ARRANGEMENTS_PER_PANEL: usize = 2;
@@ -50,7 +56,7 @@ pub(super) struct Probes<'a> {
     /// Number of draws of each probe.
     pub draws: u64,
     /// Settings by which motions are followed, where loudness is asked for.
-    following: Option<Following>,
+    following: Option<UntilStopped>,
 }
 
 /// Probe: one arrangement of a scene, with the operating points of all draws.
@@ -75,7 +81,7 @@ impl<'a> Probes<'a> {
         brake: &'a B,
         constraints: usize,
         draws: u64,
-        following: Option<Following>,
+        following: Option<UntilStopped>,
     ) -> Result<Self, Error> {
         let plan = brake.plan();
         // Streams from the other end than those of the samples of a study.
@@ -99,7 +105,7 @@ impl<'a> Probes<'a> {
             for nth in 0..taken {
                 let (scene, at) = members[nth * members.len() / taken];
                 let motions = match &following {
-                    Some(Following { stick, .. }) => {
+                    Some((Following { stick, .. }, _)) => {
                         let contacts = drawn_contacts_of(brake)?;
                         let motion = |sample| contacts.contact_system_of(scene, sample, *stick);
                         samples.iter().map(motion).collect::<Result<_, study::Error>>()?
@@ -162,7 +168,7 @@ impl Probe<'_> {
     fn answer(
         &self,
         changes: &[Change],
-        (plan, following): (&Plan, Option<&Following>),
+        (plan, following): (&Plan, Option<&UntilStopped>),
         work: &mut Workspace,
     ) -> Result<Answer, Error> {
         let changes: Vec<Change> = match &self.symmetry {
@@ -215,7 +221,7 @@ impl Probe<'_> {
         changed: &ChangedBrake,
         growing_of_draws: &[Vec<Complex<f64>>],
         plan: &Plan,
-        following: &Following,
+        (following, stop): &UntilStopped,
     ) -> Result<Vec<f64>, Error> {
         let of_draw = |(at, growing): (usize, &Vec<Complex<f64>>)| -> Result<f64, Error> {
             // What diverges has no mode to be followed from.
@@ -224,6 +230,7 @@ impl Probe<'_> {
             }
             let point = changed.point(self.points[at].clone());
             let system = changed.motion(&self.motions[at], &point).map_err(Error::from);
+            let system = system.map(|system| system.until(Arc::clone(stop)));
             let of_cea = changed.brake.system.assemble(&point)?;
             Ok(loudest(&motions(system, &of_cea, growing, (plan, &changed.brake), following)?))
         };

@@ -1,6 +1,8 @@
 //! A screening from the candidates to the confirmation of the best.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use cea::EigenSolver;
@@ -14,12 +16,12 @@ use super::criterion::Criterion;
 use super::growing::growing_modes;
 use super::joined::divergence_doubt_of;
 use super::modified::{ChangeSet, Modified};
-use super::predict::{Prediction, Probes};
+use super::predict::{Prediction, Probes, UntilStopped};
 use super::screened::{Screen, ScreenedSet};
 use super::search::{KindRanking, Ranked, combinations, search};
 use super::sounded::Sounded;
 use crate::Error;
-use crate::cycles::{CycleOptions, Following};
+use crate::cycles::{CycleOptions, Following, when_cancelled};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 5;
@@ -67,9 +69,9 @@ impl Default for ScreenOptions {
 }
 
 impl ScreenOptions {
-    /// Settings by which motions are followed, where the criterion asks for them.
-    fn following(&self) -> Option<Following> {
-        (self.criterion == Criterion::Loudness).then(|| Following::of_screen(CycleOptions::default().stick))
+    /// Settings by which motions are followed until `stop` is set, where the criterion asks for them.
+    fn following(&self, stop: Arc<AtomicBool>) -> Option<UntilStopped> {
+        (self.criterion == Criterion::Loudness).then(|| (Following::of_screen(CycleOptions::default().stick), stop))
     }
 
     /// Writes out the options that tell a screening from others of the same brake.
@@ -111,15 +113,17 @@ pub struct Ranking {
 /// A draw without an operating point; a brake that cannot be analysed without changes.
 pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dyn Progress) -> Result<Ranking, Error> {
     let ScreenOptions { constraints, kinds, sizes, up_to, draws, criterion, .. } = options;
-    let probes = Probes::new(brake, *constraints, *draws, options.following())?;
     let candidates = Candidates::all(brake, *constraints, kinds, sizes)?;
     progress.begin(candidates.iter().map(|of_kind| combinations(of_kind, *up_to)).sum(), 0);
-    let unchanged = probes.prediction(&[])?;
-    let of_kind = |candidates| search(candidates, &probes, *up_to, *criterion, progress);
-    let kinds = candidates.into_iter().map(of_kind).collect();
+    let ranking = when_cancelled(progress, |stop| {
+        let probes = Probes::new(brake, *constraints, *draws, options.following(stop))?;
+        let unchanged = probes.prediction(&[])?;
+        let of_kind = |candidates| search(candidates, &probes, *up_to, *criterion, progress);
+        let kinds = candidates.into_iter().map(of_kind).collect();
+        Ok(Ranking { unchanged, kinds, analyses_per_set: probes.analyses(), draws: *draws })
+    });
     progress.end();
-    progress.go_on()?;
-    Ok(Ranking { unchanged, kinds, analyses_per_set: probes.analyses(), draws: *draws })
+    ranking
 }
 
 /// Options of the confirmation of the best of a ranking.
@@ -205,8 +209,11 @@ pub fn confirm<B: UncertainBrake>(
         }
         other => other.into(),
     };
-    let sounded = Sounded { study: &study, following: options.following() };
-    let summary = run_with(&sounded, &sampling, empty, checkpoint.as_ref(), how.evaluation).map_err(other)?;
+    // A sample whose motions are stopped is one of a block that the run, which is cancelled, leaves out.
+    let summary = when_cancelled(how.evaluation, |stop| {
+        let sounded = Sounded { study: &study, following: options.following(stop) };
+        run_with(&sounded, &sampling, empty, checkpoint.as_ref(), how.evaluation).map_err(other)
+    })?;
     for (confirmation, &at) in to_confirm.iter().enumerate() {
         sets[at].confirmed = summary.tally.confirmed(plan, confirmation, how.samples);
     }

@@ -1,12 +1,15 @@
 //! The study of sets of changes, with the loudness of each sample where that is asked for.
 
+use std::sync::Arc;
+
 use montecarlo::{Experiment, StreamRng};
 use num_complex::Complex;
 use study::{Outcome, Scratch, Study, UncertainBrake};
 
 use super::modified::Modified;
+use super::predict::UntilStopped;
 use crate::Error;
-use crate::cycles::{Following, drawn_contacts_of, loudest, motions};
+use crate::cycles::{drawn_contacts_of, loudest, motions};
 
 /// A study of a changed brake whose outcomes have the loudness of the loudest motion, m/s: 0 where nothing is unstable, infinite where a motion cannot be
 /// followed; `None` where it is not asked for.
@@ -14,11 +17,11 @@ pub(super) struct Sounded<'s, 'a, B: UncertainBrake> {
     /// The study.
     pub study: &'s Study<'s, Modified<'a, B>>,
     /// Settings by which motions are followed, where loudness is asked for.
-    pub following: Option<Following>,
+    pub following: Option<UntilStopped>,
 }
 
 impl<B: UncertainBrake> Sounded<'_, '_, B> {
-    fn loudness(&self, scene: usize, sample: &B::Sample, outcome: &Outcome, following: &Following) -> f64 {
+    fn loudness(&self, scene: usize, sample: &B::Sample, outcome: &Outcome, (following, stop): &UntilStopped) -> f64 {
         if outcome.divergent > 0 {
             return f64::INFINITY;
         }
@@ -29,10 +32,11 @@ impl<B: UncertainBrake> Sounded<'_, '_, B> {
             let (brake, plan) = (self.study.brake(), self.study.plan());
             let of_scene = &plan.scenes[scene];
             let system = drawn_contacts_of(brake)?.contact_system_of(of_scene, sample, following.stick);
+            let system = system.map(|system| system.until(Arc::clone(stop))).map_err(Error::from);
             let of_cea = brake.system(of_scene, sample)?;
             let lambdas: Vec<Complex<f64>> = outcome.unstable.iter().map(|mode| mode.lambda).collect();
             let of_brake = (plan, plan.brake(of_scene));
-            Ok(loudest(&motions(system.map_err(Error::from), &of_cea, &lambdas, of_brake, following)?))
+            Ok(loudest(&motions(system, &of_cea, &lambdas, of_brake, following)?))
         };
         found().unwrap_or(f64::INFINITY)
     }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
-use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
 use brakes::LatticeBrake;
 use brakes::case::LatticeCase;
@@ -11,7 +11,7 @@ use cea::{BatchSolver, QrSolver};
 use montecarlo::Progress;
 use squeal::cycles::{CycleOptions, cycles};
 use squeal::influence::influence;
-use squeal::screen::{ChangeKind, ScreenOptions, rank};
+use squeal::screen::{ChangeKind, Confirmation, Criterion, ScreenOptions, confirm, rank};
 use squeal::study::Study;
 use squeal::sweep::{Over, stability_map, sweep};
 use squeal::{RunOptions, RunProgress, run_study_with};
@@ -137,4 +137,47 @@ fn whatever_takes_long_can_be_cancelled() {
             assert!(answer.as_ref().is_err_and(squeal::Error::is_cancelled), "{what} after {evaluations}: {answer:?}");
         }
     }
+}
+
+/// Whoever has enough as soon as they hear of work, and counts what is done of it.
+#[derive(Default)]
+struct Impatient {
+    has_begun: AtomicBool,
+    done: AtomicU64,
+}
+
+impl Progress for Impatient {
+    fn begin(&self, _: u64, _: u64) {
+        self.has_begun.store(true, Ordering::Relaxed);
+    }
+    fn advance(&self, evaluations: u64) {
+        self.done.fetch_add(evaluations, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+    fn is_cancelled(&self) -> bool {
+        self.has_begun.load(Ordering::Relaxed)
+    }
+}
+
+/// The motions of the brake without changes end, and nothing is made of them; nor is a sample of a confirmation that is cancelled.
+#[test]
+fn a_screen_by_loudness_ends_within_a_motion() {
+    let brake = brake(8);
+    let mut options = ScreenOptions::default();
+    (options.kinds, options.draws) = (vec![ChangeKind::Contact], 2);
+    let ranking = rank(&brake, &options, &()).unwrap();
+    options.criterion = Criterion::Loudness;
+    let impatient = Impatient::default();
+    let cancelled = rank(&brake, &options, &impatient).map(drop);
+    assert!(cancelled.is_err_and(|error| error.is_cancelled()));
+    assert_eq!(impatient.done.into_inner(), 0);
+    let folder = tempfile::tempdir().unwrap();
+    let kept = folder.path().join("checkpoint.json");
+    let impatient = Impatient::default();
+    let how = Confirmation::new(8).with_progress(&(), &impatient).with_checkpoint(Some(kept.clone()));
+    let cancelled = confirm(&brake, ranking, &options, &how).map(drop);
+    assert!(cancelled.is_err_and(|error| error.is_cancelled()));
+    let kept = std::fs::read_to_string(kept).unwrap();
+    let state: serde_json::Value = serde_json::from_str(kept.lines().nth(2).unwrap()).unwrap();
+    assert_eq!(state["samples"], 0);
 }
