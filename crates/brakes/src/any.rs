@@ -153,14 +153,14 @@ pub enum Purpose<'a> {
     Screen,
 }
 
-/// Memory and processor time of making the brake of a case, roughly, before anything of it is made; `None` where that is nothing beside
+/// Memory and processor time of making the brake of a case in a memory of `budget` bytes, roughly, before anything of it is made; `None` where that is nothing beside
 /// preparing its study ([`Cost::of`]).
 #[must_use]
-pub fn cost_of_making(case: &CaseFile) -> Option<Cost> {
+pub fn cost_of_making(case: &CaseFile, budget: u64) -> Option<Cost> {
     match case {
         CaseFile::Lattice(case) => Some(LatticeBrake::least_cost(case)),
         CaseFile::Matrices(_) => None,
-        CaseFile::FiniteElements(case) => Some(FiniteElementBrake::expected_cost(case)),
+        CaseFile::FiniteElements(case) => Some(FiniteElementBrake::expected_cost(case, budget)),
     }
 }
 

@@ -19,9 +19,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use case::FiniteElementCase;
 use montecarlo::{Damage, Sealed};
+use rayon::current_num_threads;
 use sha2::{Digest, Sha256};
-use study::hexadecimal;
 use study::identity::{difference, rounding_class};
+use study::{hexadecimal, memory, solutions_together};
 
 use crate::Error;
 use crate::bits::Bits;
@@ -37,7 +38,7 @@ const OF_BRAKE: &str = "brake.txt";
 /// SHA-256 of all that something depends on.
 type Key = [u8; 32];
 
-/// Where pieces of prepared brakes are looked for and kept; nowhere by default.
+/// Where pieces of prepared brakes are looked for and kept, nowhere by default; and the memory that others may be made in.
 #[derive(Debug, Default)]
 pub struct Prepared {
     /// A file that was given. Nothing is added to it.
@@ -46,6 +47,8 @@ pub struct Prepared {
     folder: Option<PathBuf>,
     /// All pieces that were asked for, where a file of them is to be written.
     collected: Option<Mutex<Given>>,
+    /// Memory that may be taken, bytes; what the machine has by default.
+    memory: Option<u64>,
     counts: Mutex<PreparedCounts>,
 }
 
@@ -93,6 +96,12 @@ impl Prepared {
     #[must_use]
     pub fn in_folder(self, folder: PathBuf) -> Self {
         Self { folder: Some(folder), ..self }
+    }
+
+    /// Also made in a memory of so many bytes, roughly: fewer solutions of a large brake are then under way together.
+    #[must_use]
+    pub fn within(self, memory: u64) -> Self {
+        Self { memory: Some(memory), ..self }
     }
 
     /// Also all pieces that are asked for together, for [`Prepared::write`].
@@ -192,6 +201,11 @@ pub(crate) struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
+    /// Number of complete solutions of a brake of an order that are made together.
+    pub fn solutions_together(&self, order: usize) -> usize {
+        solutions_together(order, self.all.memory.unwrap_or_else(memory::of_machine)).min(current_num_threads())
+    }
+
     /// A piece: read where it is kept, else made and kept. `inputs` writes what it depends on beside the case.
     ///
     /// # Errors

@@ -43,7 +43,7 @@ impl PrepareArgs {
         if !matches!(case, CaseFile::FiniteElements(_)) {
             return Err(none_prepared("CASE", &self.case.case));
         }
-        let mut prepared = args.open(&case)?;
+        let mut prepared = args.open(&case)?.within(self.machine.memory.budget());
         if self.out.is_some() {
             prepared = prepared.collecting();
         }

@@ -24,7 +24,7 @@ pub(super) fn brake(
     machine: MachineArgs,
     args: &PreparedArgs,
 ) -> Result<AnyBrake, Error> {
-    let prepared = args.open(&case)?;
+    let prepared = args.open(&case)?.within(machine.memory.budget());
     let brake = of_pieces(case, purpose, machine, &prepared)?;
     where_prepared(&prepared, args).iter().for_each(|line| note(line));
     // Before a long computation; a study says it in its answer too.
@@ -47,7 +47,7 @@ pub(super) fn of_pieces(
     MachineArgs { memory, threads }: MachineArgs,
     prepared: &Prepared,
 ) -> Result<AnyBrake, Error> {
-    if let Some(cost) = brakes::cost_of_making(&case) {
+    if let Some(cost) = brakes::cost_of_making(&case, memory.budget()) {
         cost.check(&case.header().source(), memory.budget())?;
         let is_begun = || if let CaseFile::FiniteElements(case) = &case { prepared.is_begun(case) } else { true };
         if cost.seconds > ANNOUNCED && !is_begun() {

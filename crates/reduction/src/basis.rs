@@ -12,16 +12,15 @@ pub(super) fn directions(
     mut columns: DMatrix<f64>,
     floor: f64,
 ) -> Result<DMatrix<f64>, ReductionError> {
-    let transposed = basis.transpose();
     for _ in 0..2 {
-        let inside = &transposed * &columns;
-        columns.gemm(-1.0, basis, &inside, 1.0);
+        let inside = dense::transposed_product(basis, &columns);
+        dense::add_product(&mut columns, -1.0, basis, &inside);
     }
     let (mut vectors, values) = dense::left_singular(&columns)?;
     let kept = values.iter().take_while(|&&value| value > floor).count();
     vectors = vectors.columns(0, kept).into_owned();
-    let inside = &transposed * &vectors;
-    vectors.gemm(-1.0, basis, &inside, 1.0);
+    let inside = dense::transposed_product(basis, &vectors);
+    dense::add_product(&mut vectors, -1.0, basis, &inside);
     vectors.column_iter_mut().for_each(|mut column| {
         column.normalize_mut();
     });

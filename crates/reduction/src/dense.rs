@@ -40,6 +40,14 @@ pub(super) fn product<T: faer::traits::ComplexField + nalgebra::Scalar>(a: &DMat
     out
 }
 
+/// `A^T B`, without a copy of A.
+pub(super) fn transposed_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(a.ncols(), b.ncols());
+    let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), a.ncols(), b.ncols());
+    multiply(to, Accum::Replace, 1.0, view(a).transpose(), view(b));
+    out
+}
+
 /// `A x`; nalgebra has no vector registers for it.
 pub(super) fn image(a: &DMatrix<Complex<f64>>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let mut out = DVector::zeros(a.nrows());

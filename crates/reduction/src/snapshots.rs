@@ -36,10 +36,11 @@ pub struct Snapshots<'a> {
     coordinates: DMatrix<f64>,
 }
 
-/// Modes of a large brake at one point, with the brake there.
+/// Modes of a large brake at one point. The matrices there, which take more memory than all its modes, are assembled again where they are asked for.
 #[derive(Debug, Clone)]
-pub struct Snapshot {
-    system: SparseSecondOrder,
+pub struct Snapshot<'a> {
+    system: &'a SparseAffineSystem,
+    point: OperatingPoint,
     norms: NormsAt,
     rectangle: Rectangle,
     modes: Vec<Eigenpair>,
@@ -57,21 +58,22 @@ impl<'a> Snapshots<'a> {
     ///
     /// # Errors
     /// A point of another system, what [`eigenpairs_in`](sparse::eigenpairs_in) refuses.
-    pub fn at(&self, point: &OperatingPoint) -> Result<Snapshot, ReductionError> {
+    pub fn at(&self, point: &OperatingPoint) -> Result<Snapshot<'a>, ReductionError> {
         let (system, margin) = (self.system.assemble(point)?, MARGIN * largest(&self.rectangle));
         let Rectangle { re: [lowest, highest], im: [from, to] } = self.rectangle;
         let wider =
             Rectangle { re: [lowest - margin, highest], im: [from - margin.min(0.5 * from.abs()), to + margin] };
         let mut modes = eigenpairs_in(&system, &wider, &sparse::Options::default(), &mut |_| ())?.pairs;
         modes.retain(|mode| !grows_too_fast(mode.lambda));
-        Ok(Snapshot { system, norms: self.norms.at(point), rectangle: self.rectangle, modes })
+        let (system, norms) = (self.system, self.norms.at(point));
+        Ok(Snapshot { system, point: point.clone(), norms, rectangle: self.rectangle, modes })
     }
 
     /// Adds the right and left vectors of modes to what bases hold.
     ///
     /// # Errors
     /// Vectors that are no numbers.
-    pub fn add(&mut self, snapshot: &Snapshot) -> Result<(), ReductionError> {
+    pub fn add(&mut self, snapshot: &Snapshot<'_>) -> Result<(), ReductionError> {
         let vectors = columns(&snapshot.modes);
         if vectors.ncols() == 0 {
             return Ok(());
@@ -81,7 +83,7 @@ impl<'a> Snapshots<'a> {
         let mut all =
             std::mem::replace(&mut self.directions, DMatrix::zeros(0, 0)).resize_horizontally(known + more, 0.0);
         all.columns_mut(known, more).copy_from(&new);
-        let own = dense::product(&all.transpose(), &vectors);
+        let own = dense::transposed_product(&all, &vectors);
         let before = self.coordinates.ncols();
         let coordinates = std::mem::replace(&mut self.coordinates, DMatrix::zeros(0, 0));
         self.coordinates = coordinates.resize(known + more, before + own.ncols(), 0.0);
@@ -106,7 +108,7 @@ impl<'a> Snapshots<'a> {
     }
 }
 
-impl Snapshot {
+impl Snapshot<'_> {
     /// The eigenvalues in and to the right of the rectangle, rad/s.
     #[must_use]
     pub fn lambdas(&self) -> Vec<Complex<f64>> {
@@ -124,16 +126,18 @@ impl Snapshot {
 
     /// The largest error, relative to |lambda| and to first order, that the eigenvalues have on a basis V, n x k, of orthonormal columns:
     /// `|w^H Q(lambda) x / (lambda psi^H Q'(lambda) phi)|`, x and w what V holds of the vectors phi and psi; infinite where too little of one is in it.
-    #[must_use]
-    pub fn error(&self, basis: &DMatrix<f64>) -> f64 {
-        let Some(first) = self.modes.first() else { return 0.0 };
+    ///
+    /// # Errors
+    /// Those of assembling the brake at its point.
+    pub fn error(&self, basis: &DMatrix<f64>) -> Result<f64, ReductionError> {
+        let Some(first) = self.modes.first() else { return Ok(0.0) };
         let held = |of: &dyn Fn(&Eigenpair) -> &DVector<Complex<f64>>| {
             let mut vectors = split::zeros(first.right.len(), self.modes.len());
             self.modes.iter().enumerate().for_each(|(at, mode)| split::set(&mut vectors, at, of(mode).iter().copied()));
-            dense::product(basis, &dense::product(&basis.transpose(), &vectors))
+            dense::product(basis, &dense::transposed_product(basis, &vectors))
         };
         let (right, left) = (held(&|mode| &mode.right), held(&|mode| &mode.left));
-        let residuals = residuals(&self.system, &self.modes, &right);
+        let residuals = residuals(&self.system.assemble(&self.point)?, &self.modes, &right);
         let mut largest = 0.0_f64;
         for (at, (mode, residual)) in self.modes.iter().zip(residuals).enumerate() {
             let is_lost = |side: &DMatrix<f64>| split::norm_squared(side, at) < 1.0 - MOST_MISSING.powi(2);
@@ -142,7 +146,7 @@ impl Snapshot {
             largest =
                 largest.max(if is_lost(&right) || is_lost(&left) || error.is_nan() { f64::INFINITY } else { error });
         }
-        largest
+        Ok(largest)
     }
 }
 

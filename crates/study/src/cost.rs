@@ -51,8 +51,8 @@ const BYTES_BY_BASIS: f64 = 900.0;
 const SECONDS_BY_BASIS: f64 = 6e-7;
 /// Processor time of the spectrum of a dense brake, s, by the cube of its order. Measured with the responses of contacts of cases/disc-pad, 324 columns: 1.1 s.
 const SECONDS_BY_SPECTRUM: f64 = 3e-8;
-/// Complete solutions at a time.
-const TOGETHER: f64 = 2.0;
+/// Part of the memory there is that complete solutions which are under way together may take; chosen: the bases take the rest.
+const PART_OF_SOLUTIONS: f64 = 0.6;
 
 /// Degrees of freedom of the refined disc and pad by which a complete solution is scaled, of 2,349 to 205,227.
 const LARGE: f64 = 47_376.0;
@@ -96,12 +96,13 @@ impl Cost {
         Self { order, relaxing: 0, scenes: 0, bytes, seconds }
     }
 
-    /// The cost of some complete solutions of the whole brake beside it: its modes in a band, two solutions at a time.
+    /// The cost of some complete solutions of the whole brake beside it: its modes in a band, as many at a time as a `budget` of bytes allows.
     #[must_use]
-    pub fn with_solutions(self, count: usize) -> Self {
-        let large = self.order as f64 / LARGE;
-        let bytes = self.bytes + if count > 0 { TOGETHER * BYTES_OF_LARGE * large.powf(1.45) } else { 0.0 };
-        Self { bytes, seconds: self.seconds + count as f64 * SECONDS_OF_LARGE * large.powf(1.65), ..self }
+    pub fn with_solutions(self, count: usize, budget: u64) -> Self {
+        let together = solutions_together(self.order, budget).min(count) as f64;
+        let seconds = SECONDS_OF_LARGE * (self.order as f64 / LARGE).powf(1.65);
+        let bytes = self.bytes + together * bytes_of_solution(self.order);
+        Self { bytes, seconds: self.seconds + count as f64 * seconds, ..self }
     }
 
     /// The cost of some spectra of a dense brake of an order beside it.
@@ -140,6 +141,19 @@ impl Cost {
     }
 }
 
+/// Memory of a complete solution of a brake of an order, bytes, roughly.
+fn bytes_of_solution(order: usize) -> f64 {
+    BYTES_OF_LARGE * (order as f64 / LARGE).powf(1.45)
+}
+
+/// Number of complete solutions of a brake of an order that are under way together: one for each thread, and fewer where their memory is more than a part of a
+/// `budget` of bytes. No result depends on it.
+#[must_use]
+pub fn solutions_together(order: usize, budget: u64) -> usize {
+    let fitting = PART_OF_SOLUTIONS * budget as f64 / bytes_of_solution(order);
+    fitting.min(threads()).max(1.0) as usize
+}
+
 /// Threads that a study has where nothing is said.
 fn threads() -> f64 {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as f64
@@ -169,6 +183,15 @@ mod tests {
             refused.contains("1 scenes of 100 degrees of freedom and 200 internal states of what relaxes"),
             "{refused}"
         );
+    }
+
+    #[test]
+    fn as_many_solutions_are_under_way_as_fit_into_memory() {
+        let of = |order, budget| solutions_together(order, budget);
+        assert_eq!([of(100_000, 1), of(100_000, 8_000_000_000), of(1_000, u64::MAX)], [1, 1, threads() as usize]);
+        let cost = |count, budget| Cost::of_bases(100_000, &[100]).with_solutions(count, budget);
+        let (none, one, more) = (cost(0, u64::MAX), cost(1, u64::MAX), cost(40, 8_000_000_000));
+        assert!(none.bytes < one.bytes && one.bytes == more.bytes && one.seconds < more.seconds);
     }
 
     #[test]

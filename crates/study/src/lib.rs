@@ -56,7 +56,7 @@ pub use certificate::Certificate;
 pub use check::check;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use contradiction::Contradiction;
-pub use cost::{Cost, samples_together};
+pub use cost::{Cost, samples_together, solutions_together};
 pub use divergence::{divergence_doubt, divergence_of_reduced};
 pub use drawn_inputs::{DrawnInputs, Input, SingleParameter};
 pub use erased::{AnySample, Erased};

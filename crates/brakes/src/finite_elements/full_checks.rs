@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use cea::{EigenSolver as _, QrSolver, Workspace, frequency_hz};
 use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
-use rayon::prelude::*;
 use reduction::{Compared, compared};
 use study::{BandMode, DivergenceCounts, FullChecks, ModeSource, UncertainBrake, wider};
 
@@ -69,7 +68,7 @@ impl FiniteElementBrake {
                 progress.advance(1);
                 found
             };
-            let all = (0..count).into_par_iter().map(one).collect::<Result<Vec<_>, Error>>()?;
+            let all = brake.sets[0].together.map((0..count).collect(), one)?;
             progress.end();
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));

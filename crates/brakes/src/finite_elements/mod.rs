@@ -22,6 +22,7 @@ mod sliding_contacts;
 #[cfg(test)]
 mod spread_tests;
 mod swept;
+mod together;
 mod training;
 mod whole;
 mod whole_modes;
@@ -200,23 +201,23 @@ impl FiniteElementBrake {
         Ok(Self { case, plan, sets, parts, naming_systems, of_origins, of_configurations, closed, full_checks: None })
     }
 
-    /// Memory and processor time of the bases of a case, roughly, before any of them is made.
-    pub fn expected_cost(case: &FiniteElementCase) -> Cost {
+    /// Memory and processor time of the bases of a case in a memory of `budget` bytes, roughly, before any of them is made.
+    pub fn expected_cost(case: &FiniteElementCase, budget: u64) -> Cost {
         let arrangements =
             case.contact.as_ref().map_or(1, |contact| contact.panels.iter().map(|(_, all)| all.len()).sum());
         let columns = vec![EXPECTED_COLUMNS; arrangements];
         let solutions = case.constraints.len() * set_basis::SOLUTIONS;
-        Cost::of_bases(case.dofs.len(), &columns.repeat(case.constraints.len())).with_solutions(solutions)
+        Cost::of_bases(case.dofs.len(), &columns.repeat(case.constraints.len())).with_solutions(solutions, budget)
     }
 
-    /// Memory and processor time of its bases and of the draws that a study solves with the whole brake, roughly.
-    pub fn cost_of_bases(&self) -> Cost {
+    /// Memory and processor time of its bases and of the draws that a study solves with the whole brake in a memory of `budget` bytes, roughly.
+    pub fn cost_of_bases(&self, budget: u64) -> Cost {
         let columns: Vec<usize> = self.parts.iter().map(|part| part.within.basis.ncols()).collect();
         let checks = self.case.reduction.full_checks as usize;
         let solutions = self.case.constraints.len() * set_basis::SOLUTIONS + SOLUTIONS_OF_CHECK * checks;
         let bases = Cost::of_bases(self.case.dofs.len(), &columns);
         let spectra = checks.div_ceil(CHECKS_OF_SPECTRUM);
-        bases.with_solutions(solutions).with_spectra(spectra, divergence::expected_columns(&self.case))
+        bases.with_solutions(solutions, budget).with_spectra(spectra, divergence::expected_columns(&self.case))
     }
 
     /// The part of the reduction that a scene is on.

@@ -1,7 +1,7 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
-use std::sync::Mutex;
 use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex};
 
 use linsys::OperatingPoint;
 use montecarlo::Progress;
@@ -13,6 +13,7 @@ use sparse::SparseAffineSystem;
 use super::points::{all_patches, naming_point, of_brake};
 use super::reduced_set::{Part, ReducedSet};
 use super::set_basis;
+use super::together::Together;
 use super::training::{Closed, arrangements, rectangle, training};
 use super::whole_modes::{held_out, modes_at_medians};
 use crate::Error;
@@ -115,6 +116,7 @@ pub(super) fn all_bases(
         let of_set: Vec<Trained> = trained.iter().filter(|point| point.set == set).cloned().collect();
         (case.constraints[set].fixed.clone(), (swept.to_vec(), of_set)).bytes()
     };
+    let together = Arc::new(Together::new(pieces.solutions_together(case.dofs.len())));
     progress.begin((case.constraints.len() * set_basis::SOLUTIONS + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for (at, set) in case.constraints.iter().enumerate() {
@@ -125,11 +127,11 @@ pub(super) fn all_bases(
         let basis = |system: &SparseAffineSystem| {
             let make = || {
                 is_kept = false;
-                set_basis::basis(case, system, (swept, &own), progress)
+                set_basis::basis(case, (system, together.count()), (swept, &own), progress)
             };
             pieces.item("set", |to| to.extend(inputs(at)), make)
         };
-        sets.push(ReducedSet::new(case, &set.fixed, basis)?);
+        sets.push(ReducedSet::new(case, &set.fixed, Arc::clone(&together), basis)?);
         if is_kept {
             progress.advance(set_basis::SOLUTIONS as u64);
         }
@@ -161,7 +163,8 @@ pub(super) fn all_bases(
         };
         pieces.item("whole", inputs, || modes_at_medians(case, set, &asked.arrangements[0], first))
     };
-    let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
+    let by_set: Vec<(&ReducedSet, &usize)> = sets.iter().zip(&of_origins).collect();
+    let whole = together.map(by_set, whole)?;
     for (at, ((set, whole), &origin)) in sets.iter_mut().zip(whole).zip(&of_origins).enumerate() {
         set.compared = compared(&whole, parts[origin].first.clone());
         set.modes = whole;

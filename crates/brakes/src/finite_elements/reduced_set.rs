@@ -1,7 +1,7 @@
 //! A finite element brake on its bases: with each set of constraints, and in the arrangements that are studied together.
 
 use std::sync::atomic::AtomicU64;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use linsys::{AffineSystem, DofMap};
 use nalgebra::DMatrix;
@@ -12,6 +12,7 @@ use sparse::SparseAffineSystem;
 use super::divergence::Responses;
 use super::points::at_medians;
 use super::set_basis::{HeldOut, SetBasis};
+use super::together::Together;
 use super::training::{AT_BORDER, rectangle};
 use crate::Error;
 use crate::case::FiniteElementCase;
@@ -29,6 +30,8 @@ pub struct ReducedSet {
     pub(super) leading: usize,
     /// At the medians the brake on the basis has modes that the whole one does not have.
     has_others: bool,
+    /// Number of complete solutions that are made together, and how many of single eigenvalues may begin now.
+    pub(super) together: Arc<Together>,
     /// Combinations of residuals on smaller bases within it.
     combinations: Combinations,
     /// The brake on it, with dashpots in the place of loss factors.
@@ -78,6 +81,7 @@ impl ReducedSet {
     pub(super) fn new(
         case: &FiniteElementCase,
         fixed: &[usize],
+        together: Arc<Together>,
         basis: impl FnOnce(&SparseAffineSystem) -> Result<SetBasis, Error>,
     ) -> Result<Self, Error> {
         let dofs = DofMap::new(case.dofs.len(), fixed)?;
@@ -97,6 +101,7 @@ impl ReducedSet {
             basis,
             leading,
             has_others,
+            together,
             combinations,
             reduced,
             losses,

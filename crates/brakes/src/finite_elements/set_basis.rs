@@ -35,8 +35,6 @@ const FIRST_SOLUTIONS: usize = 9;
 const MOST_SOLUTIONS: usize = 40;
 /// Draws that a basis was not made of and holds, after which it is enough; chosen: bounds of verdicts are told by them.
 const HELD_OUT: usize = 3;
-/// Complete solutions at a time; chosen: each takes the memory of a factorisation.
-const TOGETHER: usize = 2;
 /// Most columns of a basis; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
 /// Complete solutions of the whole brake that the basis of a set takes, roughly: those that make it, with those at draws that are held out and at the medians.
@@ -68,10 +66,11 @@ bits!(HeldOut { drawn, modes });
 bits!(Drawn { closed, at });
 
 /// The basis of a brake on the rows that a set of constraints leaves free, of modes at the medians, at points that were `trained` on and at draws. Points that a
-/// sweep goes through take the place of draws. Each complete solution is an advance of the progress.
+/// sweep goes through take the place of draws. Each complete solution is an advance of the progress; so many are made `together`, on which nothing depends but
+/// how long it takes.
 pub(super) fn basis(
     case: &FiniteElementCase,
-    system: &SparseAffineSystem,
+    (system, together): (&SparseAffineSystem, usize),
     (swept, trained): (&[OperatingPoint], &[OperatingPoint]),
     progress: &dyn Progress,
 ) -> Result<SetBasis, Error> {
@@ -81,8 +80,8 @@ pub(super) fn basis(
     let mut known = vec![at_median];
     known.extend_from_slice(trained);
     // What a basis was made of, until there is one.
-    let mut made_of: Vec<Snapshot> = Vec::new();
-    for points in known.chunks(TOGETHER) {
+    let mut made_of: Vec<Snapshot<'_>> = Vec::new();
+    for points in known.chunks(together) {
         for found in solved(&snapshots, points, progress)? {
             snapshots.add(&found)?;
             made_of.push(found);
@@ -99,13 +98,16 @@ pub(super) fn basis(
     let ([mut floor, _], mut held_out) = (FLOORS, Vec::new());
     let mut basis = None;
     let (mut solutions, mut in_a_row) = (known.len(), 0);
-    for drawn in drawn_once.chunks(TOGETHER) {
+    'draws: for drawn in drawn_once.chunks(together) {
         let points: Vec<OperatingPoint> = drawn.iter().map(|drawn| drawn.at.clone()).collect();
         for (drawn, found) in drawn.iter().zip(solved(&snapshots, &points, progress)?) {
-            let is_held = basis.as_ref().is_some_and(|(basis, _)| found.error(basis) <= WANTED_ERROR);
-            if is_held || solutions >= MOST_SOLUTIONS {
+            let error = basis.as_ref().map(|(basis, _)| found.error(basis)).transpose()?;
+            if error.is_some_and(|error| error <= WANTED_ERROR) || solutions >= MOST_SOLUTIONS {
                 held_out.push(HeldOut { drawn: drawn.clone(), modes: found.lambdas() });
                 in_a_row += 1;
+                if in_a_row == HELD_OUT {
+                    break 'draws;
+                }
                 continue;
             }
             in_a_row = 0;
@@ -117,9 +119,6 @@ pub(super) fn basis(
             }
             made_of.clear();
             basis = Some(holding(&snapshots, &[found], &mut floor)?);
-        }
-        if in_a_row >= HELD_OUT {
-            break;
         }
     }
     let (basis, values) = match basis {
@@ -133,11 +132,11 @@ pub(super) fn basis(
 }
 
 /// A basis that holds some of the modes that it is made of, with its singular values, down to a floor that is lowered until it does or cannot be lowered.
-fn holding(snapshots: &Snapshots<'_>, of: &[Snapshot], floor: &mut f64) -> Result<Directions, ReductionError> {
+fn holding(snapshots: &Snapshots<'_>, of: &[Snapshot<'_>], floor: &mut f64) -> Result<Directions, ReductionError> {
     loop {
         let basis = snapshots.basis(*floor, MOST_COLUMNS)?;
-        let is_held = of.iter().all(|found| found.error(&basis.0) <= WANTED_ERROR);
-        if is_held || *floor <= FLOORS[1] || basis.0.ncols() >= MOST_COLUMNS {
+        let errors = of.iter().map(|found| found.error(&basis.0)).collect::<Result<Vec<f64>, _>>()?;
+        if errors.iter().all(|&error| error <= WANTED_ERROR) || *floor <= FLOORS[1] || basis.0.ncols() >= MOST_COLUMNS {
             return Ok(basis);
         }
         *floor *= 0.1;
@@ -149,7 +148,7 @@ fn holding(snapshots: &Snapshots<'_>, of: &[Snapshot], floor: &mut f64) -> Resul
 fn without_others(
     (system, at): (&SparseAffineSystem, &OperatingPoint),
     snapshots: &Snapshots<'_>,
-    whole: &Snapshot,
+    whole: &Snapshot<'_>,
     given: Directions,
 ) -> Result<(Directions, bool), Error> {
     let has_others = |basis: &DMatrix<f64>| -> Result<bool, Error> {
@@ -169,7 +168,7 @@ fn without_others(
     while floor > FLOORS[1] {
         let other = snapshots.basis(floor, MOST_COLUMNS)?;
         let is_new = std::mem::replace(&mut tried, other.0.ncols()) != other.0.ncols();
-        if is_new && whole.error(&other.0) <= WANTED_ERROR && !has_others(&other.0)? {
+        if is_new && whole.error(&other.0)? <= WANTED_ERROR && !has_others(&other.0)? {
             return Ok((other, false));
         }
         floor *= FINER;
@@ -178,11 +177,11 @@ fn without_others(
 }
 
 /// All modes of the whole brake at some points.
-fn solved(
-    snapshots: &Snapshots<'_>,
+fn solved<'a>(
+    snapshots: &Snapshots<'a>,
     points: &[OperatingPoint],
     progress: &dyn Progress,
-) -> Result<Vec<Snapshot>, Error> {
+) -> Result<Vec<Snapshot<'a>>, Error> {
     let one = |point: &OperatingPoint| {
         progress.go_on()?;
         let found = snapshots.at(point)?;

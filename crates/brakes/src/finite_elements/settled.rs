@@ -36,7 +36,8 @@ pub(super) fn settle(
         .iter()
         .map(|&index| {
             let BandMode { lambda, shape, bound, .. } = &modes[index];
-            let found = whole::next_to(&system, *lambda, &part.reduced.lift(shape)).ok();
+            let shape = part.reduced.lift(shape);
+            let found = set.together.one(|| whole::next_to(&system, *lambda, &shape)).ok();
             found.filter(|found| (found.lambda - lambda).norm() <= SAME_MODE * bound)
         })
         .collect();

@@ -97,7 +97,7 @@ impl CheckArgs {
         let is_reduced = brake.finite_elements().is_some();
         let (mut lines, of_bases) = match brake.finite_elements() {
             Some(brake) => {
-                let cost = brake.cost_of_bases();
+                let cost = brake.cost_of_bases(self.memory.budget());
                 // Of a prepared brake each shard reads them.
                 let is_prepared = self.case.prepared.prepared.is_some();
                 (reduction(brake), (cost.bytes, if is_prepared { 0.0 } else { cost.seconds_on_all_cores() }))
