@@ -1,6 +1,6 @@
 #!/bin/sh
 # Remakes the mesh of a case, FOLDER/NAME.inp, and by CalculiX the exported matrices beside it: sh cases/make.sh cases/disc-pad
-# A finer one of two-pads, each brick divided into 3 x 3 x 3, with its case file in a folder of its own: sh cases/make.sh cases/two-pads 3 OUT
+# A finer one, each brick divided into 3 x 3 x 3, with its case file in a folder of its own: sh cases/make.sh cases/disc-pad 3 OUT
 # Needs python3 and ccx (Debian: apt-get install calculix-ccx).
 set -eu
 here=$(cd "$1" && pwd)

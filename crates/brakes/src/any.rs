@@ -145,7 +145,9 @@ impl<B: CaseBrake<Sample: 'static>> CaseBrake for Erased<B> {
 pub enum Purpose<'a> {
     /// A study or influence: a reduced brake is checked against the full model.
     Study,
-    /// Analysis of one point, or the cost of a study: a reduced brake is not checked.
+    /// The whole brake at one point, the first scene at its medians: of a reduced one no more is made than tells what diverges.
+    Point,
+    /// Analysis of one point by a reduced brake, or the cost of a study: a reduced brake is not checked.
     Analysis,
     /// A sweep: the reduced brake of the first scene holds the modes over these ranges.
     Sweep(&'a [Over]),
@@ -153,14 +155,14 @@ pub enum Purpose<'a> {
     Screen,
 }
 
-/// Memory and processor time of making the brake of a case in a memory of `budget` bytes, roughly, before anything of it is made; `None` where that is nothing beside
+/// Memory and processor time of making the brake of a case for a purpose in a memory of `budget` bytes, roughly, before anything of it is made; `None` where that is nothing beside
 /// preparing its study ([`Cost::of`]).
 #[must_use]
-pub fn cost_of_making(case: &CaseFile, budget: u64) -> Option<Cost> {
+pub fn cost_of_making(case: &CaseFile, purpose: Purpose<'_>, budget: u64) -> Option<Cost> {
     match case {
         CaseFile::Lattice(case) => Some(LatticeBrake::least_cost(case)),
         CaseFile::Matrices(_) => None,
-        CaseFile::FiniteElements(case) => Some(FiniteElementBrake::expected_cost(case, budget)),
+        CaseFile::FiniteElements(case) => Some(FiniteElementBrake::expected_cost(case, purpose, budget)),
     }
 }
 

@@ -42,7 +42,7 @@ pub use any::{AnyBrake, CaseBrake, Purpose, cost_of_making, make, make_prepared}
 pub use case;
 pub use error::Error;
 pub use finite_elements::{
-    BESIDE, Bases, Diverging, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, at_medians, check_motion,
+    Bases, Diverging, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, at_medians, check_motion,
     frictionless, loads_at_medians,
 };
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};

@@ -51,6 +51,7 @@ impl PrepareArgs {
         for (case, purpose) in [
             (case.clone(), Purpose::Study),
             (case.clone(), Purpose::Screen),
+            (first(ChosenSpeed::Median)?, Purpose::Point),
             (first(ChosenSpeed::Median)?, Purpose::Analysis),
             (first(ChosenSpeed::Range(None))?, Purpose::Study),
         ] {

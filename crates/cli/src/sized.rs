@@ -8,7 +8,7 @@ use output::{bytes_in_words, in_words};
 use squeal::study::{Cost, UncertainBrake as _};
 use squeal::workers;
 
-use super::options::MachineArgs;
+use super::options::{MachineArgs, MemoryArgs};
 use super::prepared::{PreparedArgs, in_words as where_prepared};
 use crate::Error;
 use crate::bar::Bar;
@@ -40,6 +40,13 @@ pub(super) fn trusted(brake: &AnyBrake, case: &Path) -> Result<(), Error> {
     if is_unknown { Err(Error::NotTheWholeBrake { path: case.to_owned() }) } else { Ok(()) }
 }
 
+/// Memory and processor time of making a brake, roughly, where these are known before and the memory is there.
+pub(super) fn fitting(case: &CaseFile, purpose: Purpose<'_>, memory: MemoryArgs) -> Result<Option<Cost>, Error> {
+    let cost = brakes::cost_of_making(case, purpose, memory.budget());
+    cost.iter().try_for_each(|cost| cost.check(&case.header().source(), memory.budget()))?;
+    Ok(cost)
+}
+
 /// The brake of a case, of pieces that are read where they are kept. Its size is counted before anything of it is made, and again after.
 pub(super) fn of_pieces(
     case: CaseFile,
@@ -47,8 +54,7 @@ pub(super) fn of_pieces(
     MachineArgs { memory, threads }: MachineArgs,
     prepared: &Prepared,
 ) -> Result<AnyBrake, Error> {
-    if let Some(cost) = brakes::cost_of_making(&case, memory.budget()) {
-        cost.check(&case.header().source(), memory.budget())?;
+    if let Some(cost) = fitting(&case, purpose, memory)? {
         let is_begun = || if let CaseFile::FiniteElements(case) = &case { prepared.is_begun(case) } else { true };
         if cost.seconds > ANNOUNCED && !is_begun() {
             let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));

@@ -173,7 +173,7 @@ impl Source {
         watch: &Arc<Watch>,
     ) -> Result<AnyBrake, Error> {
         let budget = memory::of_machine();
-        if let Some(cost) = brakes::cost_of_making(&self.case, budget) {
+        if let Some(cost) = brakes::cost_of_making(&self.case, purpose, budget) {
             cost.check(&self.case.header().source(), budget)?;
         }
         let Self { case, computed, design } = self;

@@ -162,9 +162,9 @@ pub(crate) fn estimate(py: Python<'_>, brake: &Brake) -> PyResult<(f64, f64, f64
 pub(crate) fn cea(py: Python<'_>, brake: &Brake, why: bool, json: bool) -> PyResult<String> {
     let source = brake.source.clone();
     away(py, Ends::LeftBehind, None, move |watch| {
-        let brake = source.brake(Purpose::Analysis, None, watch)?;
         let (scene, memory) = (SceneArgs::default(), MemoryArgs::default());
-        CeaArgs { case: CaseArgs::default(), scene, modes: json, why, json, memory }.analysis(&brake)
+        let args = CeaArgs { case: CaseArgs::default(), scene, modes: json, why, json, memory };
+        args.analysis(&source.brake(args.purpose(), None, watch)?)
     })
 }
 

@@ -17,6 +17,8 @@ pub struct Cost {
     pub scenes: usize,
     /// Memory, bytes.
     pub bytes: f64,
+    /// Part of it that complete solutions of the brake take, whatever is studied.
+    pub bytes_of_solutions: f64,
     /// Processor time of reference modes and anchors, s.
     pub seconds: f64,
 }
@@ -68,7 +70,7 @@ impl Cost {
         let by_thread = BYTES_BY_THREAD + BYTES_BY_SAMPLE * samples_together(samples) as f64;
         let entry = BYTES_BY_SCENE * count + BYTES_BY_CONFIGURATION * configurations + by_thread * threads();
         let seconds = SECONDS_BY_SCENE * count * size.powi(3);
-        Self { order, relaxing: 0, scenes, bytes: BYTES_ALWAYS + entry * size * size, seconds }
+        Self { order, relaxing: 0, scenes, bytes: BYTES_ALWAYS + entry * size * size, bytes_of_solutions: 0.0, seconds }
     }
 
     /// The cost of a plan.
@@ -93,7 +95,7 @@ impl Cost {
         let bytes = |&columns: &usize| (8 * order * columns) as f64 + BYTES_BY_BASIS * (columns as f64).powi(2);
         let seconds = |&columns: &usize| SECONDS_BY_BASIS * (columns as f64).powi(3);
         let (bytes, seconds) = (columns.iter().map(bytes).sum(), columns.iter().map(seconds).sum());
-        Self { order, relaxing: 0, scenes: 0, bytes, seconds }
+        Self { order, relaxing: 0, scenes: 0, bytes, bytes_of_solutions: 0.0, seconds }
     }
 
     /// The cost of some complete solutions of the whole brake beside it: its modes in a band, as many at a time as a `budget` of bytes allows.
@@ -101,8 +103,9 @@ impl Cost {
     pub fn with_solutions(self, count: usize, budget: u64) -> Self {
         let together = solutions_together(self.order, budget).min(count) as f64;
         let seconds = SECONDS_OF_LARGE * (self.order as f64 / LARGE).powf(1.65);
-        let bytes = self.bytes + together * bytes_of_solution(self.order);
-        Self { bytes, seconds: self.seconds + count as f64 * seconds, ..self }
+        let bytes_of_solutions = together * bytes_of_solution(self.order);
+        let bytes = self.bytes + bytes_of_solutions;
+        Self { bytes, bytes_of_solutions, seconds: self.seconds + count as f64 * seconds, ..self }
     }
 
     /// The cost of some spectra of a dense brake of an order beside it.
@@ -122,16 +125,18 @@ impl Cost {
     /// # Errors
     /// [`Error::TooLarge`].
     pub fn check(&self, study: &str, budget: u64) -> Result<(), Error> {
-        let Self { order, relaxing, scenes, bytes, .. } = *self;
+        let Self { order, relaxing, scenes, bytes, bytes_of_solutions, .. } = *self;
         let states =
             if relaxing > 0 { format!(" and {relaxing} internal states of what relaxes") } else { String::new() };
         let what = match scenes {
             0 => format!("{study}: bases for {order} degrees of freedom"),
             _ => format!("{study}: {scenes} scenes of {order} degrees of freedom{states}"),
         };
-        let share = (budget as f64 - BYTES_ALWAYS).max(0.0) / (bytes - BYTES_ALWAYS);
+        let fixed = BYTES_ALWAYS + bytes_of_solutions;
+        let share = (budget as f64 - fixed).max(0.0) / (bytes - fixed);
         let fits = || match scenes {
-            0 => format!("{:.0} % of its arrangements", (100.0 * share).floor()),
+            0 if share > 0.01 => format!("{:.0} % of its arrangements", (100.0 * share).floor()),
+            0 => format!("a mesh with {:.0} degrees of freedom", order_of(PART_OF_SOLUTIONS * budget as f64).floor()),
             _ => format!(
                 "{:.0} degrees of freedom with as many scenes, or fewer arrangements, laws, speed ranges or constraint sets",
                 (order as f64 * share.sqrt()).floor()
@@ -144,6 +149,11 @@ impl Cost {
 /// Memory of a complete solution of a brake of an order, bytes, roughly.
 fn bytes_of_solution(order: usize) -> f64 {
     BYTES_OF_LARGE * (order as f64 / LARGE).powf(1.45)
+}
+
+/// Order of a brake of which a complete solution takes so many bytes, roughly.
+fn order_of(bytes: f64) -> f64 {
+    LARGE * (bytes / BYTES_OF_LARGE).powf(1.0 / 1.45)
 }
 
 /// Number of complete solutions of a brake of an order that are under way together: one for each thread, and fewer where their memory is more than a part of a
@@ -192,6 +202,16 @@ mod tests {
         let cost = |count, budget| Cost::of_bases(100_000, &[100]).with_solutions(count, budget);
         let (none, one, more) = (cost(0, u64::MAX), cost(1, u64::MAX), cost(40, 8_000_000_000));
         assert!(none.bytes < one.bytes && one.bytes == more.bytes && one.seconds < more.seconds);
+        let refused = |budget| {
+            let cost = Cost::of_bases(100_000, &[100; 20]).with_solutions(40, budget);
+            cost.check("disc.toml", budget).unwrap_err().to_string()
+        };
+        // What fits does not take more than there is.
+        let half = refused((bytes_of_solution(100_000) + 0.9e9) as u64);
+        assert!(half.contains("50 % of its arrangements") || half.contains("49 % of its arrangements"), "{half}");
+        let coarser = refused(1_000_000_000);
+        let order: f64 = coarser.split("a mesh with ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!(bytes_of_solution(order as usize) < 1e9 && order > 20_000.0, "{coarser}");
     }
 
     #[test]

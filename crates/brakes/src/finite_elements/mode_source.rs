@@ -75,7 +75,7 @@ impl FiniteElementBrake {
     }
 
     /// Flags of eigenvalues at an operating point of the whole brake, rad/s, that are on the imaginary axis because nothing damps the brake.
-    fn on_axis(&self, scene: &Scene, at: &OperatingPoint, lambdas: &[Complex<f64>]) -> Vec<bool> {
+    pub(super) fn on_axis(&self, scene: &Scene, at: &OperatingPoint, lambdas: &[Complex<f64>]) -> Vec<bool> {
         if !on_axis::is_undamped(&self.case.system, at) {
             return vec![false; lambdas.len()];
         }

@@ -12,7 +12,7 @@ use crate::case::FiniteElementCase;
 const ALONG_ONE: usize = 17;
 const ALONG_EACH: usize = 6;
 
-/// A grid over the ranges, each extended to the median from which names are followed, in the first scene of a case.
+/// A grid over the ranges, each extended to the median from which names are followed, in the first scene of a case; the medians alone where nothing is swept.
 ///
 /// # Errors
 /// A parameter that the scene does not have, a range that is none, values without an operating point.

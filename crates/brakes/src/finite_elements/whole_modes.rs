@@ -1,9 +1,13 @@
 //! Modes of the whole brake, and how far those of a reduced one are from them.
 
+use cea::{ROUNDED_DATA, frequency_hz};
+use linsys::OperatingPoint;
 use num_complex::Complex;
 use reduction::{compared, grows_too_fast, largest_residual};
-use sparse::{Rectangle, SparseSecondOrder, eigenpairs_in};
+use sparse::{Eigenpair, Rectangle, SparseSecondOrder, eigenpairs_in};
+use study::{BandMode, ModeResidual, Scene};
 
+use super::FiniteElementBrake;
 use super::points::{naming_point, of_brake};
 use super::reduced_set::{Part, ReducedSet};
 use super::set_basis::HeldOut;
@@ -14,7 +18,7 @@ use crate::case::FiniteElementCase;
 /// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
 const BEYOND: f64 = 1.5;
 /// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
-pub const BESIDE: f64 = 1.05;
+const BESIDE: f64 = 1.05;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
 const NEXT_TO_AXIS: f64 = 0.02;
 
@@ -24,7 +28,7 @@ pub(super) fn whole_modes(
     system: &SparseSecondOrder,
     reduced: &[Complex<f64>],
 ) -> Result<Vec<Complex<f64>>, Error> {
-    modes_in(system, rectangle(case), reduced)
+    Ok(lambdas(pairs_in(system, rectangle(case), reduced)?))
 }
 
 /// Modes of a whole brake as by [`whole_modes`], with those that are next to the band.
@@ -33,20 +37,59 @@ pub(super) fn modes_beside(
     system: &SparseSecondOrder,
     reduced: &[Complex<f64>],
 ) -> Result<Vec<Complex<f64>>, Error> {
-    let rectangle = rectangle(case);
-    let [low, high] = rectangle.im;
-    modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
+    Ok(lambdas(pairs_in(system, with_beside(rectangle(case)), reduced)?))
 }
 
-fn modes_in(
+/// A rectangle with what is next to it in frequency.
+fn with_beside(rectangle: Rectangle) -> Rectangle {
+    let [low, high] = rectangle.im;
+    Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }
+}
+
+fn lambdas(pairs: Vec<Eigenpair>) -> Vec<Complex<f64>> {
+    pairs.into_iter().map(|pair| pair.lambda).collect()
+}
+
+/// All modes in a rectangle, and to the right of it up to what a reduced brake has there at least, but those that grow faster than they oscillate.
+fn pairs_in(
     system: &SparseSecondOrder,
     mut rectangle: Rectangle,
     reduced: &[Complex<f64>],
-) -> Result<Vec<Complex<f64>>, Error> {
+) -> Result<Vec<Eigenpair>, Error> {
     let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
     rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
-    let found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?;
-    Ok(found.pairs.into_iter().map(|pair| pair.lambda).filter(|&lambda| !grows_too_fast(lambda)).collect())
+    let mut found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?.pairs;
+    found.retain(|pair| !grows_too_fast(pair.lambda));
+    Ok(found)
+}
+
+impl FiniteElementBrake {
+    /// Modes of the whole brake in a scene at an operating point of it, where the case wants them, by ascending frequency; shapes are over its free rows. With them the
+    /// frequencies, Hz, of others that surely grow next to the band.
+    ///
+    /// # Errors
+    /// A point that the brake refuses, what [`eigenpairs_in`] refuses.
+    pub fn whole_modes(&self, scene: &Scene, at: &OperatingPoint) -> Result<(Vec<BandMode>, Vec<f64>), Error> {
+        let (part, wanted) = (self.part(scene), rectangle(&self.case));
+        let system = self.sets[part.set].system.assemble(at)?;
+        let pairs = pairs_in(&system, with_beside(wanted), &part.reduced.modes(at)?.lambdas)?;
+        let is_wanted = |pair: &Eigenpair| wanted.contains_to_the_right(pair.lambda, 0.0);
+        let (mut pairs, beside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(is_wanted);
+        pairs.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        let on_axis = self.on_axis(scene, at, &pairs.iter().map(|pair| pair.lambda).collect::<Vec<_>>());
+        let mode = |(pair, is_on_axis): (Eigenpair, bool)| BandMode {
+            lambda: pair.lambda,
+            shape: pair.right,
+            bound: ROUNDED_DATA * pair.bound,
+            is_on_axis,
+            residual: Some(ModeResidual { value: pair.backward_error, is_above: false }),
+        };
+        let grows = |pair: &&Eigenpair| self.plan.threshold.margin(pair.lambda) > ROUNDED_DATA * pair.bound;
+        let mut beside: Vec<f64> = beside.iter().filter(grows).map(|pair| frequency_hz(pair.lambda)).collect();
+        beside.retain(|hz| !(wanted.im[0]..=wanted.im[1]).contains(&(std::f64::consts::TAU * hz)));
+        beside.sort_by(f64::total_cmp);
+        Ok((pairs.into_iter().zip(on_axis).map(mode).collect(), beside))
+    }
 }
 
 /// The modes of the whole brake at the point where those of a part were found first.

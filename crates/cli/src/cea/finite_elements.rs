@@ -1,15 +1,15 @@
-//! Modes of a reduced finite element brake, with their residuals in the whole one.
+//! Modes of a finite element brake: of the whole one, and where shapes or reasons are asked for of a reduced one with their residuals in the whole one.
 
 use brakes::case::FiniteElementCase;
-use brakes::{BESIDE, CaseBrake, FiniteElementBrake};
-use cea::{EigenSolver, Mode, QrSolver, Spectrum, Workspace, damping_ratio, frequency_hz};
+use brakes::{CaseBrake, FiniteElementBrake, Purpose};
+use cea::{EigenSolver, Mode, QrSolver, Workspace, damping_ratio, frequency_hz};
 use linsys::OperatingPoint;
 use nalgebra::DVectorView;
 use num_complex::Complex;
 use output::hertz;
 use reduction::ReducedModes;
 use serde_json::{Value, json};
-use squeal::study::{ModeSource, Scene, UncertainBrake, mode_work};
+use squeal::study::{Scene, UncertainBrake, mode_work};
 use work::ModeWork;
 
 use super::CeaArgs;
@@ -19,21 +19,21 @@ use crate::Error;
 use crate::reasons::{Whys, is_of, reasons, whys};
 
 impl CeaArgs {
-    /// The modes of a reduced finite element brake at median parameters, each with its residual in the whole one.
+    /// The modes of a finite element brake at median parameters, each with its residual in the whole one.
     pub(super) fn finite_elements(&self, brake: &FiniteElementBrake, heading: &str) -> Result<String, Error> {
         let scene = &brake.plan.scenes[0];
         let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
         let full = brake.full_point(scene, &at);
         let modes = reduced.modes(&full)?;
-        let judged = brake.judged(scene, &full, &modes)?;
-        let rows = judged.iter().map(|mode| &mode.lambda).zip(&modes.residuals);
+        let (whole, beside) = brake.whole_modes(scene, &full)?;
+        let judged = if self.purpose() == Purpose::Point { whole } else { brake.judged(scene, &full, &modes)? };
+        let rows = judged.iter().map(|mode| (&mode.lambda, mode.residual.map_or(0.0, |residual| residual.value)));
         let threshold = &brake.plan.threshold;
         let verdict =
             |place: usize| verdict_in_words(judged[place].verdict(threshold), judged[place].lambda, threshold);
         let whys = if self.why { whys(brake, scene, Some(&modes.lambdas))? } else { Whys::default() };
         let shapes = if self.modes { on_rows(brake, scene, &at, &modes)? } else { Vec::new() };
         let spectrum = QrSolver.eigenvalues(&reduced.system().assemble(&full)?, &mut Workspace::default())?;
-        let beside = growing_beside(brake, scene, &spectrum);
         let diverging = brake.diverging(scene, &full, &spectrum)?;
         if self.json {
             let list: Vec<Value> = rows
@@ -95,8 +95,8 @@ impl CeaArgs {
             }
         }
         let [_, fastest] = brake.case.reduction.growth;
-        for lambda in modes.lambdas.iter().filter(|lambda| lambda.re > fastest) {
-            let hz = hertz(frequency_hz(*lambda));
+        for lambda in judged.iter().map(|mode| mode.lambda).filter(|lambda| lambda.re > fastest) {
+            let hz = hertz(frequency_hz(lambda));
             text += &format!(
                 "\n{hz} Hz grows faster than reduction.growth = {fastest}: its residual says what it is worth\n"
             );
@@ -113,18 +113,6 @@ impl CeaArgs {
                 rank.map_or_else(String::new, |place| format!(" {}", place + 1))
             }))
     }
-}
-
-/// The frequencies, Hz, of modes of the spectrum of a reduced system in a scene that surely grow, next to the band of its brake.
-fn growing_beside(brake: &FiniteElementBrake, scene: &Scene, reduced: &Spectrum) -> Vec<f64> {
-    let [low, high] = brake.case.reduction.frequencies;
-    let is_beside = |hz: f64| (low / BESIDE..low).contains(&hz) || hz > high && hz <= high * BESIDE;
-    let error = brake.relative_error(scene);
-    let grows = |lambda: &Complex<f64>| brake.plan.threshold.margin(*lambda) > error * lambda.norm();
-    let growing = reduced.eigenvalues.iter().copied().filter(grows);
-    let mut beside: Vec<f64> = growing.map(frequency_hz).filter(|&hz| is_beside(hz)).collect();
-    beside.sort_by(f64::total_cmp);
-    beside
 }
 
 /// The shapes of the modes of a reduced brake over the rows of the matrices of its case, 0 where held, and their work: the shapes have

@@ -50,9 +50,16 @@ impl CeaArgs {
     /// Faults of the case or of an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
-        let brake = sized::brake(case, Purpose::Analysis, self.memory.into(), &self.case.prepared)?;
+        let brake = sized::brake(case, self.purpose(), self.memory.into(), &self.case.prepared)?;
         out.write_all(self.analysis(&brake)?.as_bytes()).map_err(Error::StandardOutput)?;
-        sized::trusted(&brake, &self.case.case)
+        // Eigenvalues of the whole brake are, whatever is known of a reduced one.
+        if self.purpose() == Purpose::Point { Ok(()) } else { sized::trusted(&brake, &self.case.case) }
+    }
+
+    /// The purpose of a brake: shapes, work and reasons are those of a reduced one.
+    #[must_use]
+    pub fn purpose(&self) -> Purpose<'static> {
+        if self.modes || self.why { Purpose::Analysis } else { Purpose::Point }
     }
 
     /// The analysis of the first scene of a brake, which need not be one of a case file, at its medians.

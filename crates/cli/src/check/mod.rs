@@ -73,6 +73,7 @@ impl CheckArgs {
                 return Err(Error::Option { option: "--out", value, allowed });
             }
         }
+        sized::fitting(&case, Purpose::Analysis, self.memory)?;
         let model = if let CaseFile::FiniteElements(case) = &case { self.model(case)? } else { Lines::default() };
         if !self.json {
             out.write_all(model.text().as_bytes()).map_err(Error::StandardOutput)?;

@@ -59,6 +59,18 @@ fn what_is_prepared_is_read_by_every_command_with_the_same_bytes() {
         let (_, words) = said(&asked(command, &case, &["--no-cache", "--prepared", file.to_str().unwrap()]));
         assert!(words.contains("brake.prepared") && !words.contains("made"), "{command}: {words}");
     }
+    // Modes of the whole brake, and of the reduced one where their shapes are asked for.
+    let [whole, reduced] = [&["--json"][..], &["--json", "--modes"]].map(|options| {
+        let found: serde_json::Value = serde_json::from_slice(&asked("cea", &case, options).stdout).unwrap();
+        let number = |mode: &serde_json::Value, key: &str| mode[key].as_f64().unwrap();
+        let of = |mode: &serde_json::Value| ["re", "im", "residual"].map(|key| number(mode, key));
+        found["modes"].as_array().unwrap().iter().map(of).collect::<Vec<_>>()
+    });
+    assert!(whole.len() == reduced.len() && whole.len() > 1, "{whole:?} {reduced:?}");
+    for ([re, im, residual], [of_reduced, frequency, larger]) in whole.into_iter().zip(reduced) {
+        assert!((re - of_reduced).hypot(im - frequency) < 1e-6 * im, "{re} {im} {of_reduced} {frequency}");
+        assert!(residual < 1e-14 && residual < larger, "{residual:e} {larger:e}");
+    }
     run(&case, &out("cached"), &[]);
     run(&case, &out("given"), &["--no-cache", "--prepared", file.to_str().unwrap()]);
     let without = results(&out("without"));
