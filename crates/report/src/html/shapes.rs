@@ -96,7 +96,7 @@ pub(super) fn moving<'m>(
     Ok(json!({ "geometry": geometry.json(), "groups": groups, "shapes": shapes, "left_out": left_out }))
 }
 
-/// How many modes or cycles a page has no room for, in words; `None` where it has some for all.
+/// Sentence on the number of modes or cycles that a page has no room for; `None` where it has room for all.
 fn without_room(number: usize, one: &str, more: &str) -> Option<String> {
     let what = match number {
         0 => return None,

@@ -19,7 +19,7 @@ pub(crate) use drawn::{Following, displacements, loudest, motions};
 use growing::{GrowingMode, growing_modes};
 pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
-pub(crate) use stopped::when_cancelled;
+pub(crate) use stopped::{UntilStopped, when_cancelled};
 
 use cycle::{
     Balance, ContactMoment, ContactSystem, Cycle, Harmonics, Measures, Motion, Settings, follow_telling, harmonics,

@@ -7,7 +7,11 @@ use std::time::Duration;
 
 use montecarlo::Progress;
 
+use super::Following;
 use crate::Error;
+
+/// Settings by which motions are followed, with a flag that ends them soon after it is set.
+pub(crate) type UntilStopped = (Following, Arc<AtomicBool>);
 
 /// Time between two looks whether work is cancelled; chosen: no one notices so short a time.
 const LOOK: Duration = Duration::from_millis(100);

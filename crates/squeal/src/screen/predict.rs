@@ -1,7 +1,6 @@
 //! Prediction of the effect of changes, by a few draws in a few scenes: changes are ranked by it.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, real_count, verdicts_beyond};
 use cycle::ContactSystem;
@@ -16,10 +15,7 @@ use super::change::{Change, ChangedBrake};
 use super::confirm::QUANTILE;
 use super::modified::{inverse, modifiable_of};
 use crate::Error;
-use crate::cycles::{Following, drawn_contacts_of, loudest, motions};
-
-/// Settings by which motions are followed, with a flag that ends them soon after it is set.
-pub(super) type UntilStopped = (Following, Arc<AtomicBool>);
+use crate::cycles::{Following, UntilStopped, drawn_contacts_of, loudest, motions};
 
 /// Number of arrangements of a panel that are analysed; chosen: the prediction only ranks.
 const ARRANGEMENTS_PER_PANEL: usize = 2;

@@ -16,12 +16,12 @@ use super::criterion::Criterion;
 use super::growing::growing_modes;
 use super::joined::divergence_doubt_of;
 use super::modified::{ChangeSet, Modified};
-use super::predict::{Prediction, Probes, UntilStopped};
+use super::predict::{Prediction, Probes};
 use super::screened::{Screen, ScreenedSet};
 use super::search::{KindRanking, Ranked, combinations, search};
 use super::sounded::Sounded;
 use crate::Error;
-use crate::cycles::{CycleOptions, Following, when_cancelled};
+use crate::cycles::{CycleOptions, Following, UntilStopped, when_cancelled};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 5;

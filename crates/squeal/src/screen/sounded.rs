@@ -7,9 +7,8 @@ use num_complex::Complex;
 use study::{Outcome, Scratch, Study, UncertainBrake};
 
 use super::modified::Modified;
-use super::predict::UntilStopped;
 use crate::Error;
-use crate::cycles::{drawn_contacts_of, loudest, motions};
+use crate::cycles::{UntilStopped, drawn_contacts_of, loudest, motions};
 
 /// A study of a changed brake whose outcomes have the loudness of the loudest motion, m/s: 0 where nothing is unstable, infinite where a motion cannot be
 /// followed; `None` where it is not asked for.
