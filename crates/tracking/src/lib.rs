@@ -25,7 +25,10 @@
 //! | `coalescence` | continuation of a pair |
 //! | `subdivision` | adaptive subdivision |
 //! | `branch` | branches over one real parameter: [`link`], [`follow_branch`] of any [`Branches`] |
-//! | `onset` | where branches cross the imaginary axis: [`find_onsets`] |
+//! | `onset_search` | where branches cross the imaginary axis: [`find_onsets`] |
+//! | `sample_point` | what is known of the modes at a position of a path |
+//! | `kept_spectra` | spectra over a parameter, each computed once |
+//! | `tuning` | chosen numbers of single-mode continuation |
 //! | `locus` | the root locus: [`root_locus`] |
 //! | `family` | onsets and root locus of any function that makes a system from a number: [`onsets`], [`branches`] |
 //!

@@ -88,15 +88,15 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
              which no count sees (docs/large-problems.md)"
         ));
     }
-    if let Some(most) = args.rightmost {
+    if args.rightmost.is_some() {
         found.pairs.sort_by(|a, b| b.lambda.re.total_cmp(&a.lambda.re).then(b.lambda.im.total_cmp(&a.lambda.im)));
-        found.pairs.truncate(most as usize);
     }
+    let listed = args.rightmost.map_or(found.pairs.len(), |most| found.pairs.len().min(most as usize));
     Ok(if args.json {
         let rows = if args.vectors { rows_json(labels.as_deref()) } else { String::new() };
-        json(&found, rectangle, args.vectors, &(taken_json(&files, &held) + &rows))
+        json((&found, listed), rectangle, args.vectors, &(taken_json(&files, &held) + &rows))
     } else {
-        table(&found, args.vectors) + &taken(&files, &held)
+        table((&found, listed), args.vectors) + &taken(&files, &held)
     })
 }
 
@@ -157,7 +157,8 @@ fn announce(order: usize) {
     }
 }
 
-fn json(found: &Found, rectangle: &Rectangle, vectors: bool, first: &str) -> String {
+/// The result as JSON, of its eigenvalues the first `listed`; `before` are further fields with a comma after each.
+fn json((found, listed): (&Found, usize), rectangle: &Rectangle, vectors: bool, before: &str) -> String {
     let eigenvalue = |pair: &Eigenpair| {
         let shapes = if vectors { vectors_json(&pair.right, &pair.left) } else { String::new() };
         let errors = [pair.backward_error, pair.condition, pair.bound];
@@ -193,10 +194,10 @@ fn json(found: &Found, rectangle: &Rectangle, vectors: bool, first: &str) -> Str
         Count::Unclear => "null".to_owned(),
     };
     format!(
-        "{{\n  \"route\": \"{}\",\n{first}  \"eigenvalues\": [{}],\n  \"coverage\": {{\n    \"re\": {}, \"im\": {},\n    \
+        "{{\n  \"route\": \"{}\",\n{before}  \"eigenvalues\": [{}],\n  \"coverage\": {{\n    \"re\": {}, \"im\": {},\n    \
          \"count\": {count},\n    \"discs\": [{discs}],\n    \"factorisations\": {}, \"solves\": {}\n  }}\n}}\n",
         if found.is_certified { "certified" } else { "sparse" },
-        list(&found.pairs, eigenvalue),
+        list(&found.pairs[..listed], eigenvalue),
         side(rectangle.re),
         side(rectangle.im),
         found.counters.factorisations,
@@ -204,9 +205,10 @@ fn json(found: &Found, rectangle: &Rectangle, vectors: bool, first: &str) -> Str
     )
 }
 
-fn table(found: &Found, vectors: bool) -> String {
+/// The result as text, of its eigenvalues the first `listed`; counts are of all.
+fn table((found, listed): (&Found, usize), vectors: bool) -> String {
     let mut text = heading();
-    for (i, pair) in found.pairs.iter().enumerate() {
+    for (i, pair) in found.pairs[..listed].iter().enumerate() {
         let border = if pair.on_border { ", on the border" } else { "" };
         let said = format!("{}{border}", pair.verdict);
         text += &row(i + 1, pair.lambda, pair.backward_error, pair.condition, &said);
@@ -226,7 +228,7 @@ fn table(found: &Found, vectors: bool) -> String {
                 }
                 several => format!("within {} circles around it", several.len()),
             };
-            format!("counted again by the argument principle, {within}, as listed, from {points} points")
+            format!("counted again by the argument principle, {within}, as many as were found, from {points} points")
         }
         (Count::SecondBlock, _) => format!(
             "not counted again, which above {COUNTED} degrees of freedom takes longer than the search: --count does; a second block of \
@@ -248,8 +250,10 @@ fn table(found: &Found, vectors: bool) -> String {
             found.counters.solves
         )
     };
+    let of_all =
+        if listed < found.pairs.len() { format!("; the {listed} rightmost are listed") } else { String::new() };
     text + &format!(
-        "\n{} eigenvalues in the rectangle: {} unstable, {} stable, {} marginal, {} undecided\n{again}\n{how}\ndamping = -Re lambda / \
+        "\n{} eigenvalues in the rectangle: {} unstable, {} stable, {} marginal, {} undecided{of_all}\n{again}\n{how}\ndamping = -Re lambda / \
          |lambda|; completeness: docs/large-problems.md\n",
         found.pairs.len(),
         count("unstable"),

@@ -95,6 +95,11 @@ fn the_rightmost_come_first_and_vectors_are_added() {
     // Dampers beside springs: the slowest modes are damped least.
     assert_eq!(lambdas(&few), all[..3]);
     assert_eq!(few["eigenvalues"][0]["left"].as_array().unwrap().len(), 20);
+    // Counts are of all that is there, however many are listed.
+    let text = String::from_utf8(eig(&matrices, &["--box=-1:0,0:250", "--rightmost", "3"]).stdout).unwrap();
+    let counted =
+        "20 eigenvalues in the rectangle: 0 unstable, 20 stable, 0 marginal, 0 undecided; the 3 rightmost are listed\n";
+    assert!(text.contains(counted) && !text.contains("\n   4"), "{text}");
 }
 
 #[test]

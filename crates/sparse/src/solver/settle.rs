@@ -106,7 +106,7 @@ fn conjugate(pair: &Eigenpair) -> Eigenpair {
     Eigenpair { lambda: pair.lambda.conj(), right, left, ..pair.clone() }
 }
 
-/// The only eigenvalue that is not told apart from the real axis is real, and so are its vectors; `None` where that makes it worse.
+/// The only eigenvalue that is not told apart from the real axis is real, and so are its vectors; `None` where the real pair has not converged.
 fn real(problem: &Problem, member: &Polished) -> Option<Eigenpair> {
     let real = |v: &Vector| v.map(|z| Complex::from(z.re));
     let (right, left) = (real(&member.pair.right), real(&member.pair.left));
