@@ -20,7 +20,9 @@ pub struct ModeRange<'a> {
     pub most: (Estimate, &'a Panel),
     /// The mode is unstable, or may be, in some sample.
     pub is_ever_unstable: bool,
-    /// Occurrence in the arrangement where it is largest.
+    /// Occurrence in the arrangement where it is smallest, of all panels.
+    pub smallest: Estimate,
+    /// Occurrence in the arrangement where it is largest, of all panels.
     pub largest: Estimate,
     /// Largest lower and upper limits of its occurrence in any arrangement, 0 to 1.
     pub greatest_limits: [f64; 2],
@@ -32,9 +34,9 @@ impl ModeRange<'_> {
         self.least.0.lower > LIKELY
     }
 
-    /// Number of samples in which the mode is unstable, in words.
+    /// Words for whether the mode is unstable in every sample, whatever the arrangement, or in some.
     pub fn in_words(&self) -> &'static str {
-        match (self.least.0.value >= 1.0, self.largest.value > 0.0) {
+        match (self.smallest.value >= 1.0, self.largest.value > 0.0) {
             (true, _) => "unstable in every sample",
             (false, true) => "unstable in some samples",
             (false, false) => "perhaps unstable in some samples",
@@ -108,6 +110,7 @@ fn mode_ranges<'a>(results: &'a Results, constraints: usize) -> Result<BTreeMap<
                 least: (median, panel),
                 most: (median, panel),
                 is_ever_unstable: false,
+                smallest: Estimate { value: 1.0, lower: 1.0, upper: 1.0 },
                 largest: none,
                 greatest_limits: [0.0; 2],
             };
@@ -125,6 +128,9 @@ fn mode_ranges<'a>(results: &'a Results, constraints: usize) -> Result<BTreeMap<
                 let estimate = occurrence.estimate();
                 let [lower, upper] = range.greatest_limits;
                 range.greatest_limits = [lower.max(estimate.lower), upper.max(estimate.upper)];
+                if order(&estimate) < order(&range.smallest) {
+                    range.smallest = estimate;
+                }
                 if order(&estimate) > order(&range.largest) {
                     range.largest = estimate;
                 }
@@ -265,4 +271,29 @@ pub fn place(results: &Results, panel: &Panel) -> String {
         Some(range) => place += &format!(", {} speed", labels.speeds[range].name),
     }
     place
+}
+
+#[cfg(test)]
+mod tests {
+    use study::SceneKey;
+
+    use super::*;
+
+    #[test]
+    fn a_median_of_all_samples_is_not_every_sample() {
+        let panel = Panel {
+            key: SceneKey { constraints: 0, law: 0, panel: 0, speed: None },
+            arrangements: 3,
+            scenes: vec![0, 1, 2],
+        };
+        let occurrence = |value: f64| Estimate { value, lower: value, upper: value };
+        let words = |smallest: f64, median: f64, largest: f64| {
+            let (least, most) = ((occurrence(median), &panel), (occurrence(median), &panel));
+            let [smallest, largest] = [smallest, largest].map(occurrence);
+            ModeRange { least, most, is_ever_unstable: true, smallest, largest, greatest_limits: [0.0, 1.0] }.in_words()
+        };
+        assert_eq!(words(1.0, 1.0, 1.0), "unstable in every sample");
+        assert_eq!(words(0.2, 1.0, 1.0), "unstable in some samples");
+        assert_eq!(words(0.0, 0.0, 0.0), "perhaps unstable in some samples");
+    }
 }
