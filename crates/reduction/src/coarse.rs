@@ -306,5 +306,5 @@ fn nearest_other(lambdas: &[Complex<f64>], own: usize) -> f64 {
 
 /// Columns of a reduced brake.
 fn columns_of(reduced: &Reduced) -> f64 {
-    reduced.basis().ncols() as f64
+    reduced.system().order() as f64
 }

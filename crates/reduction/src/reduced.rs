@@ -1,5 +1,7 @@
 //! A reduced brake: a dense affine system over the columns of a basis, with what tells how good its modes are.
 
+use std::sync::Arc;
+
 use cea::{CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
@@ -20,7 +22,10 @@ use crate::{ReductionError, Route};
 #[derive(Debug, Clone)]
 pub struct Reduced {
     system: AffineSystem,
-    basis: DMatrix<f64>,
+    /// Larger basis V, n x k, which the reductions on smaller ones within it share.
+    larger: Arc<DMatrix<f64>>,
+    /// Smaller basis W, k x m.
+    columns: DMatrix<f64>,
     rectangle: Rectangle,
     form: ResidualForm,
     /// Loss factors, whose dashpots are in the system.
@@ -34,9 +39,9 @@ pub struct Reduced {
 pub struct ReducedModes {
     /// Eigenvalues, rad/s.
     pub lambdas: Vec<Complex<f64>>,
-    /// Shapes in the columns of the basis, k x m, of unit length; [`Reduced::lift`] makes them shapes of the full system.
+    /// Shapes in the columns of the basis, m x modes, of unit length; [`Reduced::lift`] makes them shapes of the full system.
     pub shapes: DMatrix<Complex<f64>>,
-    /// Bounds of `|Q(lambda) V y| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |V y|)` of the full system, Frobenius norms of matrices: twice the estimate of
+    /// Bounds of `|Q(lambda) V W y| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |V W y|)` of the full system, Frobenius norms of matrices: twice the estimate of
     /// random combinations, which is below the true one with a probability of less than 3e-18.
     pub residuals: Vec<f64>,
     /// Route by which the modes were found.
@@ -45,13 +50,13 @@ pub struct ReducedModes {
 
 impl Reduced {
     /// The projection on a smaller basis W, k x m, within a basis V, n x k, of orthonormal columns, from the `system` on V and `combinations` for V: nothing
-    /// large is computed but V W. Modes are found to a part of the tolerance, the residual that they shall not exceed, above 0 and below 1. Where there are
+    /// large is computed. Modes are found to a part of the tolerance, the residual that they shall not exceed, above 0 and below 1. Where there are
     /// `losses` the system has their dashpots ([`Losses::with_dashpots`]), and modes are those of the complex stiffness.
     ///
     /// # Errors
     /// A tolerance out of its range, a basis of another system, a reduced mass matrix that is singular.
     pub fn within(
-        (basis, system, combinations): (&DMatrix<f64>, &AffineSystem, &Combinations),
+        (larger, system, combinations): (&Arc<DMatrix<f64>>, &AffineSystem, &Combinations),
         losses: Option<&Losses>,
         columns: &DMatrix<f64>,
         rectangle: Rectangle,
@@ -66,8 +71,8 @@ impl Reduced {
             Some(losses) => ResidualForm::new(combinations, columns, &losses.without_dashpots(&reduced)?),
             None => ResidualForm::new(combinations, columns, &reduced),
         };
-        let basis = dense::product(basis, columns);
-        Ok(Self { system: reduced, basis, rectangle, form, losses, coarse: None, tolerance })
+        let (larger, columns) = (Arc::clone(larger), columns.clone());
+        Ok(Self { system: reduced, larger, columns, rectangle, form, losses, coarse: None, tolerance })
     }
 
     /// The largest distance, relative to |lambda| and to first order, of modes next to the axis with dashpots from those with loss factors at some points; 0
@@ -148,10 +153,10 @@ impl Reduced {
         &self.system
     }
 
-    /// V, n x k, orthonormal.
+    /// V W, n x m, orthonormal: made anew each time.
     #[must_use]
-    pub fn basis(&self) -> &DMatrix<f64> {
-        &self.basis
+    pub fn basis(&self) -> DMatrix<f64> {
+        dense::product(&self.larger, &self.columns)
     }
 
     /// Rectangle in which modes are wanted.
@@ -160,10 +165,10 @@ impl Reduced {
         &self.rectangle
     }
 
-    /// `V y`, a shape of the full system.
+    /// `V W y`, a shape of the full system.
     #[must_use]
     pub fn lift(&self, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        linsys::real_times_complex(&self.basis, y)
+        linsys::real_times_complex(&self.larger, &linsys::real_times_complex(&self.columns, y))
     }
 
     /// The modes in the rectangle at a point, with their residuals.
@@ -251,7 +256,7 @@ impl Reduced {
         REDUCED_PART * self.tolerance
     }
 
-    /// The residual of any pair (lambda, V y) at a point, bounded as [`ReducedModes::residuals`].
+    /// The residual of any pair (lambda, V W y) at a point, bounded as [`ReducedModes::residuals`].
     ///
     /// # Errors
     /// A point of another system.
@@ -261,7 +266,7 @@ impl Reduced {
         lambda: Complex<f64>,
         y: &DVector<Complex<f64>>,
     ) -> Result<f64, ReductionError> {
-        let (found, expected) = (y.len(), self.basis.ncols());
+        let (found, expected) = (y.len(), self.system.order());
         if found != expected {
             return Err(linsys::LinsysError::Count { what: "entries of the shape", found, expected }.into());
         }

@@ -116,7 +116,7 @@ fn basis(system: &SparseAffineSystem, points: &[OperatingPoint], rectangle: Rect
 fn on(system: &SparseAffineSystem, basis: &DMatrix<f64>, rectangle: Rectangle) -> Reduced {
     let (projected, combinations) = (system.project(basis).unwrap(), Combinations::new(system, basis));
     let all = DMatrix::identity(basis.ncols(), basis.ncols());
-    Reduced::within((basis, &projected, &combinations), None, &all, rectangle, TOLERANCE).unwrap()
+    Reduced::within((&basis.clone().into(), &projected, &combinations), None, &all, rectangle, TOLERANCE).unwrap()
 }
 
 /// A system on a basis of its modes at some points.
@@ -225,7 +225,8 @@ fn what_is_wrong_is_said() {
     let basis = DMatrix::identity(N, 3);
     let reduced = on(&system, &basis, RECTANGLE);
     let (combinations, all) = (Combinations::new(&system, &basis), DMatrix::identity(3, 3));
-    let found = Reduced::within((&basis, reduced.system(), &combinations), None, &all, RECTANGLE, 0.0).unwrap_err();
+    let found =
+        Reduced::within((&basis.into(), reduced.system(), &combinations), None, &all, RECTANGLE, 0.0).unwrap_err();
     assert_eq!(found.to_string(), "the tolerance of a reduction is 0; it must be above 0 and below 1");
     let found = reduced.residual(&draws(1)[0], Complex::new(0.0, 1.0), &DVector::zeros(2)).unwrap_err();
     assert_eq!(found.to_string(), "2 entries of the shape; expected 3");
@@ -281,7 +282,7 @@ fn a_smaller_basis_within_holds_the_eigenvalues_of_one_arrangement() {
         let Within { basis: small, .. } = &found;
         assert!((small.tr_mul(small) - DMatrix::identity(small.ncols(), small.ncols())).amax() < 1e-12);
         let combinations = Combinations::new(&system, &basis);
-        let of = (&basis, &reduced, &combinations);
+        let of = (&basis.clone().into(), &reduced, &combinations);
         let small = Reduced::within(of, None, small, RECTANGLE, TOLERANCE).unwrap();
         // At the points and at others, against all eigenvalues of the plate.
         for at in (0..18).map(|at| drawn(2 * at)) {
@@ -330,7 +331,7 @@ fn a_poor_start_hides_no_mode_from_a_smaller_basis() {
     let mut reached = 0;
     for leading in [1, leading / 4, leading / 2, leading, basis.ncols()] {
         let found = within((&reduced, leading), (RECTANGLE, &points), 1e-6).unwrap();
-        let of = (&basis, &reduced, &combinations);
+        let of = (&basis.clone().into(), &reduced, &combinations);
         let small = Reduced::within(of, None, &found.basis, RECTANGLE, TOLERANCE).unwrap();
         let has_all = |at| small.modes_by_spectrum(at).unwrap().lambdas.len() == truth(&reduced, at).len();
         println!("{leading} of {}: {:?}", basis.ncols(), (found.is_reached, found.solved.len(), found.missed.len()));
@@ -350,7 +351,7 @@ fn residuals_on_a_basis_within_are_bounds() {
     let combinations = Combinations::new(&system, &basis);
     for columns in [5, basis.ncols() / 2, basis.ncols()] {
         let first = DMatrix::identity(basis.ncols(), columns);
-        let of = (&basis, &reduced, &combinations);
+        let of = (&basis.clone().into(), &reduced, &combinations);
         let small = Reduced::within(of, None, &first, RECTANGLE, TOLERANCE).unwrap();
         let at = drawn(3);
         let full = dense(&system).assemble(&at).unwrap();

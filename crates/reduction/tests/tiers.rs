@@ -139,7 +139,9 @@ impl<'a> Reduction<'a> {
         let known: Vec<_> = KNOWN.map(|at| point(brake, at, is_alike)).collect();
         let all = DMatrix::identity(order, order);
         let (projected, combinations) = (brake.system.project(&all).unwrap(), Combinations::new(&brake.system, &all));
-        let reduced = Reduced::within((&all, &projected, &combinations), None, &all, brake.rectangle, 1e-8).unwrap();
+        let reduced =
+            Reduced::within((&all.clone().into(), &projected, &combinations), None, &all, brake.rectangle, 1e-8)
+                .unwrap();
         let reduced = reduced.with_coarse(&known).unwrap();
         let points = (0..SAMPLES).map(|at| point(brake, at, is_alike)).collect();
         Self { brake, reduced, points }
@@ -234,7 +236,7 @@ fn reduced_with_losses(brake: &Brake) -> (Reduced, f64) {
     let (projected, combinations) = (brake.system.project(&all).unwrap(), Combinations::new(&brake.system, &all));
     let losses = Losses::new(&brake.system, &projected, &stiffened(brake, KNOWN.start)).unwrap().unwrap();
     let with_dashpots = losses.with_dashpots(&projected).unwrap();
-    let of = (&all, &with_dashpots, &combinations);
+    let of = (&all.clone().into(), &with_dashpots, &combinations);
     let reduced = Reduced::within(of, Some(&losses), &all, brake.rectangle, 1e-8).unwrap();
     let known: Vec<_> = KNOWN.map(|number| stiffened(brake, number)).collect();
     let distance = reduced.distance_of_losses(&known).unwrap();

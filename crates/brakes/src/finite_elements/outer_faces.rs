@@ -23,7 +23,7 @@ impl OuterFaces for FiniteElementBrake {
         let case = &self.case;
         let known: Vec<Dof> = case.dofs.iter().chain(&case.held).chain(&case.held_in_mesh).copied().collect();
         Ok(Some(FacesInMotion {
-            form: form(&pieces, &rows, self.part(scene).reduced.basis(), progress)?,
+            form: form(&pieces, &rows, &self.part(scene).reduced.basis(), progress)?,
             without_rows: part_without(&pieces, &mesh.rows_of_nodes(&known)),
         }))
     }

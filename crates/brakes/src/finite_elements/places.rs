@@ -53,7 +53,7 @@ pub(super) fn places(brake: &FiniteElementBrake, constraints: usize) -> Result<V
         let is_meant = |dof: &Dof| dof.direction == direction && nodes.binary_search(&dof.node).is_ok();
         let rows = (0..case.dofs.len()).filter(|&row| is_meant(&case.dofs[row]));
         let rows: Vec<usize> = rows.filter_map(|row| set.dofs.position(row)).collect();
-        let of_rows = reduced.basis().select_rows(&rows);
+        let of_rows = set.basis.select_rows(&rows) * &brake.parts[part].within.basis;
         let letter = Dof { node: 0, direction }.to_string().split_off(2);
         (!rows.is_empty()).then(|| {
             let mean = of_rows.row_mean().transpose();

@@ -25,7 +25,7 @@ pub struct ReducedSet {
     /// The system over the free rows.
     pub system: SparseAffineSystem,
     /// Basis V, n x k: it holds the brake in all arrangements.
-    pub basis: DMatrix<f64>,
+    pub basis: Arc<DMatrix<f64>>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub(super) leading: usize,
     /// At the medians the brake on the basis has modes that the whole one does not have.
@@ -98,7 +98,7 @@ impl ReducedSet {
         Ok(Self {
             dofs,
             system,
-            basis,
+            basis: Arc::new(basis),
             leading,
             has_others,
             together,

@@ -1,7 +1,7 @@
 //! Single eigenvalues of the whole brake.
 
 use cea::{CeaError, CertifiedError, Workspace, singular_vectors};
-use linsys::{OperatingPoint, real_times_complex};
+use linsys::OperatingPoint;
 use nalgebra::DVector;
 use num_complex::Complex;
 use sparse::{SparseError, SparseSecondOrder, eigenpair_near};
@@ -24,7 +24,7 @@ pub(super) fn eigenvalue(
     let shape = singular_vectors(&[q], &mut Workspace::default()).into_iter().flatten().next();
     let shape =
         shape.ok_or(CertifiedError::NoEigenvector { lambda: near, residual: f64::INFINITY }).map_err(CeaError::from)?;
-    let shape = real_times_complex(part.reduced.basis(), &shape);
+    let shape = part.reduced.lift(&shape);
     let whole = sets[part.set].system.assemble(at).map_err(not_found)?;
     next_to(&whole, near, &shape).map_err(not_found)
 }
