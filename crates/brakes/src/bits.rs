@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use linsys::{ChannelGain, Lag, OperatingPoint};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use reduction::{CoarseBasis, CoarseStates, Within};
+use reduction::{CoarseBasis, CoarseStates, SnapshotMode, Within};
 use study::{DivergenceCounts, FullChecks};
 
 /// A value that bytes hold, numbers little-endian.
@@ -172,6 +172,16 @@ impl<K: Bits + Ord, V: Bits> Bits for BTreeMap<K, V> {
     }
 }
 
+impl Bits for DVector<Complex<f64>> {
+    fn put(&self, to: &mut Vec<u8>) {
+        put_list(self.as_slice(), to);
+    }
+
+    fn take(from: &mut &[u8]) -> Option<Self> {
+        Vec::take(from).map(Self::from_vec)
+    }
+}
+
 impl Bits for DMatrix<f64> {
     fn put(&self, to: &mut Vec<u8>) {
         [self.nrows(), self.ncols()].put(to);
@@ -206,6 +216,7 @@ bits!(OperatingPoint { coefficients, channels });
 bits!(ChannelGain { mu, slope, lag });
 bits!(Lag { decay, drive, force });
 bits!(Within { basis, solved, missed, distance, is_reached });
+bits!(SnapshotMode { lambda, right, left, condition });
 bits!(CoarseBasis { basis, states, error, residual });
 bits!(CoarseStates { channels, directions });
 bits!(DivergenceCounts { draws, diverging, beyond, open, fastest });

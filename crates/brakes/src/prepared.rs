@@ -8,6 +8,7 @@
 //! ```text
 //! .squeal/<brake>/brake.txt        program, rounding, case
 //! .squeal/<brake>/<key>.piece      one piece, sealed by length and checksum
+//! .squeal/<brake>/<key>.interim    one that is there until the brake is made
 //! ```
 
 use std::collections::BTreeMap;
@@ -34,6 +35,10 @@ const PIECE: Sealed = Sealed { kind: "squeal-piece", version: FILE.version };
 const MOST_BRAKES: usize = 16;
 /// File in the folder of a brake that says what it is; writing it anew says that the folder is used.
 const OF_BRAKE: &str = "brake.txt";
+
+/// Endings of the files of pieces that stay, and of those that are there until the brake is made.
+const STAYING: &str = "piece";
+const INTERIM: &str = "interim";
 
 /// SHA-256 of all that something depends on.
 type Key = [u8; 32];
@@ -74,6 +79,8 @@ pub struct PreparedCounts {
     pub made: usize,
     /// Pieces among them that a folder held damaged.
     pub damaged: usize,
+    /// Interim pieces that were read, complete solutions of the whole brake: of a preparation that was stopped before.
+    pub continued: usize,
     /// Why a piece could not be kept, the first time.
     pub not_kept: Option<String>,
 }
@@ -216,26 +223,57 @@ impl Pieces<'_> {
         inputs: impl FnOnce(&mut Vec<u8>),
         make: impl FnOnce() -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let Some(of_case) = self.key else { return make() };
-        let mut all = of_case.to_vec();
-        name.to_owned().put(&mut all);
-        inputs(&mut all);
-        let key = digest(&all);
+        let Some(key) = self.key_of(name, inputs) else { return make() };
         if let Some((bytes, found)) = self.known(&key) {
             self.collect(&key, bytes);
             return Ok(found);
         }
         let made = make()?;
         let bytes = made.bytes();
-        let kept = self.keep(&key, &bytes);
-        let mut counts = locked(&self.all.counts);
-        counts.made += 1;
-        if let Err(source) = kept {
-            counts.not_kept.get_or_insert_with(|| source.to_string());
-        }
-        drop(counts);
+        self.keep(&key, STAYING, &bytes);
+        locked(&self.all.counts).made += 1;
         self.collect(&key, bytes);
         Ok(made)
+    }
+
+    /// An interim piece: as [`item`](Self::item), but kept in a folder alone, until [`end_interim`](Self::end_interim). So a preparation that was stopped goes on
+    /// within a piece that takes long.
+    ///
+    /// # Errors
+    /// Errors of its making.
+    pub fn interim<T: Bits>(
+        &self,
+        name: &str,
+        inputs: impl FnOnce(&mut Vec<u8>),
+        make: impl FnOnce() -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let Some(key) = self.key_of(name, inputs) else { return make() };
+        if let Some((_, found)) = self.path(&key, INTERIM).and_then(|path| read(&path, &key)).flatten() {
+            locked(&self.all.counts).continued += 1;
+            return Ok(found);
+        }
+        let made = make()?;
+        self.keep(&key, INTERIM, &made.bytes());
+        Ok(made)
+    }
+
+    /// Removes the interim pieces of the brake, which is made.
+    pub fn end_interim(&self) {
+        let Some(files) = self.folder.as_ref().and_then(|folder| fs::read_dir(folder).ok()) else { return };
+        for file in files.flatten().map(|file| file.path()) {
+            if file.extension().is_some_and(|ending| ending == INTERIM) {
+                // One that stays is only larger than it need be.
+                let _ = fs::remove_file(file);
+            }
+        }
+    }
+
+    /// The key of a piece; `None` where nothing is kept.
+    fn key_of(&self, name: &str, inputs: impl FnOnce(&mut Vec<u8>)) -> Option<Key> {
+        let mut all = self.key?.to_vec();
+        name.to_owned().put(&mut all);
+        inputs(&mut all);
+        Some(digest(&all))
     }
 
     /// A piece that is kept, with its bytes.
@@ -245,29 +283,32 @@ impl Pieces<'_> {
             locked(&self.all.counts).from_file += 1;
             return Some((bytes, found));
         }
-        // A piece that cannot be read is made, whatever the reason.
-        let sealed = fs::read(self.path(key)?).ok()?;
-        let body = PIECE.open(&sealed).ok().and_then(|body| body.strip_prefix(&key[..]));
-        let found = body.and_then(|body| Some((body.to_vec(), T::whole(body)?)));
+        let found = read(&self.path(key, STAYING)?, key)?;
         let mut counts = locked(&self.all.counts);
         *if found.is_some() { &mut counts.from_folder } else { &mut counts.damaged } += 1;
         found
     }
 
-    /// Puts a piece into the folder, unless it could not be written before: a disk that is full is asked once.
-    fn keep(&self, key: &Key, bytes: &[u8]) -> io::Result<()> {
-        let Some((folder, path)) = self.folder.as_ref().zip(self.path(key)) else { return Ok(()) };
+    /// Puts a piece into the folder, unless one could not be written before: a disk that is full is asked once.
+    fn keep(&self, key: &Key, ending: &str, bytes: &[u8]) {
+        let Some((folder, path)) = self.folder.as_ref().zip(self.path(key, ending)) else { return };
         if locked(&self.all.counts).not_kept.is_some() {
-            return Ok(());
+            return;
         }
+        if let Err(source) = self.write_piece(folder, &path, [key, bytes].concat()) {
+            locked(&self.all.counts).not_kept.get_or_insert_with(|| source.to_string());
+        }
+    }
+
+    /// Writes a piece, its key before its bytes, under a temporary name first.
+    fn write_piece(&self, folder: &Path, path: &Path, body: Vec<u8>) -> io::Result<()> {
         if !folder.is_dir() {
             self.make_folder(folder)?;
         }
-        let body = [key, bytes].concat();
         // Several processes may make the same piece at once.
         let partial = path.with_extension(format!("{}.partial", std::process::id()));
-        let written = fs::write(&partial, [PIECE.header(&body).as_bytes(), &body].concat());
-        let moved = written.and_then(|()| fs::rename(&partial, &path));
+        let written = fs::write(&partial, [PIECE.header(&body).into_bytes(), body].concat());
+        let moved = written.and_then(|()| fs::rename(&partial, path));
         moved.inspect_err(|_| drop(fs::remove_file(&partial)))
     }
 
@@ -292,8 +333,9 @@ impl Pieces<'_> {
         Ok(())
     }
 
-    fn path(&self, key: &Key) -> Option<PathBuf> {
-        self.folder.as_ref().map(|folder| folder.join(format!("{}.piece", &hexadecimal(key)[..32])))
+    /// The file of a piece, by the ending that says how long it is kept.
+    fn path(&self, key: &Key, ending: &str) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(format!("{}.{ending}", &hexadecimal(key)[..32])))
     }
 
     fn collect(&self, key: &Key, bytes: Vec<u8>) {
@@ -301,6 +343,14 @@ impl Pieces<'_> {
             locked(collected).pieces.insert(key.to_vec(), bytes);
         }
     }
+}
+
+/// The piece of a file, with its bytes: `None` without a file, and within that where it is damaged or another one. It is made then, whatever the reason.
+#[allow(clippy::option_option)] // Whether there is a file, and what is in it.
+fn read<T: Bits>(path: &Path, key: &Key) -> Option<Option<(Vec<u8>, T)>> {
+    let sealed = fs::read(path).ok()?;
+    let body = PIECE.open(&sealed).ok().and_then(|body| body.strip_prefix(&key[..]));
+    Some(body.and_then(|body| Some((body.to_vec(), T::whole(body)?))))
 }
 
 /// The value behind a lock: what another thread left there before it panicked is right all the same.

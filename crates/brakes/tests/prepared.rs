@@ -4,10 +4,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use brakes::case::{CaseFile, FiniteElementCase};
 use brakes::{FiniteElementBrake, Prepared, PreparedCounts, Purpose};
 use nalgebra::Complex;
+use squeal::montecarlo::Progress;
 use squeal::study::{ModeSource, UncertainBrake};
 
 /// The disc and pad in little: a narrow band, one arrangement or two, a bristle law, two full checks.
@@ -53,11 +55,35 @@ fn all_of(brake: &FiniteElementBrake) -> String {
 }
 
 fn pieces(folder: &Path) -> Vec<PathBuf> {
+    files(folder, "piece")
+}
+
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let brakes = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
     let files = brakes.flat_map(|brake| fs::read_dir(brake).unwrap().map(|entry| entry.unwrap().path()));
-    let mut pieces: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|end| end == "piece")).collect();
-    pieces.sort();
-    pieces
+    let mut found: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|end| end == ending)).collect();
+    found.sort();
+    found
+}
+
+/// Progress that wants no more after a number of advances.
+struct Until {
+    most: u64,
+    made: AtomicU64,
+}
+
+impl Progress for Until {
+    fn begin(&self, _total: u64, _done: u64) {}
+
+    fn advance(&self, more: u64) {
+        self.made.fetch_add(more, Ordering::Relaxed);
+    }
+
+    fn end(&self) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.made.load(Ordering::Relaxed) >= self.most
+    }
 }
 
 #[test]
@@ -135,6 +161,33 @@ fn what_is_read_is_what_was_made_to_the_last_bit() {
     fs::write(&path, "no such file").unwrap();
     refused(case(&[]), &path, "it does not begin with the header");
     refused(case(&[]), &dir.path().join("none"), "cannot be read");
+}
+
+/// The basis of a set takes long: stopped within it, the next preparation takes over the complete solutions that are made, and nothing of them is left after it.
+#[test]
+fn a_preparation_goes_on_within_the_basis_of_a_set() {
+    let dir = tempfile::tempdir().unwrap();
+    let expected = all_of(&FiniteElementBrake::new(case(&[]), &()).unwrap());
+    for most in [3, 15] {
+        let folder = dir.path().join(most.to_string());
+        let stopped = Prepared::default().in_folder(folder.clone());
+        let progress = Until { most, made: AtomicU64::new(0) };
+        let error = FiniteElementBrake::prepared(case(&[]), Purpose::Analysis, &stopped, &progress).unwrap_err();
+        assert!(error.to_string().contains("cancelled"), "{error}");
+        let kept = files(&folder, "interim").len();
+        assert!(kept >= most.min(8) as usize, "{kept} of {most}");
+        // One that is damaged is made again.
+        let first = &files(&folder, "interim")[0];
+        let bytes = fs::read(first).unwrap();
+        fs::write(first, &bytes[..bytes.len() / 2]).unwrap();
+        let again = Prepared::default().in_folder(folder.clone());
+        let brake = made(&again, Purpose::Analysis);
+        let PreparedCounts { continued, .. } = again.counts();
+        // Of a set whose basis was made before no solution is asked for.
+        assert!(continued < kept && (most > 8 || continued == kept - 1), "{continued} of {kept}");
+        assert!(files(&folder, "interim").is_empty());
+        assert_eq!(all_of(&brake), expected);
+    }
 }
 
 /// A folder that cannot be made is no fault, but is told; nothing is tried again.

@@ -55,7 +55,7 @@ pub use residual::largest_residual;
 pub use route::{Route, RouteCounts};
 pub use sector::{growing_real, surely_none_grows_too_fast};
 pub use shapes::shape_directions;
-pub use snapshots::{Snapshot, Snapshots};
+pub use snapshots::{Snapshot, SnapshotMode, Snapshots};
 pub use within::{Within, error_within, within};
 
 /// The README's example, compiled and run as a doctest.

@@ -43,7 +43,20 @@ pub struct Snapshot<'a> {
     point: OperatingPoint,
     norms: NormsAt,
     rectangle: Rectangle,
-    modes: Vec<Eigenpair>,
+    modes: Vec<SnapshotMode>,
+}
+
+/// Mode of a large brake at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SnapshotMode {
+    /// Eigenvalue lambda, rad/s.
+    pub lambda: Complex<f64>,
+    /// Right vector phi, over the n free rows.
+    pub right: DVector<Complex<f64>>,
+    /// Left vector psi, `psi^H Q(lambda) = 0`, over the same rows.
+    pub left: DVector<Complex<f64>>,
+    /// Condition number of lambda, as [`Eigenpair::condition`].
+    pub condition: f64,
 }
 
 impl<'a> Snapshots<'a> {
@@ -63,10 +76,17 @@ impl<'a> Snapshots<'a> {
         let Rectangle { re: [lowest, highest], im: [from, to] } = self.rectangle;
         let wider =
             Rectangle { re: [lowest - margin, highest], im: [from - margin.min(0.5 * from.abs()), to + margin] };
-        let mut modes = eigenpairs_in(&system, &wider, &sparse::Options::default(), &mut |_| ())?.pairs;
-        modes.retain(|mode| !grows_too_fast(mode.lambda));
+        let mut found = eigenpairs_in(&system, &wider, &sparse::Options::default(), &mut |_| ())?.pairs;
+        found.retain(|mode| !grows_too_fast(mode.lambda));
+        let mode = |Eigenpair { lambda, right, left, condition, .. }| SnapshotMode { lambda, right, left, condition };
+        Ok(self.known(point, found.into_iter().map(mode).collect()))
+    }
+
+    /// The snapshot at a point whose modes were found before, by [`Snapshots::at`] of the same system and rectangle.
+    #[must_use]
+    pub fn known(&self, point: &OperatingPoint, modes: Vec<SnapshotMode>) -> Snapshot<'a> {
         let (system, norms) = (self.system, self.norms.at(point));
-        Ok(Snapshot { system, point: point.clone(), norms, rectangle: self.rectangle, modes })
+        Snapshot { system, point: point.clone(), norms, rectangle: self.rectangle, modes }
     }
 
     /// Adds the right and left vectors of modes to what bases hold.
@@ -109,6 +129,12 @@ impl<'a> Snapshots<'a> {
 }
 
 impl Snapshot<'_> {
+    /// The modes, those next to the rectangle among them.
+    #[must_use]
+    pub fn modes(&self) -> &[SnapshotMode] {
+        &self.modes
+    }
+
     /// The eigenvalues in and to the right of the rectangle, rad/s.
     #[must_use]
     pub fn lambdas(&self) -> Vec<Complex<f64>> {
@@ -131,7 +157,7 @@ impl Snapshot<'_> {
     /// Those of assembling the brake at its point.
     pub fn error(&self, basis: &DMatrix<f64>) -> Result<f64, ReductionError> {
         let Some(first) = self.modes.first() else { return Ok(0.0) };
-        let held = |of: &dyn Fn(&Eigenpair) -> &DVector<Complex<f64>>| {
+        let held = |of: &dyn Fn(&SnapshotMode) -> &DVector<Complex<f64>>| {
             let mut vectors = split::zeros(first.right.len(), self.modes.len());
             self.modes.iter().enumerate().for_each(|(at, mode)| split::set(&mut vectors, at, of(mode).iter().copied()));
             dense::product(basis, &dense::transposed_product(basis, &vectors))
@@ -151,7 +177,7 @@ impl Snapshot<'_> {
 }
 
 /// Real and imaginary parts of the right and left vectors of modes as columns, each vector of unit length; a conjugate pair has one entry.
-fn columns(modes: &[Eigenpair]) -> DMatrix<f64> {
+fn columns(modes: &[SnapshotMode]) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
     let mut add = |x: &DVector<Complex<f64>>| {
         let size = x.norm();
@@ -169,10 +195,10 @@ fn columns(modes: &[Eigenpair]) -> DMatrix<f64> {
 }
 
 /// `Q(lambda_j) x_j` of a system at the eigenvalues of some modes, x n x m split.
-fn residuals(system: &SparseSecondOrder, modes: &[Eigenpair], x: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
+fn residuals(system: &SparseSecondOrder, modes: &[SnapshotMode], x: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| times(matrix, x));
     let h = system.h.as_ref().map(|h| times(h, x));
-    let residual = |(at, mode): (usize, &Eigenpair)| {
+    let residual = |(at, mode): (usize, &SnapshotMode)| {
         let lambda = mode.lambda;
         let mut residual =
             split::vector(&m, at) * (lambda * lambda) + split::vector(&c, at) * lambda + split::vector(&k, at);

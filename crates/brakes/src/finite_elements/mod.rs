@@ -138,19 +138,29 @@ impl FiniteElementBrake {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let pieces = prepared.of(&case)?;
+        let brake = Self::of_pieces((case, &pieces), purpose, progress)?;
+        pieces.end_interim();
+        Ok(brake)
+    }
+
+    fn of_pieces(
+        (case, pieces): (FiniteElementCase, &Pieces<'_>),
+        purpose: Purpose<'_>,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
         let mut brake = match purpose {
             // The findings of a study say of whose errors nothing is known.
-            Purpose::Study => return Self::checked_of((case, &pieces), progress),
-            Purpose::Analysis => Self::with_points((case, &pieces), Bases::OfEach, (&[], &[]), progress),
+            Purpose::Study => return Self::checked_of((case, pieces), progress),
+            Purpose::Analysis => Self::with_points((case, pieces), Bases::OfEach, (&[], &[]), progress),
             // Errors of the reduced brake are none of what is asked for.
             Purpose::Point => {
                 let swept = swept::points(&case, &[])?;
-                return Self::with_points((case, &pieces), Bases::OfEach, (&swept, &[]), progress);
+                return Self::with_points((case, pieces), Bases::OfEach, (&swept, &[]), progress);
             }
-            Purpose::Screen => Self::with_points((case, &pieces), Bases::OfEachSet, (&[], &[]), progress),
+            Purpose::Screen => Self::with_points((case, pieces), Bases::OfEachSet, (&[], &[]), progress),
             Purpose::Sweep(over) => {
                 let swept = swept::points(&case, over)?;
-                Self::with_points((case, &pieces), Bases::OfEach, (&swept, &[]), progress)
+                Self::with_points((case, pieces), Bases::OfEach, (&swept, &[]), progress)
             }
         }?;
         let doubts = brake.unknown_errors();

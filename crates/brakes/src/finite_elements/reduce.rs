@@ -127,7 +127,8 @@ pub(super) fn all_bases(
         let basis = |system: &SparseAffineSystem| {
             let make = || {
                 is_kept = false;
-                set_basis::basis(case, (system, together.count()), (swept, &own), progress)
+                let kept = set_basis::KeptSolutions { pieces, fixed: &set.fixed };
+                set_basis::basis(case, (system, together.count()), (swept, &own), &kept, progress)
             };
             pieces.item("set", |to| to.extend(inputs(at)), make)
         };

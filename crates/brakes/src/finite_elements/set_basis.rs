@@ -13,8 +13,9 @@ use sparse::SparseAffineSystem;
 use super::points::{all_patches, naming_point, of_brake};
 use super::training::{Drawn, draws, rectangle};
 use crate::Error;
-use crate::bits::bits;
+use crate::bits::{Bits as _, bits};
 use crate::case::FiniteElementCase;
+use crate::prepared::Pieces;
 
 /// Error, relative to |lambda|, that modes of a draw may have on a basis that was made without it; chosen: a hundred times that is what is
 /// assumed of samples.
@@ -61,6 +62,13 @@ pub(super) struct HeldOut {
     pub modes: Vec<Complex<f64>>,
 }
 
+/// Where complete solutions of the whole brake are kept until it is made.
+pub(super) struct KeptSolutions<'a> {
+    pub pieces: &'a Pieces<'a>,
+    /// Rows that the set of constraints fixes.
+    pub fixed: &'a Vec<usize>,
+}
+
 bits!(SetBasis { basis, leading, has_others, held_out });
 bits!(HeldOut { drawn, modes });
 bits!(Drawn { closed, at });
@@ -72,6 +80,7 @@ pub(super) fn basis(
     case: &FiniteElementCase,
     (system, together): (&SparseAffineSystem, usize),
     (swept, trained): (&[OperatingPoint], &[OperatingPoint]),
+    kept: &KeptSolutions<'_>,
     progress: &dyn Progress,
 ) -> Result<SetBasis, Error> {
     let all = all_patches(case);
@@ -82,7 +91,7 @@ pub(super) fn basis(
     // What a basis was made of, until there is one.
     let mut made_of: Vec<Snapshot<'_>> = Vec::new();
     for points in known.chunks(together) {
-        for found in solved(&snapshots, points, progress)? {
+        for found in solved(&snapshots, points, kept, progress)? {
             snapshots.add(&found)?;
             made_of.push(found);
         }
@@ -100,7 +109,7 @@ pub(super) fn basis(
     let (mut solutions, mut in_a_row) = (known.len(), 0);
     'draws: for drawn in drawn_once.chunks(together) {
         let points: Vec<OperatingPoint> = drawn.iter().map(|drawn| drawn.at.clone()).collect();
-        for (drawn, found) in drawn.iter().zip(solved(&snapshots, &points, progress)?) {
+        for (drawn, found) in drawn.iter().zip(solved(&snapshots, &points, kept, progress)?) {
             let error = basis.as_ref().map(|(basis, _)| found.error(basis)).transpose()?;
             if error.is_some_and(|error| error <= WANTED_ERROR) || solutions >= MOST_SOLUTIONS {
                 held_out.push(HeldOut { drawn: drawn.clone(), modes: found.lambdas() });
@@ -180,13 +189,18 @@ fn without_others(
 fn solved<'a>(
     snapshots: &Snapshots<'a>,
     points: &[OperatingPoint],
+    KeptSolutions { pieces, fixed }: &KeptSolutions<'_>,
     progress: &dyn Progress,
 ) -> Result<Vec<Snapshot<'a>>, Error> {
     let one = |point: &OperatingPoint| {
         progress.go_on()?;
-        let found = snapshots.at(point)?;
+        let inputs = |to: &mut Vec<u8>| {
+            fixed.put(to);
+            point.put(to);
+        };
+        let modes = pieces.interim("solution", inputs, || Ok(snapshots.at(point)?.modes().to_vec()))?;
         progress.advance(1);
-        Ok(found)
+        Ok(snapshots.known(point, modes))
     };
     points.par_iter().map(one).collect()
 }
