@@ -64,7 +64,7 @@ struct DrivenMode {
     drive: DVector<Complex<f64>>,
 }
 
-/// The norm of what a matrix reads of some shapes, relative to its own.
+/// The norm of what a matrix reads of `shapes`, relative to its own.
 fn motion(reading: &DMatrix<Complex<f64>>, shapes: &DMatrix<Complex<f64>>) -> f64 {
     let norm = reading.norm();
     if norm > 0.0 { (reading * shapes).norm() / norm } else { 0.0 }
