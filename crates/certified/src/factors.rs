@@ -38,7 +38,7 @@ use super::structure::Structure;
 
 /// Largest q with which the iteration is known to converge.
 const LARGEST_CONTRACTION: f64 = 0.25;
-/// Relative error up to which it is believed in double precision that a step does not contract. Chosen.
+/// Largest relative error of a contraction that is believed to be none in double precision; chosen.
 const LARGEST_DOUBT: f64 = 0.1;
 /// Most steps in double precision, each of which multiplies the error by q. Chosen: at the largest q of 1/4 six leave 2e-4 of it.
 const STEPS_IN_DOUBLE: usize = 6;
