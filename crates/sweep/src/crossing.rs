@@ -24,7 +24,7 @@ use crate::Error;
 
 /// Most values of a function; chosen: bisection alone takes about 50.
 const MOST_VALUES: usize = 80;
-/// Number of values after which a bracket that has not become half as long is halved; chosen.
+/// Number of values within which a bracket has to become half as long, or else is halved; chosen.
 const PATIENCE: usize = 3;
 /// Rounding of a squared half distance, in units of epsilon and the squared scale of the problem; chosen.
 const ROUNDINGS: f64 = 256.0;
@@ -290,7 +290,7 @@ struct Bracket {
     /// Values at the ends, one of them halved where the other end has moved twice.
     values: [f64; 2],
     last: Option<usize>,
-    /// Length of the bracket some values ago; `since` is the number of values since then.
+    /// Length of the bracket `since` values ago.
     was: f64,
     since: usize,
 }
