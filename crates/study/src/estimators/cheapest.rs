@@ -22,7 +22,7 @@ const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 pub(super) const PLAIN_PILOT_SAMPLES: u64 = 400;
 /// Half width that plain sampling is planned for, as a fraction of the half width asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
-/// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
+/// Largest half width for which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
 const FINEST_HALF_WIDTH: f64 = 1e-3;
 /// Largest number of Sobol points per scrambling; chosen: with this number the standard error of the mean of a prediction is about 1e-4.
 const FINEST_POINTS: f64 = 32_768.0;
