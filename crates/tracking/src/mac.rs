@@ -20,7 +20,7 @@ pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
     mac_of_weighted(&weighted(old, mass), new)
 }
 
-/// Product M phi of each of some modes.
+/// Product M phi of each of `modes`.
 pub(crate) fn weighted(modes: &[Mode], mass: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
     modes.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect()
 }
@@ -45,8 +45,8 @@ impl Match {
     }
 }
 
-/// Index of the one of `known` that each of some mass-normalised modes, given with M phi of each, clearly is, by the MAC of all of
-/// them together; `None` where that is in doubt.
+/// Index of the one of `known` that each of `modes` clearly is, by the MAC of all of them together; `None` where that is in doubt. All modes are
+/// mass-normalised, and `weighted` has M phi of each of `modes`.
 #[must_use]
 pub fn clear_matches(modes: &[Mode], weighted: &[DVector<Complex<f64>>], known: &[Mode]) -> Vec<Option<usize>> {
     let clear = |found: Match| found.to.filter(|_| found.is_clear());

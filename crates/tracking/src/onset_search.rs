@@ -14,7 +14,7 @@ use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, FIRST_STEPS, RefinedPoint, first_steps, link};
 use crate::error::check_interval;
 
-/// A branch is watched in a step if it would reach the axis at this multiple of its speed at one end of the step; chosen.
+/// Factor on the speed of a branch at either end of a step with which it is watched in the step, if it would reach the axis at that; chosen.
 const RATE_MARGIN: f64 = 2.0;
 /// Most steps of the root search; chosen: bisection alone takes about 50.
 const MOST_ROOT_STEPS: usize = 60;

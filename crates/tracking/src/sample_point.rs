@@ -26,7 +26,7 @@ pub(crate) enum Known {
     Candidates(Option<Candidates>),
 }
 
-/// The modes nearest to some eigenvalues, ascending in frequency.
+/// The modes nearest to the eigenvalues `asked`, ascending in frequency.
 pub(crate) struct Candidates {
     asked: Vec<Complex<f64>>,
     modes: Vec<Mode>,
@@ -41,7 +41,7 @@ pub(crate) struct Solved {
 }
 
 impl Known {
-    /// The modes that some followed ones may have become, ascending in frequency.
+    /// The modes that the `followed` ones may have become, ascending in frequency.
     pub fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
         match self {
             Self::Spectrum(solved) => solved.modes_near(followed),
@@ -51,7 +51,7 @@ impl Known {
 }
 
 impl Candidates {
-    /// Modes at a position on the path that some followed ones may have become, as its owner finds them; `None` where it cannot tell.
+    /// Modes at a position on the path that the `followed` ones may have become, as its owner finds them; `None` where it cannot tell.
     pub fn at(place: f64, path: &Path<'_>, followed: &[Mode]) -> Option<Self> {
         let PathStart::Owned(mass, owner) = path.start else { return None };
         let asked: Vec<Complex<f64>> = followed.iter().map(|mode| mode.lambda).collect();
