@@ -24,14 +24,16 @@ use crate::prepared::Pieces;
 /// Largest estimated error of eigenvalues on the basis of a part, relative to |lambda|, at the draws that it is made of; chosen: a third of the error for which
 /// the basis of a set is made.
 const WITHIN: f64 = 3e-7;
-/// Number of further draws, at which the basis of a part is checked; chosen.
+/// Number of further draws, at which the basis of a part is checked; chosen: with fewer, a basis that does not hold other draws is found out less often; with
+/// more, the check takes longer.
 const FURTHER: u64 = 4;
 /// Largest estimated error of eigenvalues there, relative to |lambda|. If it is larger, the basis is made anew of twice as many draws. Chosen: the same is
 /// wanted of the basis of a set, at draws of which it was not made.
 const WANTED_FURTHER: f64 = 1e-6;
-/// Most times that the number of draws is doubled; chosen.
+/// Most times that the number of draws is doubled; chosen: the error that is left after the last time is assumed of samples.
 const MOST_DOUBLINGS: u32 = 3;
-/// Most points of a part at which its coarse modes are made; chosen.
+/// Number of points of a part at which its coarse modes are made, unless more draws did not agree before; chosen: with fewer, more samples need a whole
+/// spectrum; with more, the coarse basis has more columns.
 const COARSE_POINTS: usize = 24;
 
 /// Choice of the arrangements that have a basis of their own.

@@ -20,14 +20,16 @@ use crate::case::FiniteElementCase;
 /// assumed of samples.
 const WANTED_ERROR: f64 = 1e-6;
 /// Floors of a basis, which has the directions of larger singular values (of vectors of unit length): the first one, which is divided by ten each time that
-/// a draw whose modes were added is not held, and the least one. Chosen.
+/// a draw whose modes were added is not held, and the least one. Chosen: a lower one adds directions, which cost time and may make modes that the brake does
+/// not have.
 const FLOORS: [f64; 2] = [1e-5, 1e-9];
 /// First floor of a basis for points that are all known. It has no more directions than hold them, as each direction that is a part of modes beside the band
 /// may make a mode that the brake does not have.
 const FEWEST: f64 = 1e-2;
 /// Factor from one floor to the next that is tried, if a basis has modes that the brake does not have; chosen: it adds few directions.
 const FINER: f64 = 0.5;
-/// Smallest singular value of the leading columns of a basis, which have all modes of any draw, roughly; chosen.
+/// Smallest singular value of the leading columns of a basis, which have all modes of any draw, roughly; chosen: with a smaller one, spectra on these columns
+/// take longer; with a larger one, they miss modes that have to be found on all columns.
 const LEADING: f64 = 3e-3;
 /// Number of complete solutions, that at the medians among them, of which a basis is made before draws tell whether it is enough. Measured with
 /// cases/disc-pad and its refinement: 12 hold eigenvalues to 3e-9 and 1e-6.
