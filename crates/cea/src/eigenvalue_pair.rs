@@ -11,7 +11,7 @@ use num_complex::Complex;
 
 /// Step along the path of the differences that derivatives are computed by; chosen near the square root of machine epsilon.
 const DIFFERENCE_STEP: f64 = 1e-7;
-/// Number of values on the circle, and so of Taylor coefficients; chosen.
+/// Number of values on the circle, and so of Taylor coefficients; chosen: a pair takes twice as many values of the function.
 const CIRCLE_VALUES: usize = 8;
 /// Radius of the circle, as a multiple of half the distance of the pair; chosen: the pair is inside.
 const CIRCLE_RADIUS: f64 = 1.25;
@@ -23,9 +23,9 @@ const LEAST_ISOLATION: f64 = 1.2;
 const MOST_BAIRSTOW_STEPS: usize = 12;
 /// Largest change, in radii, of the last step of Bairstow's method; chosen.
 const BAIRSTOW_CONVERGED: f64 = 1e-13;
-/// Largest distance of the mean of a pair from its guess, in radii, at which no further circle is needed; chosen.
+/// Largest distance of the mean of a pair from its guess, in radii, with which no further circle is needed; chosen.
 const LARGEST_OFFSET: f64 = 0.5;
-/// Most circles evaluated for one pair; chosen.
+/// Most circles evaluated for one pair; chosen: a guess that needs more has no pair, and its mode is followed in another way.
 const MOST_CIRCLES: usize = 4;
 
 /// Two eigenvalues `m +- sqrt(s)` by their mean m and the square s of half the gap between them.

@@ -17,7 +17,7 @@ const DIFFERENCE_STEP: f64 = 1e-7;
 /// Largest relative residual of the secular equation's null vector at an eigenvalue; chosen. The residual is large for an uncontrollable
 /// mode, whose shape is no response to feedback forces.
 const LARGEST_RESIDUAL: f64 = 1e-8;
-/// Largest such residual at an approximation of an eigenvalue on a path; chosen.
+/// Largest such residual at an approximation of an eigenvalue on a path; chosen: larger, as there the equation has no zero to rounding.
 const LARGEST_RESIDUAL_ON_PATH: f64 = 1e-3;
 /// Largest relative distance of two eigenvalues that may share one shape, so that no shapes are given; chosen.
 const LEAST_SEPARATION: f64 = 1e-6;
