@@ -17,7 +17,7 @@ pub const NULL: f64 = 1e-13;
 /// Most null vectors that are looked at; their number is known from the signs. Chosen: a brake whose two bodies are
 /// free has twelve.
 const MOST_VECTORS: usize = 12;
-/// Vectors beyond those wanted, for inverse iteration; chosen.
+/// Number of vectors beyond those wanted, for inverse iteration; chosen: with more, it converges faster and each step costs more.
 const MORE_VECTORS: usize = 2;
 /// Factor on that limit for an eigenvalue found by inverse iteration; chosen, for the rounding of products.
 const FOUND: f64 = 10.0;

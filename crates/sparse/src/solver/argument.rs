@@ -34,7 +34,8 @@ const FIRST_POINTS: usize = 10;
 const MORE_POINTS: usize = 50;
 /// Degree of the polynomial that stands for the logarithm of all far away; chosen: so few that nothing next to the circle is in it.
 const DEGREE: usize = 3;
-/// Largest change of the phase between two neighbours, rad, between which no further point is taken; chosen.
+/// Largest change of the phase between two neighbours, rad, between which no further point is taken; chosen: with less, a circle takes more points, each a
+/// factorisation; with more, a change by nearly a whole turn is more easily taken for a small one.
 const LARGEST_CHANGE: f64 = 0.8;
 /// Most points of one circle; chosen: each is a factorisation. With fewer a circle near eigenvalues is given up, with more one along which rounding turns the
 /// phase is looked at for long.

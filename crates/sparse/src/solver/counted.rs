@@ -14,7 +14,8 @@ const CIRCLES: usize = 9;
 const BEYOND: f64 = 1.02;
 /// Radius of the largest of them, as a multiple of that around what the disc covers, if this is smaller; chosen.
 const WIDEST: f64 = 1.5;
-/// Largest distance of eigenvalues that are counted together as copies of one, in blurs, the distance to which rounding moves one apart; chosen.
+/// Largest distance of eigenvalues that are counted together as copies of one, in blurs, the distance to which rounding moves one apart; chosen: with less, a
+/// circle about copies comes so near to them that rounding turns the phase; with more, neighbours are in it, too.
 const CLUSTER: f64 = 100.0;
 /// Radii of the circles about copies of one eigenvalue, as fractions of the distance of the nearest other one; chosen.
 const FRACTIONS: [f64; 4] = [0.5, 0.3, 0.1, 0.03];

@@ -19,19 +19,22 @@ use crate::{SparseError, SparseSecondOrder};
 /// Largest relative residual of a Ritz value outside the rectangle whose place is known; chosen: larger than [`NEARLY`], as the place of an eigenvalue outside
 /// need be known to fewer digits. Less makes spaces larger, more trusts a disc up to an eigenvalue whose place is not yet known.
 const SEEN: f64 = 1e-6;
-/// Largest relative residual of a Ritz value inside the rectangle whose place is known; chosen.
+/// Largest relative residual of a Ritz value inside the rectangle whose place is known; chosen: smaller than [`SEEN`], as the place of an eigenvalue inside
+/// has to be known to more digits.
 const NEARLY: f64 = 1e-8;
 /// Largest backward error of a wanted right Ritz vector that is good enough: some rounding errors.
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
 /// Largest relative residual of a Ritz value whose vector is good enough though its backward error does not become so small; chosen.
 const CONVERGED: f64 = 1e-13;
-/// Radius of a disc, as a fraction of the distance of the first Ritz value not yet known; chosen.
+/// Radius of a disc, as a fraction of the distance of the first Ritz value not yet known; chosen: with less, discs are smaller; with more, that value may be
+/// inside, as its place is not known.
 const TRUSTED: f64 = 0.95;
 /// Number of columns before the first look at the Ritz values; chosen: fewer have hardly any that is known, more may be too many where few are wanted.
 const FIRST_LOOK: usize = 40;
 /// Number of columns before the radius of a disc grows about evenly with them; chosen.
 const HIDDEN: usize = 20;
-/// Growth of the basis after a look, as a fraction of the columns that are missing if the radius grows evenly beyond [`HIDDEN`]; chosen.
+/// Growth of the basis after a look, as a fraction of the columns that are missing if the radius grows evenly beyond [`HIDDEN`]; chosen: with less, there are
+/// more looks; with more, columns that are not needed.
 const OF_MISSING: f64 = 0.75;
 /// Number of columns of the block by which the first block is checked; chosen: the fewest that show a multiple eigenvalue which the first block holds once.
 /// More take more solutions at every disc.

@@ -5,7 +5,8 @@ use super::krylov::Krylov;
 use super::products::Parts;
 use super::ritz::Ritz;
 
-/// Least factor by which one more block divides backward errors; chosen.
+/// Least factor by which one more block divides backward errors; chosen: with less, more blocks than needed are made before the next look; with more, there are
+/// more looks.
 const FALL: f64 = 2.5;
 
 /// The backward errors of the Ritz values `some`, by their indices, with their vectors.

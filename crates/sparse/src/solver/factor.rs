@@ -18,7 +18,8 @@ use super::products::Side;
 use super::substitution::Substitution;
 use crate::SparseError;
 
-/// Largest backward error of a first solution whose pivots, in the symmetric order, were large enough; chosen.
+/// Largest backward error of a first solution whose pivots, in the symmetric order, were large enough; chosen: with a larger one Q is factorised again with any
+/// pivots, which takes longer.
 const STABLE: f64 = 1e-13;
 /// Largest backward error of a solution, |Q x - b| / (|Q| |x| + |b|), that is not refined: some rounding errors.
 const GOOD: f64 = 1e-15;
