@@ -22,7 +22,8 @@ use super::spectra::{Shapes, spectra, vectors};
 use super::{Reduced, dense, split};
 use crate::ReductionError;
 
-/// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen.
+/// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen: with less,
+/// the basis has more columns; with more, more modes of samples have to be polished or found by whole spectra.
 const WANTED_ERROR: f64 = 1e-5;
 /// Least distance that is assumed there; chosen: far above rounding, where the basis holds the modes as they are.
 const LEAST_ERROR: f64 = 1e-9;
@@ -32,7 +33,7 @@ const MARGIN: f64 = 0.01;
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
 const MOST_ERROR: f64 = 1e-3;
-/// Most columns of a coarse basis that spares anything, as a fraction of those of the reduced brake; chosen.
+/// Most columns of a coarse basis that spares anything, as a fraction of those of the reduced brake; chosen: with as many, its spectra take as long.
 const WORTH: f64 = 0.8;
 /// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
 const MOST_ITERATIONS: usize = 4;

@@ -26,13 +26,14 @@ use crate::ReductionError;
 const MARGIN: f64 = 0.02;
 /// Number of frequencies at which an inverse is kept for corrections; chosen: about as many as there are modes, each a factorisation.
 const INVERSES: usize = 8;
-/// Most corrections at one point, after which all modes are found there anew; chosen.
+/// Most corrections at one point, after which all modes are found there anew; chosen: that takes a whole spectrum on the larger basis.
 const MOST_CORRECTIONS: usize = 4;
 /// Largest change of an eigenvalue that is taken as it is estimated, as a fraction of its size; chosen.
 const SHIFTED: f64 = 0.02;
-/// Most changes of a smaller basis; chosen.
+/// Most changes of a smaller basis; chosen: one that does not hold the modes after the last change is marked as such.
 const MOST_ROUNDS: i32 = 12;
-/// Factor by which the least singular value of a direction in a basis falls from one to the next, from the root of the error that is asked for; chosen.
+/// Factor from the least singular value of a direction in one smaller basis to that in the next; the first is the root of the error that is asked for. Chosen: with
+/// less, a basis may have more columns than it needs; with more, it takes more changes.
 const LOWER: f64 = 0.6;
 
 /// A smaller basis, and how it was found.
