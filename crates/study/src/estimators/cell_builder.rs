@@ -19,13 +19,16 @@ const FIRST_HALVINGS: u32 = 2;
 const GRID_STEPS: u32 = 1 << 16;
 /// Number of points for each one that is left outside the cells, at each end of each direction; chosen.
 const POINTS_PER_OUTLIER: usize = 4096;
-/// Number of points of which the nearest gives the gain of a sample point; chosen.
+/// Number of points of which the nearest gives the gain of a sample point; chosen: with more, finding it takes longer.
 const TANGENT_CANDIDATES: usize = 2048;
-/// Least distance from the threshold, in residuals of its polynomial, of a mode that crosses nowhere in a cell; chosen.
+/// Least distance from the threshold, in residuals of its polynomial, of a mode that crosses nowhere in a cell; chosen: with less, a prediction is more often
+/// wrong; with more, modes are evaluated at points where they cross nothing.
 const CLEAR_RESIDUALS: f64 = 10.0;
-/// Number of points of a cell whose slopes are evaluated at the frequencies of its modes; chosen.
+/// Number of points of a cell whose slopes are evaluated at the frequencies of its modes; chosen: with fewer, the extent of the slopes may be larger than is
+/// seen.
 const SLOPES_PER_CELL: usize = 32;
-/// Factor on the rates of a mode at a corner with which it is followed in a cell, if it would reach the threshold at these; chosen.
+/// Factor on the rates of a mode at a corner: it is followed in a cell if it would reach the threshold at these. Chosen: with less, a mode that changes faster
+/// elsewhere in the cell is missed; with more, modes are followed that cross nothing.
 const RATE_MARGIN: f64 = 1.5;
 
 /// A cell without a leaf yet, in steps of the finest grid.
