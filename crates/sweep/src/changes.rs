@@ -28,8 +28,8 @@ const NEXT_TO: f64 = 1e-5;
 const CLEAR: f64 = 8.0;
 /// Largest power of the distance with which growth may begin; chosen.
 const STEEPEST: f64 = 4.0;
-/// Largest growth to which a law leads within twice a distance at which it is not yet clear, as a multiple of the largest that is hidden; chosen: a fourth power
-/// makes 128 of 8.
+/// Largest growth to which a law leads within twice a distance at which it is not yet clear, as a multiple of the largest that is hidden; chosen: a fourth
+/// power makes 128 of 8.
 const LEAP: f64 = 200.0;
 /// Factor on the distance that is hidden; chosen: a power is told to some tenths.
 const SAFETY: f64 = 3.0;
@@ -41,9 +41,9 @@ const ROUNDED: f64 = 1e-8;
 const SHORTEST_DIP: f64 = 1e-9;
 /// Ratio of the depth that a distance may have between three places to that of the parabola through them; chosen.
 const DIP_MARGIN: f64 = 2.0;
-/// Largest number of spectra of one line beside the equal steps, for dips; chosen.
+/// Largest number of spectra of one line beside the equal steps, for dips; chosen: steps that are left then are listed as unresolved.
 const MOST_DIPS: usize = 4096;
-/// Number of halvings between two tries to find a change as a zero; chosen.
+/// Number of halvings between two tries to find a change as a zero; chosen: a try that fails costs spectra, and one too late costs halvings.
 const HALVINGS_BETWEEN: usize = 4;
 /// Largest distance, as a fraction of the range, of two changes that undo each other and are nothing but rounding; chosen.
 const UNDONE: f64 = 1e-10;

@@ -20,7 +20,7 @@ pub(super) const FARTHEST: f64 = 0.02;
 const LEAST_SPACING: f64 = 1e-4;
 /// Largest last change of a branch point that has settled, as a fraction of the range; chosen.
 const SETTLED: f64 = 1e-9;
-/// Most moves; chosen.
+/// Most moves of a branch point; chosen: one that needs more is not listed.
 const MOST_MOVES: usize = 8;
 /// Largest distance of two zeros of s that count as one, as a fraction of the range: that is a crossing of eigenvalues that are not coupled, and no branch
 /// point; chosen.
