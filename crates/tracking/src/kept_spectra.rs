@@ -10,7 +10,7 @@ use num_complex::Complex;
 use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, OrderedParameter, RefinedPoint};
 
-/// Most spectra; branches that need more count as unresolvable; chosen.
+/// Most spectra; chosen: branches that need more count as unresolvable.
 const MOST_SPECTRA: usize = 20_000;
 /// Largest |lambda|, as a part of the largest |Im lambda|, of a rigid motion, which rounding may give a frequency; chosen: a double zero
 /// becomes the root of a rounding.

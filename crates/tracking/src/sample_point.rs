@@ -8,9 +8,11 @@ use num_complex::Complex;
 
 use crate::path::{Path, PathStart};
 
-/// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
+/// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen: with fewer, the mode itself may not be among them; with more,
+/// more shapes are computed.
 const CANDIDATES_OF_STEP: usize = 3;
-/// Largest move of a mode, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
+/// Largest move of a mode, as a fraction of the distance of the last of its candidates, before an owner is asked for others; chosen: with less, owners are
+/// asked more often; with more, the mode may have become one that is no candidate.
 const MOVED: f64 = 0.1;
 
 /// A position on the path, 0 to 1, and the modes there.
