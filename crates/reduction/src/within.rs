@@ -32,8 +32,8 @@ const MOST_CORRECTIONS: usize = 4;
 const SHIFTED: f64 = 0.02;
 /// Most changes of a smaller basis; chosen: one that does not hold the modes after the last change is marked as such.
 const MOST_ROUNDS: i32 = 12;
-/// Factor from the least singular value of a direction in one smaller basis to that in the next; the first is the root of the error that is asked for. Chosen: with
-/// less, a basis may have more columns than it needs; with more, it takes more changes.
+/// Factor from the least singular value of a direction in one smaller basis to that in the next; the first is the root of the error that is asked for.
+/// Chosen: with less, a basis may have more columns than it needs; with more, it takes more changes.
 const LOWER: f64 = 0.6;
 
 /// A smaller basis, and how it was found.
