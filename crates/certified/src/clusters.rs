@@ -55,7 +55,8 @@ pub(super) const MOST_EXPANSIONS: usize = 6;
 /// Least distance of the next eigenvalue from the mean of a group that is tried, as a multiple of that of its farthest member; chosen: on a circle
 /// between them the group's own power of the distance is to outweigh the other terms of its series.
 const CLEARANCE: f64 = 1.5;
-/// Ratio of the radius of the smallest circle that is tried around a group to the distance of its farthest member. Chosen.
+/// Radius of the smallest circle that is tried around a group, as a multiple of the distance of its farthest member, and distance of the next eigenvalue as a
+/// multiple of that of the largest; chosen.
 const MARGIN: f64 = 1.05;
 
 /// Eigenvalues that are enclosed together.
