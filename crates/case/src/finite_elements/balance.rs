@@ -12,9 +12,10 @@ use crate::Expression;
 
 /// Most condensed structures that are kept for what asks for the same again, such as other scenes of a sample; chosen: each takes some megabytes.
 const STRUCTURES: usize = 8;
-/// Most states of equilibrium that are kept likewise; chosen.
+/// Most states of equilibrium that are kept likewise; chosen: they are smaller.
 const STATES: usize = 64;
-/// Largest force that is rounding, as a fraction of the loads; chosen: an equilibrium has some twelve digits, and its smallest forces that count are far larger.
+/// Largest force that is rounding, as a fraction of the loads; chosen: an equilibrium has some twelve digits, and its smallest forces that count are far
+/// larger.
 const ROUNDING: f64 = 1e-10;
 
 /// Contact points, loads and springs of contacts in static equilibrium.
