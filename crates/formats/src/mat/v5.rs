@@ -83,7 +83,7 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
 struct Tag {
     kind: u32,
     length: u64,
-    /// Bytes after the data up to where the next part begins.
+    /// Number of bytes between the data and the next part.
     padding: u64,
 }
 
