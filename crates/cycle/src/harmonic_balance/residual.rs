@@ -1,14 +1,15 @@
 //! The residual of a harmonic balance and its Jacobian.
 //!
 //! The unknowns are the Fourier series of the *outputs* of each contact i, with tau = omega t: its gap `k_i c_i^T u`, N, which is the change of the
-//! normal force and so grows as the contact closes, and its slip `b_i^T u`, m; and that of the state z_i of its bristle, if it has one. The series
-//! `a_0 + sum_k (a_k cos k tau + b_k sin k tau)` has the amplitudes `a_k - i b_k`, written with a hat below. The *forces* F of a contact are its excess, which
-//! acts along `-c_i`, and its friction, which acts along `b_i` ([`ContactForces`]). They follow from the outputs and their derivatives at equal time
-//! steps of a period, the samples. The residuals of an output q and of a bristle are, with Q the dynamic stiffness of the structure,
+//! normal force and so grows as the contact closes, and its slip `b_i^T u`, m; and, if it has a bristle, that of z_i, the deviation of the bristle's state
+//! from steady sliding, z_i0. The series `a_0 + sum_k (a_k cos k tau + b_k sin k tau)` has the amplitudes `a_k - i b_k`, written with a hat below. The
+//! *forces* F of a contact are its excess, which acts along `-c_i`, and its friction, which acts along `b_i` ([`ContactForces`]). They follow from the
+//! outputs and their derivatives at equal time steps of a period, the samples. The residuals of an output q and of a bristle are, with Q the dynamic
+//! stiffness of the structure,
 //!
 //! ```text
-//! r_q = q_hat - H(i k omega) F_hat,    H = [k_i c_i^T; b_i^T] Q^-1 [-c_i, b_i]
-//! r_z = f(w, z) - omega dz/dtau,       w = v - omega d(b^T u)/dtau
+//! r_q = q_hat - H(i k omega) F_hat,       H = [k_i c_i^T; b_i^T] Q^-1 [-c_i, b_i]
+//! r_z = f(w, z_0 + z) - omega dz/dtau,    w = v - omega d(b^T u)/dtau
 //! ```
 //!
 //! each divided by a scale: gaps, slips and states by `scales`, omega by `omega_scale`, rates of states by both. Rows and columns of the Jacobian are in the
