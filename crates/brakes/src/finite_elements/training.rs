@@ -26,12 +26,12 @@ const FIRST_STREAM: u64 = u64::MAX / 4;
 const SCENE_STEP: f64 = 0.618_033_988_749_895;
 /// Step by which the quantile of the speed advances from one of these draws to the next, modulo 1: sqrt 2 - 1.
 const SPEED_STEP: f64 = 0.414_213_562_373_095;
-/// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen: each time takes as long as the first, and with
-/// fewer, larger errors are assumed of samples.
+/// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen: each time takes about as long as the first, and
+/// with fewer, larger errors are assumed of samples.
 pub(super) const MOST_ROUNDS: u64 = 2;
 
-/// Distance from the border of the wanted modes, relative to |lambda|. A mode that is nearer to it may be inside in one system and outside in the
-/// other. Chosen: eigenvalues of two systems are one mode up to the same distance ([`reduction::compared`]).
+/// Largest distance from the border of the wanted modes, relative to |lambda|, of a mode that may be inside in one system and outside in the
+/// other; chosen: eigenvalues of two systems are one mode up to the same distance ([`reduction::compared`]).
 pub(super) const AT_BORDER: f64 = 1e-3;
 
 /// An arrangement: the patches that are in contact (closed), by their indices from 0.
