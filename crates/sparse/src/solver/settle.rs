@@ -162,7 +162,7 @@ fn in_space(
     for e in certified.eigenvalues.iter().filter(|e| (e.lambda - mean).norm() <= 2.0 * spread + 8.0 * blur) {
         let pair = pair_of(pencil, e.lambda, &whole(&v, &e.right), &whole(&w, &e.left.conjugate()));
         if pair.backward_error <= CONVERGED {
-            // The bound of the projected problem is for its rounding errors; it is raised by how much larger the backward error in the whole problem is.
+            // The bound of the projected problem is for its rounding errors; it is multiplied by the backward error in the whole problem, in roundings.
             let more = (pair.backward_error / (0.5 * f64::EPSILON)).max(1.0);
             let bound = (e.bound * more).max(pair.bound.min(blur));
             let verdict = match e.verdict {
