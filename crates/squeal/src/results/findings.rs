@@ -12,13 +12,13 @@ use crate::Error;
 /// Fraction of the samples: a mode that is unstable in more of them is called likely; chosen.
 pub(super) const LIKELY: f64 = 0.5;
 
-/// The occurrences of a mode over all panels of a set of constraints.
+/// The occurrences of a mode over all panels of a set of constraints. The occurrence in a panel is the median over its arrangements.
 pub struct ModeRange<'a> {
-    /// Smallest median over the arrangements of a panel, and the panel.
+    /// Occurrence in the panel where it is smallest, and the panel.
     pub least: (Estimate, &'a Panel),
-    /// Largest median over the arrangements of a panel, and the panel.
+    /// Occurrence in the panel where it is largest, and the panel.
     pub most: (Estimate, &'a Panel),
-    /// The mode is unstable, or may be, in some sample.
+    /// True if the mode is unstable, or may be, in any sample that was evaluated.
     pub is_ever_unstable: bool,
     /// Occurrence in the arrangement where it is smallest, of all panels.
     pub smallest: Estimate,
@@ -29,7 +29,7 @@ pub struct ModeRange<'a> {
 }
 
 impl ModeRange<'_> {
-    /// True if the mode surely is likely in every panel.
+    /// True if the mode surely is likely in every panel: its 95 % interval is above one half of the samples.
     pub fn is_likely_everywhere(&self) -> bool {
         self.least.0.lower > LIKELY
     }
