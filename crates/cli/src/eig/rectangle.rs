@@ -18,7 +18,7 @@ use crate::terminal::note;
 /// Most degrees of freedom of a problem whose whole spectrum is certified, instead of a search; chosen: it takes some two seconds.
 const MOST_DOFS_CERTIFIED: usize = 300;
 /// Most degrees of freedom of a problem whose list is counted again without `--count`; chosen, so that the count takes about as long as the search.
-const COUNTED: usize = 10_000;
+const MOST_DOFS_COUNTED: usize = 10_000;
 /// Largest border of a rectangle, rad/s; chosen: far above any vibration, and its powers are finite.
 const LARGEST_BORDER: f64 = 1e12;
 /// Memory of a Krylov basis, bytes per degree of freedom. Memory is estimated as `BASIS_BYTES n + FACTOR_BYTES n^(4/3)`. Measured (GNU time) with a disc
@@ -60,7 +60,8 @@ pub(super) fn parse(text: &str) -> Result<Rectangle, String> {
     Ok(rectangle)
 }
 
-/// The eigenvalues of the rectangle as text.
+/// Runs `squeal eig` with `--box`: the matrices that `args` names are read, a note says what the search costs, and the eigenvalues of the rectangle are
+/// found. The answer, as text or as JSON.
 ///
 /// # Errors
 /// A file that is no matrix, shapes that differ, a singular pencil, no convergence, a rectangle with too much in it.
@@ -104,7 +105,7 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
 /// search. `budget` is the memory that may be taken, bytes.
 #[must_use]
 pub fn search_options(is_counted: bool, budget: u64) -> Options {
-    let counted = if is_counted { usize::MAX } else { COUNTED };
+    let counted = if is_counted { usize::MAX } else { MOST_DOFS_COUNTED };
     let bytes = (PART_OF_VECTORS * budget as f64) as usize;
     Options { certified: MOST_DOFS_CERTIFIED, counted, bytes, ..Options::default() }
 }
@@ -231,7 +232,7 @@ fn table((found, listed): (&Found, usize), vectors: bool) -> String {
             format!("counted again by the argument principle, {within}, as many as were found, from {points} points")
         }
         (Count::SecondBlock, _) => format!(
-            "not counted again, which above {COUNTED} degrees of freedom takes longer than the search: --count does; a second block of \
+            "not counted again, which above {MOST_DOFS_COUNTED} degrees of freedom takes longer than the search: --count does; a second block of \
              vectors at each disc found nothing new"
         ),
         (Count::Unclear, _) => {
