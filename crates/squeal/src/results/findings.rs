@@ -29,7 +29,7 @@ pub struct ModeRange<'a> {
 }
 
 impl ModeRange<'_> {
-    /// True if the mode surely is likely in every panel: its 95 % interval is above one half of the samples.
+    /// True if the mode surely is likely in every panel: the lower limit of its least occurrence is above one half.
     pub fn is_likely_everywhere(&self) -> bool {
         self.least.0.lower > LIKELY
     }
