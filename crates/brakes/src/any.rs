@@ -63,7 +63,7 @@ pub trait CaseBrake: UncertainBrake {
     }
 }
 
-/// Medians of some parameters in words, without factors of other numbers, which are 1 there, and without those of single contacts that have
+/// Medians of the parameters `given` in words, without factors of other numbers, which are 1 there, and without those of single contacts that have
 /// the value of all.
 pub(crate) fn values_in_words(given: &[NamedParameter]) -> String {
     let is_of_all = |p: &NamedParameter| {

@@ -23,14 +23,14 @@ pub(crate) trait Bits: Sized {
         bytes
     }
 
-    /// The value that all of some bytes are.
+    /// The value that `bytes` hold; `None` if they hold none, or more than one.
     fn whole(mut bytes: &[u8]) -> Option<Self> {
         let value = Self::take(&mut bytes)?;
         bytes.is_empty().then_some(value)
     }
 }
 
-/// Adds some values to bytes, after their number.
+/// Adds the values of `list` to bytes, after their number.
 pub(crate) fn put_list<T: Bits>(list: &[T], to: &mut Vec<u8>) {
     list.len().put(to);
     list.iter().for_each(|value| value.put(to));

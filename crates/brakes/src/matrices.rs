@@ -48,7 +48,7 @@ impl MatricesBrake {
         varying.next().filter(|_| varying.next().is_none())
     }
 
-    /// The medians of the parameters, with other values of some.
+    /// The parameters of a case: `values`, by their indices, and all others at their medians.
     fn with_values(&self, values: &[(usize, f64)]) -> Vec<f64> {
         let mut sample = self.case.medians();
         values.iter().for_each(|&(place, value)| sample[place] = value);

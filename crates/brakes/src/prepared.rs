@@ -28,10 +28,11 @@ use study::{hexadecimal, memory, solutions_together};
 use crate::Error;
 use crate::bits::Bits;
 
-/// A file of pieces, and one piece in a folder. The version changes when what a piece holds or means does.
+/// Form of a file of pieces. The version changes when what a piece holds or means does.
 const FILE: Sealed = Sealed { kind: "squeal-prepared", version: 2 };
+/// Form of one piece in a folder.
 const PIECE: Sealed = Sealed { kind: "squeal-piece", version: FILE.version };
-/// Brakes whose pieces a folder keeps, those that were used last; chosen: each takes some ten megabytes.
+/// Most brakes whose pieces a folder keeps, those that were used last; chosen: each takes some ten megabytes.
 const MOST_BRAKES: usize = 16;
 /// File in the folder of a brake that says what it is; writing it anew says that the folder is used.
 const OF_BRAKE: &str = "brake.txt";
@@ -105,7 +106,7 @@ impl Prepared {
         Self { folder: Some(folder), ..self }
     }
 
-    /// Also made in a memory of so many bytes, roughly: fewer solutions of a large brake are then under way together.
+    /// Also made in `memory` bytes, roughly: fewer solutions of a large brake are then under way together.
     #[must_use]
     pub fn within(self, memory: u64) -> Self {
         Self { memory: Some(memory), ..self }

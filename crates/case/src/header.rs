@@ -27,7 +27,7 @@ pub struct CaseHeader {
     pub seed: u64,
     /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
-    /// Threshold from where on a growing mode counts as unstable.
+    /// Threshold beyond which a growing mode counts as unstable.
     pub threshold: Threshold,
     /// Squeal that was measured, if the case has any.
     pub measured: Option<Measured>,

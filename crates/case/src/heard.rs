@@ -6,7 +6,7 @@ use study::{Measured, MeasuredFrequency};
 use super::CaseError;
 use super::check::Check;
 
-/// Share of the draws above which a mode counts as squeal where the case says none; chosen: one in twenty stops of a test is noticed.
+/// Share of the draws, of a case that says none: a mode that is unstable in more of them counts as squeal. Chosen: one in twenty stops of a test is noticed.
 const SHARE: f64 = 0.05;
 
 #[derive(Debug, Clone, Deserialize)]

@@ -8,17 +8,18 @@ use std::fmt;
 
 use formats::{Entry, Kind};
 
-/// Ratio to the largest of all other rows from which on a row is huge. Chosen: without it the others change by 1e-8 at most (measured: 6e-10 at
+/// Least ratio of a huge row to the largest of all other rows. Chosen: without the huge row the others change by 1e-8 at most (measured: 6e-10 at
 /// 2.5e8), and with it the bounds on their errors are larger.
 const GAP: f64 = 1e8;
-/// Entry from which on a row is held whatever its mass; chosen: no part is so stiff in any unit, programs write 1e36.
+/// Least entry of a huge row that is held whatever its mass; chosen: no part is so stiff in any unit, programs write 1e36.
 const MARK: f64 = 1e30;
-/// Negative damping, as a part of `sqrt(m k)`, up to which a row is held; chosen: its own vibration, far beyond any that is looked for, would grow by less per cycle.
+/// Largest negative damping of a row that is held, as a fraction of `sqrt(m k)`; chosen: its own vibration, far beyond any that is looked for, would grow by
+/// less per cycle.
 const UNDAMPED: f64 = 1e-8;
-/// Ratio to the heaviest row that is not huge up to which a stiff one is held; chosen: rows of masses and of moments of inertia differ by less, and a row that is
-/// scaled as a whole has a mass as huge as its stiffness.
+/// Largest ratio of the mass of a stiff row that is held to the heaviest row that is not huge; chosen: rows of masses and of moments of inertia differ by less,
+/// and a row that is scaled as a whole has a mass as huge as its stiffness.
 const HEAVY: f64 = 1e4;
-/// Ratio to the largest of all other rows from which on a stiff tie is refused; chosen: four digits of the others are left beside it.
+/// Least ratio to the largest of all other rows of a stiff tie that is refused; chosen: four digits of the others are left beside it.
 const TIED: f64 = 1e12;
 /// Least entry that may be huge, in the units of the file. Chosen: no stiffness of a part comes near it in SI or mm-t-s, and no mass;
 /// it keeps a row of rounding errors from making all others huge.
@@ -56,7 +57,7 @@ pub struct HeldRows {
 }
 
 impl HeldRows {
-    /// Rows of a brake of so many degrees of freedom, none of which is held so far.
+    /// Rows of a brake of `order` degrees of freedom, none of which is held so far.
     pub fn new(order: usize) -> Self {
         Self { diagonals: std::array::from_fn(|_| vec![0.0; order]), huge: std::array::from_fn(|_| vec![false; order]) }
     }

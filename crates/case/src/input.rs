@@ -13,7 +13,7 @@ pub const LARGEST_MATRIX: u64 = 64_000_000;
 /// Most rows or columns of a matrix of a case that is full; chosen: 4096 x 4096 takes 128 MB.
 pub const LARGEST_ORDER: usize = 4096;
 
-/// Refuses what is no regular file of at most so many bytes. Anything else could be without an end, or never begin.
+/// Refuses what is no regular file of at most `most` bytes. Anything else could be without an end, or never begin.
 pub fn check_size(path: &Path, most: u64) -> io::Result<()> {
     let found = std::fs::metadata(path)?;
     match found.is_file() {
@@ -27,7 +27,7 @@ fn of_at_most(most: u64, found: &str) -> io::Error {
     io::Error::other(format!("{found}; allowed: a regular file of at most {} MB", most / 1_000_000))
 }
 
-/// The contents of a regular file of at most so many bytes, also where it grows meanwhile.
+/// The contents of a regular file of at most `most` bytes, also where it grows meanwhile.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     check_size(path, most)?;
     let mut bytes = Vec::new();

@@ -104,7 +104,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// The numbers of some columns.
+    /// The numbers of these columns, by their indices.
     fn numbers<const N: usize>(&self, columns: [usize; N], has_heads: bool) -> Result<[Vec<f64>; N], Fault> {
         let mut values = [const { Vec::new() }; N];
         for (number, line) in self.text.lines().enumerate().skip(usize::from(has_heads)) {

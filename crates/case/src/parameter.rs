@@ -59,7 +59,8 @@ fn share() -> f64 {
     0.95
 }
 
-/// Part of a normal distribution below 0 from which on a line says that it is left out; chosen: less moves no occurrence that anyone reads.
+/// Largest part of a normal distribution below 0 that is left out without a line that says so; chosen: it moves no occurrence that anyone reads. Also the
+/// probability beyond the quantile that is taken for an end of a distribution.
 pub(crate) const CUT: f64 = 1e-3;
 
 /// A parameter with a name, from its table.

@@ -189,7 +189,7 @@ fn parameters_with<'a>(document: &'a mut Table, name: &str) -> Result<&'a mut dy
     }
 }
 
-/// The table at some keys.
+/// The table that `keys` lead to.
 fn inner<'a>(table: &'a mut dyn TableLike, keys: &[Key]) -> Result<&'a mut dyn TableLike, String> {
     let Some((key, rest)) = keys.split_first() else { return Ok(table) };
     let known: Vec<String> = table.iter().filter(|(_, item)| !item.is_value()).map(|(key, _)| key.to_owned()).collect();

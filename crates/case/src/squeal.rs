@@ -1,4 +1,4 @@
-//! The table `[squeal]` of a case file of any kind: from where on a growing mode counts.
+//! The table `[squeal]` of a case file of any kind: the threshold beyond which a growing mode counts.
 
 use cea::Threshold;
 use serde::Deserialize;

@@ -9,21 +9,23 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex;
 
-/// Difference of positions on the path from which derivatives are taken; chosen near the square root of machine epsilon.
+/// Step along the path of the differences that derivatives are computed by; chosen near the square root of machine epsilon.
 const DIFFERENCE_STEP: f64 = 1e-7;
-/// Number of values on the circle, and so of Taylor coefficients; chosen.
+/// Number of values on the circle, and so of Taylor coefficients; chosen: a pair takes twice as many values of the function.
 const CIRCLE_VALUES: usize = 8;
-/// Radius of the circle over half the distance of the pair, and its least value relative to the eigenvalue; chosen.
+/// Radius of the circle, as a multiple of half the distance of the pair; chosen: the pair is inside.
 const CIRCLE_RADIUS: f64 = 1.25;
+/// Least radius of the circle, relative to the mean of the pair; chosen.
 const LEAST_CIRCLE_RADIUS: f64 = 1e-3;
 /// Least distance of the next eigenvalue from the centre, in radii, estimated by the ratio of two Taylor coefficients; chosen.
 const LEAST_ISOLATION: f64 = 1.2;
-/// Most steps of Bairstow's method, and the change, in radii, at or below which it has converged; chosen.
+/// Most steps of Bairstow's method; chosen.
 const MOST_BAIRSTOW_STEPS: usize = 12;
+/// Largest change, in radii, of the last step of Bairstow's method; chosen.
 const BAIRSTOW_CONVERGED: f64 = 1e-13;
-/// Largest distance of the mean of a pair from its guess, in radii, at which no further circle is needed; chosen.
+/// Largest distance of the mean of a pair from its guess, in radii, with which no further circle is needed; chosen.
 const LARGEST_OFFSET: f64 = 0.5;
-/// Most circles evaluated for one pair; chosen.
+/// Most circles evaluated for one pair; chosen: a guess that needs more has no pair, and its mode is followed in another way.
 const MOST_CIRCLES: usize = 4;
 
 /// Two eigenvalues `m +- sqrt(s)` by their mean m and the square s of half the gap between them.
@@ -53,8 +55,8 @@ impl EigenvaluePair {
 /// A path, a position t on it, and an eigenvalue or a guess of one, rad/s.
 pub type OnPath<P> = (P, f64, Complex<f64>);
 
-/// Pairs of eigenvalues next to each of some guesses at a position t on a path, and the derivative of their mean and square by t; `None` where
-/// there are no two such eigenvalues, or a third is as near.
+/// The pair of eigenvalues next to each guess in `at`, which is on a path at a position t, and the derivative of the pair by t; `None` where there are no two
+/// such eigenvalues, or a third is as near.
 ///
 /// `characteristic` gives values of a function of lambda and t that is analytic next to the guesses and has the eigenvalues as zeros, up to
 /// a factor that is one for each path. A pair costs sixteen of them, and sixteen more for each further circle where the guess is far off.

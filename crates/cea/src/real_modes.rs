@@ -4,11 +4,10 @@ use linsys::real_times_complex;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use num_complex::Complex;
 
-/// Size of an eigenvalue of M or K, relative to the largest and per degree of freedom, up to which it is 0 by rounding; chosen, some
-/// roundings.
+/// Largest eigenvalue of M or K that is 0 but for rounding, relative to the largest of all and per degree of freedom; chosen: some roundings.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Difference of two entries of M across the diagonal, relative to its largest entry, up to which it is symmetric but for rounding, also
-/// that of a reduction; chosen.
+/// Largest difference of an entry of M from its mirror image, relative to the largest entry, with which M is symmetric but for rounding, that of a
+/// reduction too; chosen.
 const SYMMETRIC: f64 = 1e-9;
 
 /// Reason why a structure has no complete set of real modes.
@@ -130,7 +129,7 @@ impl RealModes {
     }
 }
 
-/// Squares of frequencies below this part of the largest are those of motions that no stiffness resists; chosen.
+/// Largest square of the frequency of a motion that no stiffness resists, as a fraction of the largest of all; chosen.
 const STILL: f64 = 1e-12;
 
 /// Shapes with the motions without mass that K gives them: `B - W (W^T K W)^-1 W^T K B`.

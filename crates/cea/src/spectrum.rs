@@ -14,8 +14,8 @@ pub struct Spectrum {
     pub scale: f64,
 }
 
-/// Distance of two frequencies, or of two growth rates, up to which they are equal but for rounding, as a part of |lambda|: far
-/// above the rounding of a solver, far below the distance of modes that differ; chosen.
+/// Largest distance of two frequencies, or of two growth rates, that are equal but for rounding, as a fraction of |lambda|; chosen: far
+/// above the rounding of a solver, far below the distance of modes that differ.
 pub const EQUAL_BUT_FOR_ROUNDING: f64 = 1e-10;
 
 /// Largest |Im lambda| / |lambda| of two real eigenvalues that rounding has made a pair; chosen: where a pair becomes two real

@@ -80,7 +80,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Counters at zero, for solvers that give up after so many certified spectra.
+    /// A workspace with counters at zero, whose solvers give up after `most` certified spectra.
     #[must_use]
     pub fn with_most_certified_solves(most: u64) -> Self {
         Self { most_certified_solves: Some(most), ..Self::default() }

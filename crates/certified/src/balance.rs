@@ -12,7 +12,7 @@ use super::planar::Planar;
 /// Least ratio of the scales of two rows: a matrix that is not graded gains nothing, and of zeros that are rounding errors balancing
 /// makes more than they are (Watkins, Electron. Trans. Numer. Anal. 23, 2006).
 const LEAST_GRADING: f64 = 1e6;
-/// Sweeps over all rows and columns; most matrices take three to six. Chosen, for those that would take turns for ever.
+/// Most sweeps over all rows and columns; chosen for those that would take turns for ever: most matrices take three to six.
 const MOST_SWEEPS: usize = 20;
 
 /// A matrix similar to the one given.

@@ -17,7 +17,8 @@ use crate::lu::Vector;
 
 /// Part of what rounding the data changes that the terms may amount to: computing them hides a quarter, one rounding of the data.
 const TERMS_PART: f64 = 0.75;
-/// Ratio of the radii that are tried. Chosen.
+/// Ratio of one radius that is tried to the one before; chosen: with a smaller one more are tried, with a larger one the radius found is farther below the
+/// largest.
 const RADIUS_STEP: f64 = 1.1;
 
 /// The radius of a disc around an eigenvalue that no certifiable circle meets; `factor` is Q next to it. A lower bound.

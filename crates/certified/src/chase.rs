@@ -5,7 +5,7 @@ use super::lane::{Lane, Reflection};
 use super::planar::Planar;
 use crate::francis::{Chase, Place};
 
-/// Number of reflections in a chunk, which share one pass over the columns to their right, so that registers gather these rows once; chosen.
+/// Number of reflections in a chunk; chosen: they share one pass over the columns to their right, so that registers gather these rows once.
 const CHUNK: usize = 8;
 
 impl<T: Lane> Chase<T> for Planar<T> {

@@ -13,9 +13,9 @@ use super::scaled::Scaled;
 use super::vectors::Factor;
 use crate::lu::Vector;
 
-/// Relative distance within which a pair is called nearly defective: a convention, for a reader's attention alone.
+/// Largest relative distance of a pair that is called nearly defective: a convention, for a reader's attention alone.
 const NEARLY_DEFECTIVE_GAP: f64 = 1e-3;
-/// Squared cosine between right vectors from which a pair is called nearly defective: 1.8 degrees. A convention too.
+/// Least squared cosine between the right vectors of a pair that is called nearly defective: 1.8 degrees. A convention too.
 const NEARLY_DEFECTIVE_COSINE: f64 = 0.999;
 
 /// Kind of a cluster: what kind of neighbours its eigenvalues are.
@@ -50,12 +50,13 @@ impl Cluster {
     }
 }
 
-/// Expansions tried around one eigenvalue: each costs a factorisation. Chosen.
+/// Most expansions that are tried around one eigenvalue; chosen: each costs a factorisation.
 pub(super) const MOST_EXPANSIONS: usize = 6;
-/// A group is tried where the next eigenvalue is this many times as far from its mean as its own farthest member: on a circle
-/// between them the group's own power of the distance is to outweigh the other terms of its series. Chosen.
+/// Least distance of the next eigenvalue from the mean of a group that is tried, as a multiple of that of its farthest member; chosen: on a circle
+/// between them the group's own power of the distance is to outweigh the other terms of its series.
 const CLEARANCE: f64 = 1.5;
-/// Ratio of the radius of the smallest circle that is tried around a group to the distance of its farthest member. Chosen.
+/// Radius of the smallest circle that is tried around a group, as a multiple of the distance of its farthest member, and distance of the next eigenvalue as a
+/// multiple of that of the largest; chosen.
 const MARGIN: f64 = 1.05;
 
 /// Eigenvalues that are enclosed together.

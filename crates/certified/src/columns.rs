@@ -8,7 +8,7 @@ use pulp::{Simd, WithSimd};
 use super::lane::Lane;
 use crate::lanes::Ops;
 
-/// Columns that a product takes together: their sums hide how long one of them takes. Chosen.
+/// Number of columns that a product takes together; chosen: their sums hide how long one of them takes.
 pub(super) const COLUMNS: usize = 4;
 
 /// The products of w, which begins in this row, with `N` columns.

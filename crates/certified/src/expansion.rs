@@ -27,11 +27,11 @@ use super::scaled::{Scaled, UNIT_ROUNDOFF, data_noise};
 use super::vectors::{Factor, SURELY_SHOWN, by_norms, shown_norm};
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
-/// Terms of the series beyond the one that is to outweigh the others. Chosen: each costs a solve, and what is left out shrinks with each.
+/// Number of terms of the series beyond the one that is to outweigh the others; chosen: each costs a solve, and what is left out shrinks with each.
 const TERMS_BEYOND: usize = 4;
 /// Ratio of the radii that are tried; chosen: with a smaller one more are tried, with a larger one the radius found is farther above the least.
 const RADIUS_STEP: f64 = 1.25;
-/// Largest group with chains, and most vectors of one: the cost of det S grows with the square of their product. Chosen.
+/// Largest group with chains, and most vectors of one; chosen: the cost of det S grows with the square of their product.
 pub(super) const LARGEST_CHAINED: usize = 12;
 
 /// A disc of the scaled plane.

@@ -38,11 +38,11 @@ use super::structure::Structure;
 
 /// Largest q with which the iteration is known to converge.
 const LARGEST_CONTRACTION: f64 = 0.25;
-/// Relative error up to which it is believed in double precision that a step does not contract. Chosen.
+/// Largest relative error of a step in double precision that is believed if it does not contract; chosen.
 const LARGEST_DOUBT: f64 = 0.1;
 /// Most steps in double precision, each of which multiplies the error by q. Chosen: at the largest q of 1/4 six leave 2e-4 of it.
 const STEPS_IN_DOUBLE: usize = 6;
-/// Most steps in double-double. One doubles the digits of a double where q is small; more are for splits that are not wide. Chosen.
+/// Most steps in double-double; chosen: one doubles the digits of a double where q is small, and more are for splits that are not wide.
 const MOST_EXTENDED_STEPS: usize = 6;
 /// Ratio of two rates of damping that splits slow from fast wherever it occurs. Of several such ratios the last one counts: what is
 /// left is not strongly damped then.

@@ -82,7 +82,7 @@ impl Lu {
         &mut self.parts[..count]
     }
 
-    /// The swaps of some steps done in columns that those steps did not see.
+    /// Does the swaps of `steps` in `columns`, which those steps did not see.
     fn swap_rows(&mut self, steps: Range<usize>, columns: Range<usize>) {
         let n = self.order();
         let swaps = self.swaps[steps.clone()].to_vec();

@@ -15,9 +15,9 @@ use super::vectors::{Factor, by_norms, orthonormalise};
 use crate::lu::Vector;
 use crate::{CertifiedError, Verdict};
 
-/// Backward errors up to this many units are rounding and not worth a Newton step.
+/// Largest backward error that is nothing but rounding, and not worth a Newton step.
 pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
-/// A refined eigenvalue is known to this part of what rounded data move it by, or better. Chosen.
+/// Largest error of a refined eigenvalue, as a fraction of what rounded data move it by; chosen.
 const REFINED_PART: f64 = 1e-6;
 
 /// State of one eigenvalue in the course of its certification, in scaled quantities.

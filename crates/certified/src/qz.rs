@@ -12,11 +12,11 @@ use super::lane::Lane;
 use super::planar::{Planar, triangularise};
 use crate::CertifiedError;
 
-/// Double steps allowed per eigenvalue; a healthy pencil takes 1 to 2. Chosen, as LAPACK has it: more are for one that does not
+/// Most double steps per eigenvalue; chosen, as LAPACK has it: a healthy pencil takes 1 to 2, and more are for one that does not
 /// converge.
 const MOST_QZ_STEPS: usize = 30;
-/// Reflections of rows that are put off together: few columns are near them, and a register's detour to gather rows
-/// pays. Chosen.
+/// Number of reflections of rows that are put off together; chosen: few columns are near them, and a register's detour to gather rows
+/// pays.
 const CHUNK: usize = 32;
 
 /// Eigenvalues of A - lambda B, complex ones in exact conjugate pairs.

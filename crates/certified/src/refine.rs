@@ -18,9 +18,9 @@ use super::residual::residual;
 use super::scaled::Scaled;
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
-/// Steps with one factorisation. Each gains the digits that it is good for: sixteen, less those of the condition number. Chosen.
+/// Most steps with one factorisation; chosen: each gains the digits that this is good for, sixteen less those of the condition number.
 const MOST_NEWTON_STEPS: usize = 6;
-/// Factorisations, each at the sigma that the last one led to. Chosen.
+/// Most factorisations, each at the sigma that the last one led to; chosen.
 const MOST_FACTORISATIONS: usize = 4;
 /// Least relative error claimed: the rounding of double-double.
 const DOUBLE_DOUBLE_ROUNDING: f64 = 1e-31;

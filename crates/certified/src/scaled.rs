@@ -14,9 +14,9 @@ use pulp::Arch;
 use crate::CertifiedError;
 use crate::lu::real_product;
 
-/// Rounds of choosing gamma and equilibrating in turn, as each changes what the other saw. Chosen.
+/// Number of rounds of choosing gamma and equilibrating in turn; chosen: several, as each changes what the other saw.
 const SCALING_ROUNDS: usize = 5;
-/// Sweeps of Ruiz's iteration: in the limit each halves the distance of the logarithms from zero. Eight leave 1/256 of it, less than
+/// Number of sweeps of Ruiz's iteration: in the limit each halves the distance of the logarithms from zero. Eight leave 1/256 of it, less than
 /// rounding to powers of two.
 const EQUILIBRATION_SWEEPS: usize = 8;
 

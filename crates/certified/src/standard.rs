@@ -68,7 +68,7 @@ pub(super) fn of_quadratic(s: &Scaled, reversed: bool) -> Option<Vec<Complex<f64
     Some(of_quotient(state, error)?.into_iter().map(reciprocal::<Dd>).collect())
 }
 
-/// `B^-1 A` for some A, and the relative error of each by norms: not finite where B is singular.
+/// `B^-1 A` for each of N matrices A, and the relative error of each by norms: not finite where B is singular.
 pub(super) struct Quotients<T, const N: usize> {
     pub(super) of: [Planar<T>; N],
     pub(super) error: f64,

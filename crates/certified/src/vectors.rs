@@ -57,7 +57,7 @@ impl<'a> Factor<'a> {
         self.lu.pivots_up_to(limit)
     }
 
-    /// True if Q(sigma) leaves no more than `limit` of so many orthonormal vectors.
+    /// True if Q(sigma) leaves no more than `limit` of each of `count` orthonormal vectors.
     pub(crate) fn hides(&self, count: usize, limit: f64) -> bool {
         let mut x: Vec<_> = (0..count).map(|v| self.start(v)).collect();
         x.iter_mut().for_each(|v| self.lu.solve(v));
@@ -109,7 +109,7 @@ const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
 pub(super) const SURELY_SHOWN: f64 = 0.2;
 
 /// Conclusion from the Frobenius norms of linear maps of n-vectors: `conclude` gets them from above, as well as the cheapest
-/// estimate that suffices tells. What is not concluded from some norms is not from larger ones: no more vectors are tried where those
+/// estimate that suffices tells. What is not concluded from norms is not concluded from larger ones either: no more vectors are tried where those
 /// tried leave nothing to conclude from the last estimate.
 pub(crate) fn by_norms<const N: usize, R>(
     n: usize,

@@ -164,7 +164,7 @@ fn balance(growth: f64, balance: &Balance) -> String {
     text
 }
 
-/// Change of the value up to which the growth is linear to a tenth, in words, relative to the value where that is not 0.
+/// Largest change of the value over which the growth is linear to a tenth, in words, relative to the value where that is not 0.
 fn reach(influence: &Influence) -> String {
     let to = influence.growth_holds_to;
     match (influence.value == 0.0, to.is_infinite()) {

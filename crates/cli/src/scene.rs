@@ -72,7 +72,7 @@ pub struct DrawnSceneArgs {
 }
 
 impl DrawnSceneArgs {
-    /// The brake of the scene, made for a purpose, with so many samples instead of the case's own.
+    /// The brake of the scene, made for a purpose, with `samples` samples instead of the case's own number.
     ///
     /// # Errors
     /// Faults of the case or of an option.
@@ -95,12 +95,12 @@ fn option(field: &str) -> &'static str {
     }
 }
 
-/// Threshold from which on a mode counts as unstable, to end a heading with; empty where that is the bare sign of Re lambda.
+/// Words on the threshold beyond which a mode counts as unstable, to end a heading with; empty where that is the bare sign of Re lambda.
 pub(super) fn counts_from(threshold: &Threshold) -> String {
     if threshold.is_axis() { String::new() } else { format!("; unstable: with {threshold}") }
 }
 
-/// Heading of an answer over the ranges of some parameters: the first scene of a plan, without a speed where that is one of them.
+/// Heading of an answer over the ranges of the parameters `over`: the first scene of a plan, without a speed where that is one of them.
 pub(super) fn swept_in_words(plan: &Plan, over: &[Over]) -> String {
     let scene = &plan.scenes[0];
     let described = plan.describe(scene);

@@ -14,10 +14,10 @@ use crate::Error;
 use crate::bar::Bar;
 use crate::terminal::note;
 
-/// Time of preparation, s, above which it is announced; chosen.
+/// Longest time of preparation, s, that is not announced; chosen.
 const ANNOUNCED: f64 = 5.0;
 
-/// The brake of a case, made for a purpose on some worker threads of pieces that are where the command looks for them, which it says.
+/// The brake of a case, made for a purpose within the threads and memory of `machine`, of pieces that are where the command looks for them, which it says.
 pub(super) fn brake(
     case: CaseFile,
     purpose: Purpose<'_>,

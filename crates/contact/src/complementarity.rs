@@ -5,17 +5,17 @@ use nalgebra::{DMatrix, DVector};
 use crate::ContactError;
 use crate::sliding::value;
 
-/// Size of an entry of a tableau below which it is rounding; chosen, problems here are scaled to about 1.
+/// Largest entry of a tableau that is nothing but rounding; chosen: problems here are scaled to about 1.
 const PIVOT: f64 = 1e-11;
 /// Tolerance of z and of w below zero, as a fraction of the largest; chosen, above rounding of the last solution.
 const NEGATIVE: f64 = 1e-10;
-/// A solution that is larger than this times what matrix and right-hand side ask for is one of a singular matrix; chosen: a million times what
+/// Largest solution of a regular matrix, as a multiple of what matrix and right-hand side ask for; chosen: a million times what
 /// gaps of contacts are.
 const SINGULAR: f64 = 1e10;
-/// Number of steps by number of unknowns after which a search ends; chosen, far more than were ever needed.
+/// Most steps of a search, by the number of unknowns; chosen, far more than were ever needed.
 const STEPS: usize = 50;
-/// Difference of two solutions, relative to the largest |q|, below which they are one; chosen: with less rounding of one solution makes two of it, with more two that are
-/// near each other are one.
+/// Largest difference of two solutions that are one, relative to the largest |q|; chosen: with less, rounding of one solution makes two of it; with more, two
+/// that are near each other are one.
 const ALIKE: f64 = 1e-8;
 
 /// Most unknowns of which all 2^n sets of zeros are looked at; chosen: 2 million eliminations of a row.

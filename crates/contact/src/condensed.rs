@@ -12,8 +12,8 @@ use crate::{ContactError, Row};
 /// 1e10 at most, one that is not 1e15 and more.
 const NOT_HELD: f64 = 1e13;
 
-/// Smallest over largest pivot of the LU decomposition of `I + A D`, D the change of the points' stiffnesses, at or below which nothing holds a body
-/// any more; chosen: above rounding of A, below what soft holders leave.
+/// Largest ratio of the smallest to the largest pivot of the LU decomposition of `I + A D`, D the change of the points' stiffnesses, with which nothing holds a
+/// body any more; chosen: above rounding of A, below what soft holders leave.
 const LET_GO: f64 = 1e-9;
 
 /// Most right-hand sides that are solved together, which each need a vector of the structure in memory; chosen: beyond, the structure is factored

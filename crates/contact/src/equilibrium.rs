@@ -21,8 +21,8 @@ use crate::sliding::value;
 use crate::uniqueness::{Uniqueness, is_monotone, uniqueness};
 use crate::{Condensed, ContactError};
 
-/// Smallest over largest pivot of the LU decomposition of `I + B'`, at or below which this is singular: friction locks (jams), as the balance then
-/// does not determine N; chosen.
+/// Largest ratio of the smallest to the largest pivot of the LU decomposition of `I + B'` with which this is singular: friction locks (jams), as the balance
+/// then does not determine N; chosen.
 const LOCKED: f64 = 1e-12;
 
 /// Balance of forces that is asked for: gaps before the loads, friction and how much of each load acts.

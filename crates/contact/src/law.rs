@@ -6,8 +6,9 @@ use crate::equilibrium::{Balance, Equilibrium};
 use crate::uniqueness::Uniqueness;
 use crate::{Condensed, ContactError, Stiffness};
 
-/// Most steps of Newton's method, and most halvings of one; chosen.
+/// Most steps of Newton's method; chosen: what needs more is refused.
 const STEPS: usize = 100;
+/// Most halvings of one step; chosen: if nothing gets better after these, what is left is rounding, or is refused.
 const HALVINGS: usize = 30;
 /// Largest residual at the end, relative to the largest gap; chosen.
 const ENOUGH: f64 = 1e-13;

@@ -125,8 +125,8 @@ impl Interface {
         })
     }
 
-    /// Faces, among some such as all outer ones of a body, that look at a master within reach with any of their points of Gauss: those that are
-    /// meant as the slave where a body is named.
+    /// Faces, among those of `slave`, that face one of `master` within reach at any of their Gauss points. Where a whole body is named as the slave, these are
+    /// what is meant of its outer faces.
     ///
     /// # Errors
     /// As [`Interface::new`], but for faces that do not meet, a master that is smaller and normals that contradict.

@@ -6,7 +6,7 @@ use elements::Mesh;
 
 use crate::{ContactError, Interface};
 
-/// Difference of the weights of two patches at a point, relative, below which they have it alike; chosen, above rounding.
+/// Largest difference, relative, of the weights of two patches that have a point alike; chosen, above rounding.
 const ALIKE: f64 = 1e-9;
 
 impl Interface {

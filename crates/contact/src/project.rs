@@ -5,10 +5,11 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Most steps of Newton's method; chosen, it takes one on a flat face and three on a curved one.
 const STEPS: usize = 50;
-/// Own coordinates change by less than this at the end; chosen, some roundings.
+/// Largest change of own coordinates by the last step; chosen: some roundings.
 const ENOUGH: f64 = 1e-14;
-/// Longest step in own coordinates, and how far out a search goes before it is given up; chosen.
+/// Longest step in own coordinates; chosen.
 const LONGEST: f64 = 1.0;
+/// Largest own coordinate of a search that is not given up; chosen.
 const FAR_OUT: f64 = 20.0;
 
 /// Projection of a point on a face.

@@ -5,10 +5,11 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::{ContactError, Side};
 
-/// Least speed along the face as a part of the velocity; chosen: nearer to the normal, rounding would say where it slides.
+/// Least speed along the face as a fraction of the velocity; chosen: nearer to the normal, rounding would say where it slides.
 const LEAST_ALONG: f64 = 1e-6;
-/// Steps of Newton's method on where an axis goes through a face, and how near it must come in own coordinates; chosen.
+/// Most steps of Newton's method for the point at which an axis goes through a face; chosen.
 const STEPS: usize = 25;
+/// Largest last step of it, and largest distance of its point from the face, in own coordinates; chosen.
 const NEAR: f64 = 1e-10;
 
 /// Velocity of the master under the slave.

@@ -18,7 +18,7 @@ pub enum Uniqueness {
     PrincipalMinors,
     /// Unique at these loads: of all 2^n states of open and closed contacts this alone is in balance.
     Enumerated,
-    /// Not unique: so many states are in balance.
+    /// Not unique, with the number of states that are in balance.
     Several(usize),
     /// Not decided: the symmetric part is indefinite, and there are too many contacts to look at all states, or none of them was found in balance.
     NotDecided,

@@ -6,7 +6,7 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 use crate::points::Point;
 use crate::{ElementsError, Mesh, Rows};
 
-/// Body: some elements of a mesh, with the degrees of freedom of their nodes in a model.
+/// Body: a list of elements of a mesh, with the degrees of freedom of their nodes in a model.
 #[derive(Debug, Clone)]
 pub struct Body<'a> {
     pub(crate) mesh: &'a Mesh,

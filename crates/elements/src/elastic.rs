@@ -80,7 +80,7 @@ impl Body<'_> {
     }
 }
 
-/// Pairs (a, b) of so many nodes, all of them.
+/// All pairs (a, b) of `nodes` nodes, by their indices.
 pub(crate) fn pairs(nodes: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..nodes * nodes).map(move |i| (i / nodes, i % nodes))
 }

@@ -7,8 +7,9 @@ use crate::rules::{FacePoint, square, triangle3, triangle7};
 const MOST_NODES: usize = 8;
 
 /// Faces of a tetrahedron by its nodes: corners around, seen from outside against the clock, then the middles of the edges between them. A
-/// linear element has the corners alone. So below.
+/// linear element has the corners alone.
 const TETRAHEDRON: [&[usize]; 4] = [&[0, 2, 1, 6, 5, 4], &[0, 1, 3, 4, 8, 7], &[1, 2, 3, 5, 9, 8], &[2, 0, 3, 6, 7, 9]];
+/// Faces of a wedge by its nodes, in the same order.
 const WEDGE: [&[usize]; 5] = [
     &[0, 2, 1, 8, 7, 6],
     &[3, 4, 5, 9, 10, 11],
@@ -16,6 +17,7 @@ const WEDGE: [&[usize]; 5] = [
     &[1, 2, 5, 4, 7, 14, 10, 13],
     &[2, 0, 3, 5, 8, 12, 11, 14],
 ];
+/// Faces of a hexahedron by its nodes, in the same order.
 const HEXAHEDRON: [&[usize]; 6] = [
     &[0, 3, 2, 1, 11, 10, 9, 8],
     &[4, 5, 6, 7, 12, 13, 14, 15],
@@ -70,7 +72,7 @@ impl Kind {
 }
 
 impl FaceKind {
-    /// The kind of a face of so many nodes.
+    /// The kind of a face of `nodes` nodes.
     pub(crate) fn of_nodes(nodes: usize) -> Self {
         match nodes {
             3 => Self::Triangle3,

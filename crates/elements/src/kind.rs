@@ -23,9 +23,11 @@ pub enum Kind {
 /// Nodes of the largest element.
 pub(crate) const MOST_NODES: usize = 20;
 
-/// Edges of a tetrahedron by their corners, in the order of the nodes in their middles; so below.
+/// Edges of a tetrahedron by their corners, in the order of the nodes in their middles.
 const TETRAHEDRON: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+/// Edges of a wedge, likewise.
 const WEDGE: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
+/// Edges of a hexahedron, likewise.
 const HEXAHEDRON: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 

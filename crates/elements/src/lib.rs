@@ -5,7 +5,7 @@
 //! | [`Kind`] | C3D4, C3D6, C3D8, C3D10, C3D15 and C3D20: nodes, shape functions, rules of integration, faces |
 //! | [`Mesh`], [`Rows`] | nodes and elements by the numbers of a model, and the degrees of freedom of that |
 //! | [`Face`], [`FaceId`], [`SurfacePoint`] | faces with their normals to the outside, by the numbers of Abaqus and CalculiX |
-//! | [`Body`] | mass, stiffness and centrifugal load of some elements |
+//! | [`Body`] | mass, stiffness and centrifugal load of a body |
 //! | [`Transport`], [`Body::stress_stiffness`] | what turning adds: gyroscopic and centripetal terms, and the stiffness of stress |
 //!
 //! Units are those of the mesh. Nothing is solved here.

@@ -83,7 +83,7 @@ impl AxisScale {
     }
 }
 
-/// Part of a step that is not seen; chosen: a step has some 30 pt, a line 0.6.
+/// Largest part of a step that is not seen; chosen: a step has some 30 pt, a line 0.6.
 const UNSEEN: f64 = 5e-3;
 
 fn range(values: impl Iterator<Item = f64>, start: (f64, f64)) -> (f64, f64) {

@@ -54,8 +54,9 @@ pub struct CyclePoint {
     pub is_fold: bool,
 }
 
-/// Heights of the panels, pt; chosen.
+/// Height of the panel of the loudness, pt; chosen.
 const LOUDNESS_HEIGHT: f64 = 190.0;
+/// Height of the panel of the frequency, pt; chosen.
 const FREQUENCY_HEIGHT: f64 = 190.0;
 /// Part of the frequencies of cycles and onsets that the axis has above and below them; chosen, so that modes beside them are seen.
 const BESIDE: f64 = 0.1;

@@ -1,4 +1,4 @@
-//! Bars with intervals: by how much each of some changes lowers a number.
+//! Bars with intervals: by how much each change of a brake lowers a number.
 
 use output::Table;
 
@@ -46,8 +46,9 @@ pub struct DropBar {
     pub predicted: Option<f64>,
 }
 
-/// Distance of two bars, and their thickness, pt; chosen.
+/// Distance from the middle of a bar to that of the next, pt; chosen.
 const PITCH: f64 = 13.0;
+/// Thickness of a bar, pt; chosen.
 const THICKNESS: f64 = 8.0;
 /// Part of the page that names may take; longer ones are broken. Chosen: about half is left for the bars.
 const MOST_FOR_NAMES: f64 = 0.45;

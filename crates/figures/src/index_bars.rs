@@ -42,8 +42,9 @@ pub struct IndexBar {
     pub total: Option<[f64; 3]>,
 }
 
-/// Height of the row of an input, pt, and of a bar in it; chosen.
+/// Height of the row of an input, pt; chosen.
 const ROW: f64 = 17.0;
+/// Height of a bar in it, pt; chosen.
 const BAR: f64 = 6.0;
 /// Distance between two columns of panels, pt; chosen: two heights of small text.
 const GAP: f64 = 16.0;

@@ -74,8 +74,9 @@ pub struct LocusMark {
     pub at: [f64; 3],
 }
 
-/// Heights of the panels, pt; chosen.
+/// Height of the panel of the root locus, pt; chosen.
 const LOCUS_HEIGHT: f64 = 210.0;
+/// Height of the panels below it, pt; chosen.
 const LOWER_HEIGHT: f64 = 170.0;
 /// Part of the height beyond an end that is not seen; chosen: less than a line is thick.
 const SEEN: f64 = 1e-3;

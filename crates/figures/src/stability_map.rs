@@ -54,9 +54,9 @@ pub struct MapCurve {
 
 /// Height of the map, pt; chosen.
 const HEIGHT: f64 = 330.0;
-/// Places along a curve that are tried for its name; chosen.
+/// Number of places along a curve that are tried for its name; chosen.
 const PLACES: usize = 24;
-/// Largest distance of a mark beyond an end of the range, as a part of the range, at which it is on that end: rounding.
+/// Largest distance, as a fraction of the range, of a mark beyond an end that is on that end: rounding.
 const ON_END: f64 = 1e-9;
 /// Overlap of the rows of a map, pt; chosen: a pixel of a screen.
 const OVERLAP: f64 = 1.0;
@@ -133,7 +133,7 @@ pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
     Ok(Figure { canvas, table })
 }
 
-/// The place, of some along a curve, that is farthest from all that are taken and from the frame.
+/// The place, of [`PLACES`] along a curve, that is farthest from all that are taken and from the frame.
 fn best_place(
     curve: &MapCurve,
     taken: &[(f64, f64)],

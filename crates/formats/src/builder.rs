@@ -61,7 +61,7 @@ impl Builder {
         Self { entries: Vec::new(), most: limits.entries, imaginary: 0.0 }
     }
 
-    /// Makes room for so many entries, of which the file has shown that they are there.
+    /// Makes room for `entries` entries, of which the file has shown that they are there.
     pub fn reserve(&mut self, entries: usize) {
         self.entries.reserve(entries.min(self.most));
     }

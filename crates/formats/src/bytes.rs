@@ -83,7 +83,7 @@ impl<'a> Bytes<'a> {
         Ok(String::from_utf8_lossy(&bytes[..end]).trim().to_owned())
     }
 
-    /// Reads over so many bytes, which must be there.
+    /// Reads over `count` bytes, which must be there.
     pub fn skip(&mut self, count: u64, what: &'static str) -> Result<(), Problem> {
         let skipped =
             std::io::copy(&mut (&mut self.source).take(count), &mut std::io::sink()).map_err(|e| unread(&e, what))?;

@@ -180,7 +180,7 @@ fn format_of(text: &str) -> Option<Format> {
     })
 }
 
-/// Calls `take` with the index and text of each of so many numbers, in lines of a format.
+/// Calls `take` with the index and text of each of `count` numbers, in lines of a format.
 fn numbers(
     lines: &mut Lines<'_>,
     (count, Format { per_line, width, .. }): (usize, Format),

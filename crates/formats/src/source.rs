@@ -77,7 +77,7 @@ impl<R: Read> Read for Counted<'_, R> {
     }
 }
 
-/// Fails after so many bytes, in place of an end that would look like a shorter file.
+/// Reader that fails after `most` bytes, in place of an end that would look like a shorter file.
 struct Bounded<R> {
     inner: R,
     left: u64,

@@ -337,9 +337,9 @@ impl AffineSystem {
     }
 }
 
-/// Channels, all dense, from which on their forces are added by one product; chosen.
+/// Fewest channels, all dense, whose forces are added by one product of matrices; chosen.
 const LEAST_DENSE: usize = 8;
-/// Entries of a matrix that terms are added to before the next are; chosen.
+/// Number of entries of a matrix to which all terms are added before the next entries; chosen.
 const SUMMED_AT_ONCE: usize = 1024;
 
 fn add_scaled(sum: &mut DMatrix<f64>, matrix: &DMatrix<f64>, factor: f64) {

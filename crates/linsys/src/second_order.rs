@@ -5,7 +5,7 @@ use num_complex::Complex;
 
 use crate::{LinsysError, Matrix, real_times_complex};
 
-/// States from which on those that act on all degrees of freedom are summed as a product of matrices. Chosen: a reduced brake has some
+/// Fewest states, each on all degrees of freedom, that are summed as a product of matrices. Chosen: a reduced brake has some
 /// dozens.
 const MANY_STATES: usize = 8;
 

@@ -49,7 +49,7 @@ impl BoundedMean {
         self.greatest = self.greatest.max(value);
     }
 
-    /// A copy with one value more, entered so many times.
+    /// A copy with one more value, entered `times` times.
     #[must_use]
     pub fn and(mut self, value: i32, times: u64) -> Self {
         if times > 0 {

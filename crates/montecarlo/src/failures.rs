@@ -43,7 +43,7 @@ impl Failures {
         }
     }
 
-    /// True if these can be the failures of the samples of these indices in so many scenes.
+    /// True if these can be the failures of the samples of these indices in `scenes` scenes.
     pub(crate) fn may_be_of(&self, scenes: usize, samples: Range<u64>) -> bool {
         let count = samples.end - samples.start;
         let of_scene = |&failed: &u64| self.draws.checked_add(failed).is_some_and(|failed| failed <= count);

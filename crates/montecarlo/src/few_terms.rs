@@ -4,7 +4,7 @@ use statrs::distribution::{ContinuousCDF, Gamma};
 
 use crate::confidence::{Confidence, Interval};
 
-/// Effective number of terms, `(sum t)^2 / sum t^2`, from which on a sum is normal enough for its standard error; chosen: 100 counts
+/// Least effective number of terms, `(sum t)^2 / sum t^2`, of a sum that is normal enough for its standard error; chosen: 100 counts
 /// know their mean to 10 %, and the skewness of a Poisson count of 100 is 0.1.
 const MANY: f64 = 100.0;
 

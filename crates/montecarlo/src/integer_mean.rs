@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::confidence::{Confidence, Interval};
 use crate::merge::Merge;
 
-/// Count, sum and sum of squares of integers, kept exactly, so that they do not depend on the order and grouping in which the
-/// values were entered. For a mean over many scenes enter the sum of each sample and divide afterwards.
+/// Count, sum and sum of squares of integers. They are exact, so that neither the order nor the grouping in which values are entered matters. For a mean
+/// over several scenes enter, of each sample, the sum over its scenes, and divide the mean by their number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct IntegerMean {
     count: u64,
@@ -22,7 +22,7 @@ impl IntegerMean {
         self.sum_of_squares += u128::from(value.unsigned_abs()).pow(2);
     }
 
-    /// Enters one value so many times.
+    /// Enters one value `times` times.
     pub(crate) fn record_times(&mut self, value: i32, times: u64) {
         self.count += times;
         self.sum += i128::from(value) * i128::from(times);
@@ -49,9 +49,9 @@ impl IntegerMean {
 
     /// The unbiased sample variance; `None` with fewer than two values.
     ///
-    /// With `q` and `r` the quotient and remainder of the sum by `n`, the squared deviations sum to
-    /// `S - r^2 / n`, `S = sum (x - q)^2`, or `(S - r) + r (n - r) / n`. Up to the last division these are integers, so that
-    /// no digits cancel.
+    /// Let n be the number of values, q and r the quotient and the remainder of their sum by n (q is about the mean), and `S = sum (x - q)^2`. The squared
+    /// deviations from the mean then sum to `S - r^2 / n = (S - r) + r (n - r) / n`. `S - r` and `r (n - r)` are integers and both are >= 0, so that no
+    /// digits cancel.
     #[must_use]
     pub fn variance(&self) -> Option<f64> {
         if self.count < 2 {
@@ -59,7 +59,7 @@ impl IntegerMean {
         }
         let n = i128::from(self.count);
         let (q, r) = (self.sum.div_euclid(n), self.sum.rem_euclid(n));
-        // No overflow: |x| <= 2^31 and n < 2^64 keep each term below 2^127.
+        // S = sum x^2 - 2 q sum x + n q^2, with sum x = n q + r. No overflow: |x| <= 2^31 and n < 2^64 keep each term below 2^127.
         let about_q = self.sum_of_squares as i128 - q * self.sum - q * r;
         let squares = (about_q - r) as f64 + (r * (n - r)) as f64 / n as f64;
         Some(squares / (n - 1) as f64)

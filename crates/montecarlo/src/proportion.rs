@@ -48,7 +48,7 @@ fn score_interval(hits: u64, trials: u64, confidence: Confidence) -> Interval {
     }
 }
 
-/// Trials after which neither limit of [`clopper_pearson`](crate::clopper_pearson) is farther than h from a proportion near p, nearly.
+/// Number of trials that brings both limits of [`clopper_pearson`](crate::clopper_pearson) within h of a proportion near p, nearly.
 /// Wilson's limits of p are the solutions P of `(P - p)^2 = z^2 P (1 - P) / n`, so that they take
 ///
 /// ```text

@@ -21,7 +21,7 @@ pub fn redraw_until_at_least(
     bound: f64,
     rng: &mut StreamRng,
 ) -> Result<f64, MonteCarloError> {
-    /// Most draws for one value; chosen.
+    /// Most draws for one value; chosen: with fewer, a bound that is rarely reached fails more often; with more, one that is never reached takes longer.
     const MOST_ATTEMPTS: u32 = 1_000;
     for _ in 0..MOST_ATTEMPTS {
         let value = distribution.sample(rng);

@@ -116,7 +116,7 @@ pub fn first_order_by_ranks(x: &[f64], y: &[f64]) -> Option<SobolIndex> {
     Some(SobolIndex { value, standard_error, samples: n as u64, few: few_neighbours(&order, given, variance) })
 }
 
-/// Part of the samples in which an output is not zero, up to which it is rare; chosen: pairs of neighbours are then few where they are
+/// Largest part of the samples in which a rare output is not zero; chosen: pairs of neighbours are then few where they are
 /// independent, and the mean of y is small beside its deviation.
 const RARE: f64 = 0.1;
 

@@ -47,7 +47,7 @@ pub struct Sector {
     pub(crate) channel_count: usize,
 }
 
-/// A basis vector: entries `+size` or `-size` at some ascending indices, the first of them positive.
+/// A basis vector: entries `+size` or `-size` at the indices of `signs`, which ascend, the first of them positive.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Combination {
     pub signs: Vec<(usize, f64)>,

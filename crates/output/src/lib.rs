@@ -34,7 +34,7 @@ pub enum OutputError {
     },
 }
 
-/// A number to so many significant digits, at least one, for people: without zeros at its end, and with an exponent below a thousandth and from
+/// A number to `digits` significant digits, at least one, for people: without zeros at its end, and with an exponent below a thousandth and from
 /// `10^(digits + 1)` on.
 ///
 /// ```

@@ -235,7 +235,7 @@ impl PythonBrake {
         Ok(brake)
     }
 
-    /// The sample with some values, by the indices of their parameters, and else the medians.
+    /// The sample with `values`, by the indices of their parameters, and else the medians.
     fn with_values(&self, values: &[(usize, f64)]) -> Vec<f64> {
         let mut sample = self.inner.case.medians();
         for &(place, value) in values {

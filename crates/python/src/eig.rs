@@ -21,11 +21,12 @@ use crate::away::{Ends, away};
 use crate::errors::argument;
 use crate::matrices::{Columns, dense, sparse};
 
-/// Most degrees of freedom of which all eigenvalues are certified; chosen: some minutes.
+/// Most degrees of freedom of a system all of whose eigenvalues are certified; chosen: it takes some minutes.
 const LARGEST_ORDER: usize = 1000;
-/// Systems of a stack that a thread takes together; chosen.
+/// Number of systems of a stack that a thread takes together; chosen.
 const TOGETHER: usize = 32;
-const HUNDRED: f64 = 100.0;
+/// Steps of what is told of the progress of a search.
+const PERCENT: f64 = 100.0;
 
 fn verdict(of: Verdict) -> i8 {
     match of {
@@ -149,10 +150,10 @@ pub(crate) fn eig_in_box<'py>(
         use squeal_cli::bar::Stages;
         let system = SparseSecondOrder::new(m, c, k)?;
         let (told, mut before) = (watch.stage("% of the rectangle"), 0);
-        told.begin(HUNDRED as u64, 0);
+        told.begin(PERCENT as u64, 0);
         let options = search_options(is_counted, memory::of_machine());
         Ok(eigenpairs_in(&system, &rectangle, &options, &mut |progress| {
-            let covered = (progress.covered * HUNDRED) as u64;
+            let covered = (progress.covered * PERCENT) as u64;
             told.advance(covered.saturating_sub(before));
             before = covered.max(before);
         })?)

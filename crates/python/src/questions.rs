@@ -26,10 +26,11 @@ use crate::away::{Ends, Watch, away};
 use crate::brake::{Brake, Source};
 use crate::errors::argument;
 
-/// Samples that a thread evaluates together; chosen.
+/// Number of samples that a thread evaluates together; chosen.
 const TOGETHER: usize = 64;
-/// Stages of a work, as they are told.
+/// What is counted while a brake is prepared, in words of the progress.
 const PREPARED: &str = "steps of preparation";
+/// What is counted while samples are evaluated, in words of the progress.
 const EVALUATED: &str = "evaluations";
 
 /// Name, columns, rows.

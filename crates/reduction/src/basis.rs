@@ -27,7 +27,7 @@ pub(super) fn directions(
     Ok(vectors)
 }
 
-/// Singular values of vectors of unit length up to which a direction is rounding; the vectors have about ten digits.
+/// Largest singular value, of vectors of unit length, of a direction that is nothing but rounding; the vectors have about ten digits.
 pub(super) const ROUNDING: f64 = 1e-11;
 
 /// The fewest leading columns of `directions` that make `error` at most `wanted`; at most `most`. By bisection: more columns are taken to be better.

@@ -22,24 +22,25 @@ use super::spectra::{Shapes, spectra, vectors};
 use super::{Reduced, dense, split};
 use crate::ReductionError;
 
-/// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen.
+/// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen: with less,
+/// the basis has more columns; with more, more modes of samples have to be polished or found by whole spectra.
 const WANTED_ERROR: f64 = 1e-5;
 /// Least distance that is assumed there; chosen: far above rounding, where the basis holds the modes as they are.
 const LEAST_ERROR: f64 = 1e-9;
-/// Distance from the rectangle, as a part of |lambda|, up to which modes shape the basis too; chosen: others come into it from there.
+/// Largest distance from the rectangle, as a fraction of |lambda|, of modes that shape the basis too; chosen: others come into it from there.
 const MARGIN: f64 = 0.01;
 /// Largest distance of a sample over the largest one at these points; chosen.
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
 const MOST_ERROR: f64 = 1e-3;
-/// Columns of the coarse basis, as a part of those of the reduced brake, from which on it spares nothing; chosen.
+/// Most columns of a coarse basis that spares anything, as a fraction of those of the reduced brake; chosen: with as many, its spectra take as long.
 const WORTH: f64 = 0.8;
 /// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
 const MOST_ITERATIONS: usize = 4;
 /// Distance of two modes next to each other without their coupling, at most, as a part of |lambda|; chosen: an error of the coupling, times that, moves the
 /// square of half their distance, so that near a coalescence the error of each is the root of it.
 const DETUNING: f64 = 0.05;
-/// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen.
+/// Largest change of an eigenvalue by the last iteration, relative to |lambda|; chosen.
 const SETTLED: f64 = 1e-7;
 
 /// Why a sample got the whole spectrum of the reduced brake.
@@ -80,7 +81,7 @@ pub struct CoarseBasis {
 pub(super) type Polished = (Vec<Complex<f64>>, DMatrix<f64>);
 
 impl Coarse {
-    /// The coarse basis of the modes of a reduced brake at some points; `None` where there is none that spares anything.
+    /// The coarse basis of the modes of a reduced brake at `points`; `None` where there is none that spares anything.
     pub fn new(reduced: &Reduced, points: &[OperatingPoint]) -> Result<Option<Self>, ReductionError> {
         let systems =
             points.iter().map(|point| reduced.system().assemble(point)).collect::<Result<Vec<SecondOrder>, _>>()?;
@@ -158,8 +159,7 @@ impl Coarse {
         &self.own
     }
 
-    /// The modes of the reduced brake that are wanted at some points, at which its systems are given: those whose eigenvalues, rad/s, known up to a
-    /// relative error, may be.
+    /// The wanted modes of the reduced brake at `points`, with its `systems` there: those whose eigenvalue, rad/s, `may_be_wanted`, given its relative error.
     pub fn polished(
         &self,
         reduced: &Reduced,
@@ -224,7 +224,7 @@ impl Coarse {
         made.into_iter().map(one).collect()
     }
 
-    /// The largest distance, relative to |lambda|, of known modes in and next to the rectangle at some points from those on the coarse basis; infinite
+    /// The largest distance, relative to |lambda|, of the `known` modes in and next to the rectangle at `points` from those on the coarse basis; infinite
     /// where one in it is missing, or one is there that is not known.
     fn distance(
         &self,

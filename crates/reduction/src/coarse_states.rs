@@ -10,7 +10,7 @@ use super::spectra::Shapes;
 use super::split;
 use crate::ReductionError;
 
-/// Singular values, of vectors of unit length, up to which directions of internal states are left out; chosen: less than is missing of shapes.
+/// Largest singular value, of vectors of unit length, of directions of internal states that are left out; chosen: less than is missing of shapes.
 const STATES: f64 = 1e-4;
 
 /// Directions in which the internal states of modes lie.
@@ -23,7 +23,7 @@ pub struct CoarseStates {
 }
 
 impl CoarseStates {
-    /// The directions of some internal states of contacts at each of some points, of a system with channels `of`; `None` where no point has any, or they
+    /// The directions of the internal `states` of contacts at each of `points`, of a system with channels `of`; `None` where no point has any, or they
     /// spare nothing.
     pub(super) fn new(
         of: &[Channel],

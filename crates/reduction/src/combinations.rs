@@ -63,7 +63,7 @@ pub(super) struct OuterRows {
 }
 
 impl OuterRows {
-    /// `S^T W Q(lambda_j) V y_j` of the terms with some coefficients, with those times loss factors where there are some, and with the friction of all
+    /// `S^T W Q(lambda_j) V y_j` of the terms with `coefficients`, with these times loss factors, if there are any, in `losses`, and with the friction of all
     /// channels over the basis.
     pub fn of(
         &self,

@@ -2,8 +2,8 @@
 
 use num_complex::Complex;
 
-/// Distance, relative to |lambda|, up to which two eigenvalues are of the same mode; chosen: with less a mode that a reduction has with an
-/// error counts as missing, with more a missing one is taken for its neighbour.
+/// Largest distance, relative to |lambda|, of two eigenvalues of the same mode; chosen: with less, a mode that a reduction has with an
+/// error counts as missing; with more, a missing one is taken for its neighbour.
 const SAME_MODE: f64 = 1e-3;
 
 /// Eigenvalues of one system and their counterparts in another.
@@ -19,7 +19,7 @@ pub struct Compared {
     pub pairs: Vec<[Complex<f64>; 2]>,
 }
 
-/// Gives each of some eigenvalues the nearest of others that is free.
+/// Counterparts of the eigenvalues `of`: each gets the nearest of `others` that is still free.
 #[must_use]
 pub fn compared(of: &[Complex<f64>], mut others: Vec<Complex<f64>>) -> Compared {
     let mut found = Compared { distance: 0.0, missed: Vec::new(), left: Vec::new(), pairs: Vec::new() };

@@ -23,21 +23,24 @@ use super::outer_products::outer_products;
 use super::state_modes::StateModes;
 use crate::ReductionError;
 
-/// Modes up to this multiple of the highest frequency of the band are kept; chosen, any more change nothing but the cost.
+/// Highest frequency of the modes that are kept, as a multiple of that of the band; chosen: any more change nothing but the cost.
 const KEPT: f64 = 1.2;
 /// Most directions in which the systems differ, as a part of their order; chosen: with more, matrices are as cheap.
 const MOST_DIRECTIONS: f64 = 0.34;
-/// Relative distance from the guess at which the problem is factored, as at an eigenvalue itself nothing may be left of a pivot; the
-/// correction at or below which an eigenvalue has converged; and the most corrections: chosen, as
-/// for paths that are evaluated by matrices.
+/// Relative distance from the guess at which the problem is factored; chosen, as for paths that are evaluated by matrices: at an eigenvalue itself nothing may
+/// be left of a pivot.
 const BESIDE: f64 = 1e-7;
+/// Largest relative correction of an eigenvalue that has converged; chosen likewise.
 const CONVERGED: f64 = 5e-5;
+/// Most corrections of an eigenvalue; chosen likewise.
 const MOST_CORRECTIONS: usize = 4;
-/// The same where eigenvalues are to be told apart; chosen.
+/// Largest relative correction of an eigenvalue that is to be told apart from others; chosen.
 const LAST_DIGITS: f64 = 1e-6;
+/// Most corrections of an eigenvalue that is to be told apart from others; chosen.
 const MOST_ROUNDS: usize = 8;
-/// Inverse iterations for a vector that is not known, and for one that is nearly right; chosen.
+/// Number of inverse iterations for a vector that is not known; chosen.
 const STEPS_FROM_ANY: usize = 3;
+/// Number of inverse iterations for a vector that is nearly right; chosen.
 const STEPS: usize = 1;
 
 type Matrix = DMatrix<Complex<f64>>;
@@ -54,7 +57,7 @@ pub struct ContactPath {
     size: f64,
 }
 
-/// Some of the modes of the system at the beginning.
+/// Modes of the system at the beginning: those that are kept, or the others.
 #[derive(Debug, Clone)]
 struct Part {
     /// Lambda, rad/s.
@@ -150,7 +153,7 @@ impl ContactPath {
         self.corrected(t, guess, CONVERGED, MOST_CORRECTIONS)
     }
 
-    /// For each of some numbers, rad/s, the `count` eigenvalues at a place of the path that are nearest to it, each of them once, with rates
+    /// The `count` eigenvalues at a place of the path that are nearest to each number in `to`, rad/s, each of them once, with rates
     /// and shapes; `None` where they are not told apart.
     ///
     /// Guesses are the eigenvalues of the problem with all but lambda itself as it is amid the numbers: what is eliminated hardly changes

@@ -5,9 +5,9 @@ use num_complex::Complex;
 
 use super::dense;
 
-/// Distance of two eigenvalues, relative to |lambda|, and cosine of their shapes, from which on they are one; chosen: settled eigenvalues
-/// differ by less, and shapes of double ones may be any.
+/// Largest distance of two results of the iteration that are one eigenvalue, relative to |lambda|; chosen: settled eigenvalues differ by less.
 const ONE_EIGENVALUE: f64 = 1e-7;
+/// Least cosine between their shapes; chosen: shapes of a double eigenvalue may be any, and are two if they differ by more.
 const ONE_SHAPE: f64 = 0.9;
 
 /// An eigenvalue, rad/s, with its shape.
@@ -26,8 +26,8 @@ where
     I: Fn(Complex<f64>, &DVector<Complex<f64>>) -> DVector<Complex<f64>>,
     S: Fn(Complex<f64>, &DVector<Complex<f64>>) -> DVector<Complex<f64>>,
 {
-    /// The eigenvalue to which a guess leads within some iterations, when it `is_settled` by its last change; `None` where it does not settle, or moves farther
-    /// than a part of |lambda|.
+    /// The eigenvalue, with its shape, to which a guess leads within `most` iterations, once it `is_settled`, given its last change; `None` where it does not
+    /// settle, or moves farther than `error`, relative to |lambda|.
     pub fn led_from(
         &self,
         (guess, shape): Pair,

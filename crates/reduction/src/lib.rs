@@ -2,14 +2,14 @@
 //!
 //! | to | use |
 //! | --- | --- |
-//! | hold the modes at some points, with columns that follow modes and not contacts | [`Snapshots`] |
+//! | hold the modes at chosen points, with columns that follow modes and not contacts | [`Snapshots`] |
 //! | find a smaller basis within these for one arrangement | [`within()`] |
 //! | have the brake on a basis, with what bounds residuals there | [`Reduced::within`], [`Combinations`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them at many points, from coarse modes | [`Reduced::with_coarse`], [`Reduced::modes_of_all`] |
 //! | compare eigenvalues of two systems | [`compared`] |
 //! | prove that nothing grows faster than it oscillates, or that something does | [`surely_none_grows_too_fast`], [`growing_real`] |
-//! | hold the shapes of some modes | [`shape_directions`] |
+//! | hold the shapes of modes | [`shape_directions`] |
 //! | follow modes while contacts open | [`ContactPath`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //!

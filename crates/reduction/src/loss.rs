@@ -20,9 +20,9 @@ use super::residual::{largest_residual, reduced_residual};
 use super::{dense, split};
 use crate::ReductionError;
 
-/// Factor of the largest distance of a mode with dashpots from that with H at the points where it was measured; chosen.
+/// Factor from the largest distance of a mode with dashpots from that with H, at the points where it was measured, to the distance that is assumed; chosen.
 const MORE_DISTANCE: f64 = 10.0;
-/// Change of an eigenvalue by one iteration, relative to |lambda|, at which it has settled; chosen: what is left is of the order of its square.
+/// Largest change of an eigenvalue by the last iteration, relative to |lambda|; chosen: what is left is of the order of its square.
 const SETTLED: f64 = 1e-9;
 /// Farthest that a guess leads, relative to |lambda|; chosen: modes that grow fast, and so are no question, move by a hundredth.
 const FARTHEST: f64 = 0.05;
@@ -157,8 +157,8 @@ impl Losses {
         Self { error: MORE_DISTANCE * distance, ..self }
     }
 
-    /// The largest distance, relative to |lambda| and to first order, of those of some modes of a brake at a point that are next to the axis, with the dashpots,
-    /// from those with H: `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one; 0 where none
+    /// The largest distance of a mode with the dashpots from that with H, relative to |lambda| and to first order, among those of `lambdas` that are next to
+    /// the axis: `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one; 0 where none
     /// is next to it.
     pub(super) fn distance(
         &self,
@@ -197,7 +197,8 @@ impl LossesAt {
         q
     }
 
-    /// The modes with H that some modes of a system with dashpots lead to; `None` where one of them does not settle, or far away, or two end at one.
+    /// The modes with H that `guesses`, modes of a system with dashpots, lead to; `None` where one of them does not settle, or settles far away, or two end at
+    /// the same.
     pub fn led_from_guesses(&self, system: &SecondOrder, guesses: &[Pair]) -> Option<Vec<Pair>> {
         let problem = Nonlinear {
             matrix: |lambda| self.dynamic_stiffness(system, lambda),

@@ -1,13 +1,13 @@
-//! Of some eigenvalues those nearest to given numbers.
+//! The eigenvalues nearest to given numbers.
 
 use std::collections::BTreeSet;
 
 use num_complex::Complex;
 
-/// Relative distance up to which two eigenvalues are one; chosen.
+/// Largest relative distance of two eigenvalues that are one; chosen.
 const SAME: f64 = 1e-7;
 
-/// The places of the `count` values nearest to each of some numbers, each of them once, ascending.
+/// The places of the `count` values nearest to each number in `to`, each of them once, ascending.
 pub(super) fn nearest(to: &[Complex<f64>], values: &[Complex<f64>], count: usize) -> BTreeSet<usize> {
     let of_number = |number: &Complex<f64>| {
         let distance = |at: &usize| (values[*at] - number).norm();
@@ -19,7 +19,7 @@ pub(super) fn nearest(to: &[Complex<f64>], values: &[Complex<f64>], count: usize
     to.iter().flat_map(of_number).collect()
 }
 
-/// Of what was found the `count` nearest to each of some numbers by their eigenvalues, each of them once; `None` where one was found twice.
+/// The `count` results whose eigenvalues are nearest to each number in `to`, each of them once; `None` where one was found twice.
 pub(super) fn nearest_of<T: Clone>(
     to: &[Complex<f64>],
     found: Vec<T>,
@@ -31,7 +31,7 @@ pub(super) fn nearest_of<T: Clone>(
     are_apart.then(|| nearest(to, &lambdas, count).into_iter().map(|at| found[at].clone()).collect())
 }
 
-/// True if an eigenvalue is none of some others.
+/// True if an eigenvalue is none of `others`.
 pub(super) fn is_apart(others: &[Complex<f64>], lambda: Complex<f64>) -> bool {
     others.iter().all(|other| (other - lambda).norm() > SAME * lambda.norm())
 }

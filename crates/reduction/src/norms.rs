@@ -77,7 +77,7 @@ impl NormsAt {
     }
 }
 
-/// Inner products of some vectors, given by their entries.
+/// Inner products of `vectors`, which are given by their entries.
 fn products(vectors: &[Vec<(usize, f64)>], length: usize) -> DMatrix<f64> {
     let mut products = DMatrix::zeros(vectors.len(), vectors.len());
     let mut whole = vec![0.0; length];
@@ -91,7 +91,7 @@ fn products(vectors: &[Vec<(usize, f64)>], length: usize) -> DMatrix<f64> {
     products
 }
 
-/// The Gram matrix of some matrices and, behind them, the outer products `left_i right_i^T` of channels, whose own Gram matrix is given.
+/// The Gram matrix of `matrices` and, behind them, the outer products `left_i right_i^T` of channels, whose own Gram matrix is given.
 fn with_channels(
     matrices: &[&CscMatrix<f64>],
     [left, right]: [&[Vec<(usize, f64)>]; 2],

@@ -33,7 +33,7 @@ const HALVINGS: u32 = 10;
 /// Solutions of that inverse iteration; chosen: what is nearest outweighs what is ten times as far by 1e4 then.
 const SOLUTIONS: usize = 4;
 
-/// True if a system surely has no eigenvalue of at least some size, rad/s, that grows as fast as it oscillates or faster; false says nothing. Systems with
+/// True if a system surely has no eigenvalue of modulus `size`, rad/s, or more that grows as fast as it oscillates or faster; false says nothing. Systems with
 /// internal states that may feed a motion and with a mass matrix that is not symmetric are not looked at.
 #[must_use]
 pub fn surely_none_grows_too_fast(system: &SecondOrder, size: f64) -> bool {
@@ -67,8 +67,8 @@ fn are_passive(Internal { decay, drive, force }: &Internal) -> bool {
     })
 }
 
-/// A real eigenvalue larger than some size, 1/s, roughly, and its right vector, the largest entry 1, roughly too; `None` where no sign of det Q tells of one, which says nothing.
-/// The mass matrix is positive definite.
+/// A real eigenvalue larger than `size`, 1/s, roughly, and its right vector, the largest entry 1, roughly too; `None` where no sign of det Q tells of one,
+/// which says nothing. The mass matrix is positive definite.
 #[must_use]
 pub fn growing_real(system: &SecondOrder, size: f64) -> Option<(f64, DVector<f64>)> {
     let points = (0..=DOUBLINGS).rev().map(|power| size * 2_f64.powi(power));

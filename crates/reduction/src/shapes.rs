@@ -7,11 +7,11 @@ use super::basis::directions;
 use super::split;
 use crate::ReductionError;
 
-/// Directions with singular values up to this, of shapes of unit length, are left out; chosen: what is then missing of an eigenvalue is far
+/// Largest singular value, of shapes of unit length, of directions that are left out; chosen: what is then missing of an eigenvalue is far
 /// below what tells modes apart. With 1e-6 and 1e-4 one and five of the 260 bridges of cases/disc-pad gave other names.
 const FLOOR: f64 = 1e-7;
 
-/// Orthonormal directions, principal ones first, that hold some shapes of the same length up to a part of 1e-7; no columns where there are no
+/// Orthonormal directions, principal ones first, that hold `shapes`, all of one length, up to a part of 1e-7; no columns where there are no
 /// shapes.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use super::dense::{add_product, product};
 use super::split;
 use crate::ReductionError;
 
-/// Systems without friction of some operating points, one for all points of equal coefficients.
+/// Systems without friction at operating points, one for all points of equal coefficients.
 pub(super) struct Structures {
     /// Systems that differ, in the order of the first point of each.
     distinct: Vec<SecondOrder>,

@@ -16,15 +16,15 @@ use super::wanted::largest;
 use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 
-/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it
-/// from there. Chosen: with less a mode that friction moves into the rectangle may be missing, with more full problems have more modes.
+/// Largest distance from the rectangle, as a fraction of the largest |lambda| in it, of modes that shape a basis too: others come into it
+/// from there. Chosen: with less, a mode that friction moves into the rectangle may be missing; with more, full problems have more modes.
 const MARGIN: f64 = 0.02;
 
-/// The part of a mode's length that a basis may miss of it, whatever residual is asked for; chosen. Where stiff parts make all residuals small, one
-/// that is not small says that a basis without any columns holds every mode.
+/// Largest part of a mode's length that a basis may miss, whatever residual is asked for; chosen. Without it, where stiff parts make all residuals small, a
+/// basis without any columns would meet a residual that is not small.
 const MOST_MISSING: f64 = 0.1;
 
-/// Modes of a large brake at some points, and the bases that hold them.
+/// Modes of a large brake at the points that are added, and the bases that hold them.
 #[derive(Debug)]
 pub struct Snapshots<'a> {
     system: &'a SparseAffineSystem,
@@ -194,7 +194,7 @@ fn columns(modes: &[SnapshotMode]) -> DMatrix<f64> {
     if columns.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&columns) }
 }
 
-/// `Q(lambda_j) x_j` of a system at the eigenvalues of some modes, x n x m split.
+/// `Q(lambda_j) x_j` of a system at the eigenvalues of `modes`, x n x m split.
 fn residuals(system: &SparseSecondOrder, modes: &[SnapshotMode], x: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| times(matrix, x));
     let h = system.h.as_ref().map(|h| times(h, x));

@@ -10,7 +10,7 @@ use crate::ReductionError;
 /// Shapes of modes at a point.
 pub(super) type Shapes = Vec<DVector<Complex<f64>>>;
 
-/// The right vectors of some eigenvalues of each of some systems.
+/// The right vectors of the `known` eigenvalues of each system.
 pub(super) fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> Result<Vec<Shapes>, ReductionError> {
     let of: Vec<(&SecondOrder, &[Complex<f64>])> = systems.iter().zip(known.iter().map(Vec::as_slice)).collect();
     Ok(right_vectors_of_all(&of, &mut Workspace::default()).into_iter().collect::<Result<_, CeaError>>()?)

@@ -47,14 +47,14 @@ pub(super) fn set(split: &mut DMatrix<f64>, at: usize, values: impl Iterator<Ite
     }
 }
 
-/// Some of the vectors.
+/// The vectors `wanted`, by their indices.
 pub(super) fn selected(split: &DMatrix<f64>, wanted: &[usize]) -> DMatrix<f64> {
     let half = count(split);
     let columns: Vec<usize> = wanted.iter().copied().chain(wanted.iter().map(|&at| half + at)).collect();
     split.select_columns(&columns)
 }
 
-/// Some vectors, then others.
+/// The vectors of `split`, then those of `more`.
 pub(super) fn joined(split: &DMatrix<f64>, more: &DMatrix<f64>) -> DMatrix<f64> {
     let (own, others) = (count(split), count(more));
     let mut out = zeros(split.nrows(), own + others);

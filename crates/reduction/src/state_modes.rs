@@ -9,7 +9,7 @@ use num_complex::Complex;
 use super::dense;
 use crate::ReductionError;
 
-/// Relative distance of two eigenvalues up to which their vectors are taken for any of a common space; chosen: farther apart, two vectors
+/// Largest relative distance of two eigenvalues whose vectors are taken for any of a common space; chosen: farther apart, two vectors
 /// have at most some millionths of each other.
 const TOGETHER: f64 = 1e-10;
 

@@ -21,18 +21,19 @@ use super::wanted::{largest, outside};
 use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 
-/// Distance from the rectangle, as a part of the largest |lambda| in it, up to which modes shape a basis too: others come into it
-/// from there. Chosen, that of the larger basis, which has no others.
+/// Largest distance from the rectangle, as a fraction of the largest |lambda| in it, of modes that shape a basis too: others come into it
+/// from there. Chosen: that of the larger basis, which has no others.
 const MARGIN: f64 = 0.02;
-/// Frequencies at which an inverse is kept for corrections; chosen: about as many as there are modes, each a factorisation.
+/// Number of frequencies at which an inverse is kept for corrections; chosen: about as many as there are modes, each a factorisation.
 const INVERSES: usize = 8;
-/// Corrections at one point after which all modes are found there; chosen.
+/// Most corrections at one point, after which all modes are found there anew; chosen: that takes a whole spectrum on the larger basis.
 const MOST_CORRECTIONS: usize = 4;
-/// Largest change of an eigenvalue, as a part of its size, that is taken as it is estimated; chosen.
+/// Largest change of an eigenvalue that is taken as it is estimated, as a fraction of its size; chosen.
 const SHIFTED: f64 = 0.02;
-/// Most changes of a smaller basis; chosen.
+/// Most changes of a smaller basis; chosen: one that does not hold the modes after the last change is marked as such.
 const MOST_ROUNDS: i32 = 12;
-/// Factor by which the least singular value of a direction in a basis falls from one to the next, from the root of the error that is asked for; chosen.
+/// Factor from the least singular value of a direction in one smaller basis to that in the next; the first is the root of the error that is asked for.
+/// Chosen: with less, a basis may have more columns than it needs; with more, it takes more changes.
 const LOWER: f64 = 0.6;
 
 /// A smaller basis, and how it was found.
@@ -50,9 +51,9 @@ pub struct Within {
     pub is_reached: bool,
 }
 
-/// The fewest directions within a basis of modes that hold the eigenvalues in and to the right of a rectangle at some points, draws of a study for example,
-/// up to an error relative to their size, as it is estimated. `reduced` is the brake on that basis, of which the first `leading` columns have all modes,
-/// roughly.
+/// The fewest directions within a basis of modes that hold the eigenvalues in and to the right of a rectangle at the given points, draws of a study for
+/// example, up to an error relative to their size, as it is estimated. `reduced` is the brake on that basis, of which the first `leading` columns have all
+/// modes, roughly.
 ///
 /// # Errors
 /// No point or one of another system, no mode in the rectangle at any point, a singular reduced mass matrix.
@@ -119,8 +120,8 @@ pub fn within(
     }
 }
 
-/// The largest error, relative to their size, that eigenvalues in and to the right of a rectangle have at some points on a smaller basis, k x m, within one of
-/// modes, as it is estimated: draws of which the smaller basis was not made, for example. `reduced` is the brake on the larger basis.
+/// The largest error, relative to their size, of the eigenvalues in and to the right of a rectangle on a smaller basis, k x m, within one of modes, as it is
+/// estimated at the given points: draws of which the smaller basis was not made, for example. `reduced` is the brake on the larger basis.
 ///
 /// # Errors
 /// No point or one of another system, a singular reduced mass matrix.
@@ -155,7 +156,7 @@ struct Judged {
 }
 
 impl Modes {
-    /// Some of the modes.
+    /// The modes `which`, by their indices.
     fn selected(&self, which: &[usize]) -> Self {
         let lambdas = which.iter().map(|&at| self.lambdas[at]).collect();
         Self { lambdas, right: split::selected(&self.right, which), left: split::selected(&self.left, which) }
@@ -175,7 +176,7 @@ struct Search<'a> {
     points: &'a [OperatingPoint],
     structures: Structures,
     friction: Friction,
-    /// `Q(i omega)^-1` at the first point, at some frequencies omega, rad/s.
+    /// `Q(i omega)^-1` at the first point, each with its frequency omega, rad/s.
     inverses: Vec<(f64, dense::Factored)>,
     /// `L^T` of `L L^T = K + omega^2 M`, symmetric parts without friction at the first point, with the highest frequency that is wanted; the identity where
     /// that is not positive.
@@ -205,7 +206,7 @@ impl<'a> Search<'a> {
         Ok(Self { reduced, rectangle, points, structures, friction, inverses, energy })
     }
 
-    /// The modes in and next to the rectangle of some systems, vectors of unit length.
+    /// The modes in and next to the rectangle of each of `systems`, vectors of unit length.
     fn modes(&self, systems: &[SecondOrder]) -> Result<Vec<Modes>, ReductionError> {
         let margin = MARGIN * largest(&self.rectangle);
         let is_near = |lambda: &Complex<f64>| {
@@ -275,7 +276,7 @@ impl<'a> Search<'a> {
     }
 
     /// The modes of a smaller system as better ones of the larger one: `x - Q_0(i omega)^-1 Q(lambda) x`, with Q_0 that of the first point at the nearest
-    /// of some frequencies, leaves of an error what lies along x, and what both Q differ in.
+    /// of the frequencies with an inverse, leaves of an error what lies along x, and what both Q differ in.
     fn better(&self, judged: Judged) -> Result<Modes, ReductionError> {
         let Judged { modes: Modes { mut lambdas, mut right, .. }, residual, better_left: left, shifts, .. } = judged;
         for (at, (lambda, shift)) in lambdas.iter_mut().zip(shifts).enumerate() {

@@ -106,12 +106,12 @@ impl Limits {
     }
 }
 
-/// The smallest of some estimates.
+/// The smallest of `estimates`, value by value and limit by limit.
 pub(super) fn least(estimates: impl IntoIterator<Item = Estimate>) -> Estimate {
     folded(estimates, f64::INFINITY, f64::min)
 }
 
-/// The largest of some estimates of occurrences; 0 of none.
+/// The largest of `estimates` of occurrences, value by value and limit by limit; 0 of none.
 pub(super) fn largest(estimates: impl IntoIterator<Item = Estimate>) -> Estimate {
     folded(estimates, 0.0, f64::max)
 }
@@ -125,7 +125,7 @@ fn folded(estimates: impl IntoIterator<Item = Estimate>, start: f64, pick: fn(f6
     })
 }
 
-/// The mean of some estimates.
+/// The mean of `estimates`, value by value and limit by limit.
 pub(super) fn mean(estimates: &[Estimate]) -> Estimate {
     let of = |of: fn(&Estimate) -> f64| estimates.iter().map(of).sum::<f64>() / estimates.len() as f64;
     Estimate { value: of(|e| e.value), lower: of(|e| e.lower), upper: of(|e| e.upper) }
@@ -151,7 +151,7 @@ pub(super) fn below(estimate: Estimate, bound: f64) -> Holds {
     }
 }
 
-/// Verdict on whether all of some conditions hold.
+/// Verdict on whether all of `conditions` hold.
 pub(super) fn all(conditions: impl IntoIterator<Item = Holds>) -> Holds {
     let mut holds = Holds::Yes;
     for condition in conditions {
@@ -164,7 +164,7 @@ pub(super) fn all(conditions: impl IntoIterator<Item = Holds>) -> Holds {
     holds
 }
 
-/// Verdict on something that may be any of some candidates: what is true of each.
+/// Verdict on something that may be any of several candidates, from that on each: what is true of all.
 pub(super) fn agreed(verdicts: &[Holds]) -> Holds {
     match verdicts {
         [first, others @ ..] if others.iter().all(|other| other == first) => *first,

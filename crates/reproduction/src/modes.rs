@@ -12,17 +12,17 @@ use super::limits::{Judgement, Limits, least};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 
-/// The modes that are ever unstable in some panels.
+/// The modes that are ever unstable in any of `panels`.
 pub(super) fn unstable_modes(results: &Results, panels: &[&Panel]) -> BTreeSet<ModeLabel> {
     panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect()
 }
 
-/// Number of occurrences that some modes have in some panels: one for each scene.
+/// Number of occurrences that `modes` modes have in `panels`: one for each scene.
 pub(super) fn number_of_occurrences(modes: usize, panels: &[&Panel]) -> usize {
     modes * panels.iter().map(|panel| panel.scenes.len()).sum::<usize>()
 }
 
-/// The median occurrence of each mode in each of some panels.
+/// The median occurrence of each mode in each of `panels`.
 pub(super) fn medians(
     results: &Results,
     modes: &BTreeSet<ModeLabel>,
@@ -88,7 +88,7 @@ pub(super) fn of_paper_modes(
     Ok(format!("the paper's number is {} from the lowest frequency, {} from the highest", words(up)?, words(down)?))
 }
 
-/// The mode of a set of constraints that has a number when modes are counted in some way.
+/// The mode of a set of constraints that has `number` when modes are counted by `counting`.
 pub(super) fn numbered(results: &Results, constraints: usize, number: ModeLabel, counting: ModeNaming) -> ModeLabel {
     let rank = counting.rank(number, results.modes_under(constraints));
     results.name(constraints, ModeLabel::of_rank(rank))

@@ -65,7 +65,7 @@ pub(super) fn robust_mode(
     Ok(claim.ours(first, holds, detail).about(results.rank_of(UNCONSTRAINED, name)))
 }
 
-/// Smallest of some amplitudes over the largest of the others.
+/// Ratio of the smallest amplitude at the indices that are `dominant` to the largest of the others.
 fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
     let least = (0..values.len()).filter(|&i| dominant(i)).map(|i| values[i]).fold(f64::INFINITY, f64::min);
     let rest = (0..values.len()).filter(|&i| !dominant(i)).map(|i| values[i]).fold(f64::NEG_INFINITY, f64::max);

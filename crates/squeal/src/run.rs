@@ -275,7 +275,7 @@ impl ExpectedTime {
     }
 }
 
-/// Time, roughly, that a study takes: some samples are timed, and the reasons of one mode.
+/// Time, roughly, that a study takes: a few samples are timed, and the reasons of one mode.
 ///
 /// # Errors
 /// Those of the study.

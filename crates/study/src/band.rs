@@ -65,7 +65,7 @@ impl BandNames<'_> {
         Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal })
     }
 
-    /// The names of some modes of a system, with M phi of each.
+    /// The names of `modes` of a system, given with M phi of each.
     fn names<'p>(
         &self,
         (modes, weighted): (&[Mode], &[DVector<Complex<f64>>]),

@@ -131,7 +131,7 @@ impl Certificate {
         lags.eq(other_lags) && self.covers_all(ends)
     }
 
-    /// True if one ellipse holds all channels at some operating points, up to the largest eigenvalue that any of them allows.
+    /// True if one ellipse holds all channels at all of `points`, up to the largest eigenvalue that any of them allows.
     fn covers_all<const N: usize>(&self, points: [&OperatingPoint; N]) -> bool {
         if self.ellipses.is_empty() || points.iter().any(|at| at.coefficients != self.coefficients) {
             return false;
@@ -142,7 +142,7 @@ impl Certificate {
     }
 }
 
-/// The coefficients of some operating points, if they are the same.
+/// The coefficients of `points`, if they are the same at all of them.
 fn common_coefficients(points: &[OperatingPoint]) -> Option<Vec<f64>> {
     let (first, others) = points.split_first()?;
     others.iter().all(|other| other.coefficients == first.coefficients).then(|| first.coefficients.clone())

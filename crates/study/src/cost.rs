@@ -35,10 +35,11 @@ const BYTES_BY_THREAD: f64 = 900.0;
 /// Memory of each of the samples that a thread solves together, bytes for each entry of a matrix: systems, spectra and continuations.
 /// Fitted with [`BYTES_BY_SCENE`].
 const BYTES_BY_SAMPLE: f64 = 65.0;
-/// Memory of a thread and of each of the samples that it solves together, bytes for each entry that states of what relaxes add to a matrix of a spectrum, a quarter of
-/// `(2 n + s)^2 - (2 n)^2`: spectra, and how states act and are driven. Measured with terms of full rank and one
-/// or two branches, 50 to 150 degrees of freedom, on two threads: 115 to 224 with 8 samples together, 250 with 30.
+/// Memory of a thread, bytes for each entry that states of what relaxes add to a matrix of a spectrum, a quarter of `(2 n + s)^2 - (2 n)^2`: spectra, and
+/// how states act and are driven. Measured together with the next constant, with terms of full rank and one or two branches, 50 to 150 degrees of freedom,
+/// on two threads: 115 to 224 with 8 samples together, 250 with 30.
 const BYTES_BY_THREAD_OF_STATES: f64 = 100.0;
+/// Memory of each of the samples that a thread solves together, likewise.
 const BYTES_BY_SAMPLE_OF_STATES: f64 = 5.0;
 /// Memory of the program in any case, bytes. Measured.
 const BYTES_ALWAYS: f64 = 2.6e7;
@@ -58,9 +59,10 @@ const PART_OF_SOLUTIONS: f64 = 0.6;
 
 /// Degrees of freedom of the refined disc and pad by which a complete solution is scaled, of 2,349 to 205,227.
 const LARGE: f64 = 47_376.0;
-/// Memory of a complete solution of it, bytes, and its processor time, s. Measured: 0.33, 1.5, 4.6 and 11.5 GB, 1.9, 11, 48 and 151 s for 14,985, 47,376,
-/// 108,459 and 205,227 degrees of freedom (docs/large-problems.md).
+/// Memory of a complete solution of it, bytes. Measured: 0.33, 1.5, 4.6 and 11.5 GB for 14,985, 47,376, 108,459 and 205,227 degrees of freedom
+/// (docs/large-problems.md).
 const BYTES_OF_LARGE: f64 = 1.5e9;
+/// Processor time of a complete solution of it, s. Measured for the same: 1.9, 11, 48 and 151 s.
 const SECONDS_OF_LARGE: f64 = 12.0;
 
 impl Cost {
@@ -98,7 +100,7 @@ impl Cost {
         Self { order, relaxing: 0, scenes: 0, bytes, bytes_of_solutions: 0.0, seconds }
     }
 
-    /// The cost of some complete solutions of the whole brake beside it: its modes in a band, as many at a time as a `budget` of bytes allows.
+    /// The cost with `count` complete solutions of the whole brake beside it: its modes in a band, as many at a time as a `budget` of bytes allows.
     #[must_use]
     pub fn with_solutions(self, count: usize, budget: u64) -> Self {
         let together = solutions_together(self.order, budget).min(count) as f64;
@@ -108,7 +110,7 @@ impl Cost {
         Self { bytes, bytes_of_solutions, seconds: self.seconds + count as f64 * seconds, ..self }
     }
 
-    /// The cost of some spectra of a dense brake of an order beside it.
+    /// The cost with `count` spectra of a dense brake of an order beside it.
     #[must_use]
     pub fn with_spectra(self, count: usize, order: usize) -> Self {
         Self { seconds: self.seconds + count as f64 * SECONDS_BY_SPECTRUM * (order as f64).powi(3), ..self }
@@ -151,7 +153,7 @@ fn bytes_of_solution(order: usize) -> f64 {
     BYTES_OF_LARGE * (order as f64 / LARGE).powf(1.45)
 }
 
-/// Order of a brake of which a complete solution takes so many bytes, roughly.
+/// Order of a brake of which a complete solution takes `bytes` bytes, roughly.
 fn order_of(bytes: f64) -> f64 {
     LARGE * (bytes / BYTES_OF_LARGE).powf(1.0 / 1.45)
 }

@@ -81,8 +81,8 @@ impl DivergenceCounts {
 }
 
 impl FullChecks {
-    /// Divergence in the scenes with some indices together. Each draw is of a scene chosen at random, all alike probable, so that its proportion is
-    /// that of the analyses of these scenes.
+    /// Divergence in all scenes together for whose index `is_of` is true. Each draw is of a scene chosen at random, all alike probable, so that its proportion
+    /// is that of the analyses of these scenes.
     pub fn divergence_where(&self, is_of: impl Fn(usize) -> bool) -> DivergenceCounts {
         let of_scenes = self.divergence.iter().filter(|(scene, _)| is_of(**scene)).map(|(_, counts)| *counts);
         of_scenes.fold(DivergenceCounts::default(), DivergenceCounts::with)

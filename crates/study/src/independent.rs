@@ -1,4 +1,4 @@
-//! A brake whose draws are independent numbers: its distributions, and the operating point at some values, are all that has to be said.
+//! A brake whose draws are independent numbers: its distributions, and the operating point at given values, are all that has to be said.
 
 use std::sync::Arc;
 

@@ -14,6 +14,6 @@ pub struct MeasuredFrequency {
 pub struct Measured {
     /// Measured frequencies, ascending.
     pub frequencies: Vec<MeasuredFrequency>,
-    /// Occurrence, 0 to 1, above which an unstable mode counts as squeal.
+    /// Occurrence, 0 to 1: an unstable mode with a larger one counts as squeal.
     pub share: f64,
 }

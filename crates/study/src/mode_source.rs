@@ -80,7 +80,7 @@ pub struct Bridge {
 
 /// The modes of a brake in the band of its plan, which it must have, found by the brake. It has one sector, and shows no divergence.
 pub trait ModeSource: Sync {
-    /// The modes of some samples of a scene in the band of the plan; those that are surely stable may be missing.
+    /// The modes of samples of a scene in the band of the plan, given their operating points; those that are surely stable may be missing.
     ///
     /// # Errors
     /// Of a sample: an operating point of another scene, a system that is not supported.
@@ -107,7 +107,7 @@ pub trait ModeSource: Sync {
     /// Reason why nothing is known of the errors of a scene, which leaves all its verdicts open; `None` where they are known.
     fn unknown_error(&self, scene: &Scene) -> Option<&'static str>;
 
-    /// The eigenvalue of the full model next to `near`, with parameters at some values, as
+    /// The eigenvalue of the full model next to `near`, with parameters at `values`, as
     /// [`Parametrised::system_with`](crate::Parametrised::system_with) takes them.
     ///
     /// # Errors
@@ -123,7 +123,7 @@ pub trait ModeSource: Sync {
     /// dashpots stand there for loss factors.
     fn eigenvalue_at_origin(&self, constraints: usize, lambda: Complex<f64>) -> Complex<f64>;
 
-    /// The shape of a mode of the origin of a set of constraints at some degrees of freedom of the full model, by their names: few enough for a table, and
+    /// The shape of a mode of the origin of a set of constraints at chosen degrees of freedom of the full model, by their names: few enough for a table, and
     /// the same ones in every study of this model, whatever its reduction.
     fn whole_shape(&self, constraints: usize, shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)>;
 

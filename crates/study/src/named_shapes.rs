@@ -20,7 +20,7 @@ pub(super) struct NamedShapes {
 }
 
 impl NamedShapes {
-    /// The names of some modes of a system with this mass matrix: those of the mode with the largest MAC, if it exceeds one
+    /// The names of each of `modes`, of a system with this mass matrix: those of the mode with the largest MAC, if it exceeds one
     /// half, else none.
     pub fn names_of(&self, modes: &[Mode], mass: &DMatrix<f64>) -> Vec<Vec<ModeLabel>> {
         let like = |of_mode: RowDVector<f64>| {

@@ -1,4 +1,4 @@
-//! Modes near the imaginary axis at some operating points of a scene, with derivatives and names: the sample points of the
+//! Modes near the imaginary axis at chosen operating points of a scene, with derivatives and names: the sample points of the
 //! control variate are made from these.
 
 use cea::{Gain, LeftOpen};

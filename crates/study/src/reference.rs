@@ -58,7 +58,7 @@ pub(crate) fn on_basis(mode: &Mode, system: &SecondOrder, basis: &DMatrix<f64>) 
     is_held.then(|| Mode::normalised(&system.m, mode.lambda, shape))
 }
 
-/// Those of some modes that a basis of fewer coordinates holds, by their indices, in these coordinates.
+/// Those of `modes` that a basis of fewer coordinates holds, by their indices, in these coordinates.
 fn held(modes: &[Mode], system: &SecondOrder, basis: &DMatrix<f64>) -> (Vec<usize>, Vec<Mode>) {
     modes.iter().enumerate().filter_map(|(at, mode)| Some((at, on_basis(mode, system, basis)?))).unzip()
 }
@@ -95,7 +95,7 @@ impl Reference {
         Self::of_modes(system, &found.oscillatory, work)
     }
 
-    /// The modes of `system` with some eigenvalues, without names.
+    /// The modes of `system` with the eigenvalues `lambdas`, without names.
     fn of_modes(system: SecondOrder, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Self, Error> {
         let modes = Mode::at(&system, lambdas, work)?;
         Ok(Self { names: vec![Vec::new(); modes.len()], modes, system, shapes: None })
@@ -122,7 +122,7 @@ impl Reference {
         identify_all(solver, paths, work).into_iter().map(|links| links.map(names)).collect()
     }
 
-    /// The names of some modes of a system with this mass matrix, by MAC with the shapes of the origin; `None` where these are
+    /// The names of each of `modes`, of a system with this mass matrix, by MAC with the shapes of the origin; `None` where these are
     /// not kept.
     pub(super) fn names_by_likeness(&self, modes: &[Mode]) -> Option<Vec<Vec<ModeLabel>>> {
         Some(self.shapes.as_ref()?.names_of(modes, &self.system.m))
@@ -142,7 +142,7 @@ impl Reference {
         names
     }
 
-    /// Names that some mode has or may have, ascending, each once.
+    /// Names that any mode has or may have, ascending, each once.
     #[must_use]
     pub fn all_names(&self) -> Vec<ModeLabel> {
         self.names_of(0..self.modes.len())

@@ -53,7 +53,7 @@ impl Scratch {
     }
 }
 
-/// Does some `work`, and adds the processor time that this thread takes for it `into` a sum.
+/// Does `work`, and adds the processor time that this thread takes for it to the sum `into`.
 pub fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
     let start = ThreadTime::now();
     let result = work();

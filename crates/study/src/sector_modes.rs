@@ -82,7 +82,7 @@ pub(super) struct SectorEquation<'a> {
 }
 
 impl SectorSolver<'_> {
-    /// The modes of this sector in some samples, one system each, by their spectra; the unstable ones with names.
+    /// The modes of this sector in samples, one of `systems` each, by their spectra; the unstable ones with names.
     pub fn solve(&self, systems: &[SecondOrder], memory: &mut Memory) -> Vec<Result<SectorModes, CeaError>> {
         // Friction does not act on every sector. Where it does not, the systems of all samples are equal: one is solved.
         if let [first, others @ ..] = systems
@@ -107,7 +107,7 @@ impl SectorSolver<'_> {
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
 
-    /// Modes of this sector in some samples that oscillate and that the plan studies, stable ones too, with their names.
+    /// Modes of this sector in samples, one of `systems` each, that oscillate and that the plan studies, stable ones too, with their names.
     pub fn every_mode(&self, systems: &[SecondOrder], memory: &mut Memory) -> Vec<Result<Vec<NamedMode>, CeaError>> {
         let Memory { spectra, work, spent } = memory;
         let found: Vec<Result<Vec<Complex<f64>>, CeaError>> = timed(&mut spent.spectra, || {
@@ -127,7 +127,7 @@ impl SectorSolver<'_> {
         found.into_iter().zip(named).map(|(found, named)| found.and(named)).collect()
     }
 
-    /// The modes at given eigenvalues of some systems, with their names.
+    /// The modes of each of `systems` at its eigenvalues in `lambdas`, with their names.
     fn named_of_systems(
         &self,
         systems: &[SecondOrder],
@@ -141,7 +141,7 @@ impl SectorSolver<'_> {
         self.named(&starts, shaped, memory)
     }
 
-    /// The modes of this sector in some samples, from the growing modes that its secular equation found; these with names.
+    /// The modes of this sector in samples, from the growing modes that its secular equation `found` for each; these with names.
     pub fn name_growing(&self, found: &[(Gain, Growing)], memory: &mut Memory) -> Vec<Result<SectorModes, CeaError>> {
         let judged: Vec<ModesWithVerdicts> =
             found.iter().map(|(_, growing)| ModesWithVerdicts::from_growing(growing, self.plan)).collect();
@@ -151,7 +151,7 @@ impl SectorSolver<'_> {
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged.with_names(named?))).collect()
     }
 
-    /// The modes at given eigenvalues of some gains, with their names; empty for a sector without a secular equation.
+    /// The modes at the eigenvalues of each gain in `of`, with their names; empty for a sector without a secular equation.
     pub fn named_at(
         &self,
         of: &[(Gain, Vec<Complex<f64>>)],
@@ -214,7 +214,7 @@ pub fn check_range(system: &SecondOrder, spectrum: &Spectrum) -> Result<(), CeaE
     Err(CertifiedError::Range { smallest, largest }.into())
 }
 
-/// Candidate names of some modes, one list each.
+/// Candidate names of modes, one list for each mode.
 type Names = Vec<Vec<ModeLabel>>;
 
 /// The modes of one system, with verdicts.

@@ -180,7 +180,7 @@ pub(super) fn growing_modes(
     found
 }
 
-/// The growing modes of a sector at some gains, each with frequencies that the bounds of other modes must keep off. A growing mode
+/// The growing modes of a sector at each of `gains`, which come with frequencies that the bounds of other modes must keep off. A growing mode
 /// so near the threshold of the plan that rounding leaves its side open leaves the answer open: a spectrum brings a bound.
 fn search_sector(sector: &SectorSolver<'_>, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<SecularAnswer> {
     let Some(SectorEquation { secular, anchors, .. }) = sector.equation else { return vec![None; gains.len()] };

@@ -25,7 +25,7 @@ impl ThirdOctave {
         Self::of_hertz(omega / TAU)
     }
 
-    /// The third octave so many below it.
+    /// The third octave that is `count` below it.
     #[must_use]
     pub fn below(self, count: u16) -> Self {
         Self(self.0 - i32::from(count))

@@ -19,27 +19,27 @@ use crate::Error;
 const FIRST_STEP: f64 = 0.01;
 /// Longest step, as a fraction of the ranges; chosen: a curve is drawn by straight lines.
 const LONGEST_STEP: f64 = 0.03;
-/// Step below which a curve is given up; chosen.
+/// Shortest step, as a fraction of the ranges: a curve that needs a shorter one is given up; chosen.
 const SHORTEST_STEP: f64 = 1e-7;
 /// Cosine of the largest turn of the tangent in a step; chosen: 15 degrees.
 const LARGEST_TURN: f64 = 0.966;
-/// Cosine of the turn of the tangent below which the next step is longer; chosen: 6 degrees.
+/// Cosine of the largest turn of the tangent after which the next step is longer; chosen: 6 degrees.
 const SMALL_TURN: f64 = 0.9945;
-/// Largest correction, as a fraction of the step; chosen.
+/// Largest correction, as a fraction of the step; chosen: with less, more steps are halved; with more, a step may lead to another curve.
 const LARGEST_CORRECTION: f64 = 0.2;
-/// Largest departure of lambda from its tangents, as a fraction of its change over a step of that length up the steepest way; chosen.
+/// Largest departure of lambda from its tangents, as a fraction of its change over a step of that length up the steepest way; chosen likewise.
 const LARGEST_DEPARTURE: f64 = 0.05;
-/// Least `|x^H z|` of the unit shapes at the ends of a step; chosen.
+/// Least `|x^H z|` of the unit shapes at the ends of a step; chosen: with less, a step may lead to another mode; with more, more steps are halved.
 const LEAST_LIKENESS: f64 = 0.8;
-/// Distance from the curve at which a point is on it: rounding of coordinates near 1; chosen.
+/// Largest distance from the curve of a point that is on it; chosen: rounding of coordinates near 1.
 const ON_CURVE: f64 = 1e-13;
-/// Distance below which a point is on the curve as soon as corrections do not fall any more; chosen.
+/// Largest distance of a point that is on the curve if corrections do not fall any more; chosen.
 const ROUNDING: f64 = 1e-9;
-/// Most corrections; chosen.
+/// Most corrections; chosen: a step that needs more is halved.
 const MOST_CORRECTIONS: usize = 8;
-/// Most points of a curve; chosen.
+/// Most points of a curve; chosen: one that needs more counts as lost.
 const MOST_POINTS: usize = 20_000;
-/// Largest distance of a known point from a step of a curve on which it counts as lying, as a fraction of the step and of the change of the
+/// Largest distance from a step of a curve of a known point that counts as lying on it, as a fraction of the step and of the change of the
 /// frequency; chosen: the cubic between two points is far nearer.
 const SAME_POINT: f64 = 5e-3;
 

@@ -24,27 +24,28 @@ const SHORTEST: f64 = 1e-13;
 const LEAST_ERROR: f64 = 1e-10;
 /// Distance from a change at which the rate of a real eigenvalue is taken, as a fraction of the range; chosen.
 const NEXT_TO: f64 = 1e-5;
-/// Growth, as a multiple of the largest that is hidden, from which its law is told; chosen: eight times is twice as far of a cube.
+/// Least growth by which its law is told, as a multiple of the largest that is hidden; chosen: a growth with the cube of the distance has it twice as far away.
 const CLEAR: f64 = 8.0;
 /// Largest power of the distance with which growth may begin; chosen.
 const STEEPEST: f64 = 4.0;
-/// Growth, as a multiple of the largest that is hidden, that no law leads to within twice the distance at which it is hidden; chosen: a fourth power makes 128 of 8.
+/// Largest growth to which a law leads within twice a distance at which it is not yet clear, as a multiple of the largest that is hidden; chosen: a fourth
+/// power makes 128 of 8.
 const LEAP: f64 = 200.0;
-/// Factor of the distance that is hidden; chosen: a power is told to some tenths.
+/// Factor on the distance that is hidden; chosen: a power is told to some tenths.
 const SAFETY: f64 = 3.0;
-/// Least growth beyond a divergence, in that of a rigid motion, up to which it is what was hidden and no jump; chosen.
+/// Largest growth next to a divergence that was hidden before it, as a multiple of that of a rigid motion; a larger one is a jump. Chosen.
 const SLOW: f64 = 100.0;
-/// Growth, as a part of the frequency, from which on a mode that seems to begin with it has begun with less; chosen.
+/// Largest growth with which a mode may begin, as a fraction of its frequency; one that seems to begin with more has begun with less. Chosen.
 const ROUNDED: f64 = 1e-8;
-/// Length of a step, as a fraction of the range, below which a least distance from the threshold is not looked for any more; chosen.
+/// Shortest step, as a fraction of the range, in which a least distance from the threshold is looked for; chosen.
 const SHORTEST_DIP: f64 = 1e-9;
 /// Ratio of the depth that a distance may have between three places to that of the parabola through them; chosen.
 const DIP_MARGIN: f64 = 2.0;
-/// Largest number of spectra of one line beside the equal steps, for dips; chosen.
+/// Largest number of spectra of one line beside the equal steps, for dips; chosen: steps that are left then are listed as unresolved.
 const MOST_DIPS: usize = 4096;
-/// Number of halvings between two tries to find a change as a zero; chosen.
+/// Number of halvings between two tries to find a change as a zero; chosen: a try that fails costs spectra, and one too late costs halvings.
 const HALVINGS_BETWEEN: usize = 4;
-/// Distance, as a fraction of the range, up to which two changes that undo each other are rounding; chosen.
+/// Largest distance, as a fraction of the range, of two changes that undo each other and are nothing but rounding; chosen.
 const UNDONE: f64 = 1e-10;
 
 /// Largest |lambda|, as a fraction of the largest frequency on the line, of a rigid motion; chosen: where terms of a brake cancel, rounding
@@ -136,7 +137,7 @@ pub(super) struct Changes {
 }
 
 impl Along<'_> {
-    /// The changes on the line, by spectra at `steps` equal steps, at some places `beside` these, and between.
+    /// The changes on the line, by spectra at `steps` equal steps, at the places `beside` these, and between.
     ///
     /// # Errors
     /// Those of the brake and of the solver.
@@ -152,7 +153,7 @@ impl Along<'_> {
         along.between(places)
     }
 
-    /// The changes on the line, by spectra at some places and between.
+    /// The changes on the line, by spectra at `places` and between.
     fn between(&self, mut places: Vec<Place>) -> Result<Changes, Error> {
         let mut changes = Changes::default();
         self.look_into_dips(&mut places, &mut changes)?;
@@ -175,8 +176,8 @@ impl Along<'_> {
         Ok(changes)
     }
 
-    /// Distance from a change between two places, as a fraction of the range, up to which a real eigenvalue is so small that it is taken for a rigid motion,
-    /// or a growing mode grows so little that it is taken to be on the axis.
+    /// Largest distance from a change between two places, as a fraction of the range, of what it hides: a real eigenvalue so small that it is taken for a rigid
+    /// motion, or a growing mode that grows so little that it is taken to be on the axis.
     fn hidden(&self, change: &Change, [a, b]: [&Place; 2]) -> Result<f64, Error> {
         let (side, grown) = if change.starts { (1.0, b) } else { (-1.0, a) };
         let growth_of = |place: &Place| {

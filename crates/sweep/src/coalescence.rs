@@ -18,12 +18,12 @@ use crate::Error;
 pub(super) const FARTHEST: f64 = 0.02;
 /// Least distance of the three parameters, as a fraction of the range; chosen: nearer to a branch point eigenvalues lose digits.
 const LEAST_SPACING: f64 = 1e-4;
-/// Change of a branch point, as a fraction of the range, at which it stands; chosen.
+/// Largest last change of a branch point that has settled, as a fraction of the range; chosen.
 const SETTLED: f64 = 1e-9;
-/// Most moves; chosen.
+/// Most moves of a branch point; chosen: one that needs more is not listed.
 const MOST_MOVES: usize = 8;
-/// Distance of two zeros of s, as a fraction of the range, at which they count as one: that is a crossing of eigenvalues that do not
-/// know of each other, and no branch point; chosen.
+/// Largest distance of two zeros of s that count as one, as a fraction of the range: that is a crossing of eigenvalues that are not coupled, and no branch
+/// point; chosen.
 const DOUBLE: f64 = 1e-5;
 
 /// Coalescence of two modes, or the rest that damping leaves of one.

@@ -24,7 +24,8 @@ use crate::Error;
 
 /// Most values of a function; chosen: bisection alone takes about 50.
 const MOST_VALUES: usize = 80;
-/// Number of values after which a bracket that has not become half as long is halved; chosen.
+/// Number of values within which a bracket has to become half as long, or else is halved; chosen: with fewer, bisection takes the place of a faster method;
+/// with more, a slow one goes on for longer.
 const PATIENCE: usize = 3;
 /// Rounding of a squared half distance, in units of epsilon and the squared scale of the problem; chosen.
 const ROUNDINGS: f64 = 256.0;
@@ -37,7 +38,7 @@ const SMALL_SQUARE: f64 = 1e-12;
 /// changes so much over the little distance.
 const KINKED: f64 = 0.75;
 /// Largest distance of the mean of two eigenvalues from its expected value, as a multiple of half their distance and of the length of its
-/// move; chosen.
+/// move; chosen: farther away they are taken for another pair, and the change is found by halvings.
 const LARGEST_DRIFT: f64 = 2.0;
 
 /// The change between two places that differ by it, and the number of spectra solved.
@@ -290,7 +291,7 @@ struct Bracket {
     /// Values at the ends, one of them halved where the other end has moved twice.
     values: [f64; 2],
     last: Option<usize>,
-    /// Length of the bracket some values ago; `since` is the number of values since then.
+    /// Length of the bracket `since` values ago.
     was: f64,
     since: usize,
 }

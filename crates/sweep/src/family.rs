@@ -15,7 +15,7 @@ use super::change::{Band, Change};
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
 
-/// Half of the difference from which derivatives by a parameter are taken, as a fraction of its range: its square is near machine
+/// Half of the step of the central differences that derivatives by a parameter are computed by, as a fraction of its range: its square is near machine
 /// epsilon over itself.
 pub(super) const DIFFERENCE: f64 = 1e-5;
 /// Shortest step, as a fraction of the range; chosen: derivatives by differences tell branches apart down to there.
@@ -90,7 +90,7 @@ pub(super) struct Line {
     pub direction: Vec<f64>,
     /// Least and largest `t` at which the brake may be asked for its systems.
     pub bounds: [f64; 2],
-    /// Half of the difference in `t` from which derivatives are taken.
+    /// Half of the step in `t` of the central differences that derivatives are computed by.
     pub difference: f64,
 }
 

@@ -18,7 +18,7 @@ use crate::Error;
 /// Numbers of intervals of the grid of lines on which boundary curves are looked for, one after the other until no spectrum contradicts
 /// what is found; chosen: a curve that meets no line is not found.
 const GRIDS: [usize; 4] = [8, 16, 32, 64];
-/// Number of eigenvalues up to which all grids and checks are tried; of a larger brake the first two grids, and a check in each region
+/// Most eigenvalues of a brake with which all grids and checks are tried; of a larger one the first two grids, and a check in each region
 /// alone; chosen.
 const SMALL: usize = 160;
 /// Number of cells of the figure between two checks; chosen.

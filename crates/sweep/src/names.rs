@@ -54,7 +54,7 @@ fn nearest(lambdas: &[Complex<f64>], modes: &[Mode]) -> Vec<usize> {
     places
 }
 
-/// Carries the names that some branches have at a parameter over the ambiguities above and below: a branch that begins at an
+/// Carries the names that branches have at the parameter `known_at` over the ambiguities above and below: a branch that begins at an
 /// ambiguity may be each of those that end there.
 pub(super) fn carry(names: &mut [Names], ambiguities: &[Ambiguity], known_at: f64) {
     let mut share = |from: &[usize], to: &[usize]| {

@@ -12,7 +12,7 @@ use crate::Error;
 pub(super) const OPENING_STEPS: usize = 1024;
 /// Width of an opening, as a fraction of the range, that is not halved any more; chosen: the last bits.
 const NARROWEST: f64 = 1e-14;
-/// Distance, as a fraction of the range, up to which openings are taken for one; chosen: between them no derivative can be taken.
+/// Largest distance, as a fraction of the range, of openings that are taken for one; chosen: between them no derivative can be computed.
 pub(super) const TOGETHER: f64 = 1e-7;
 
 /// A place at which contact points open or close.

@@ -29,7 +29,7 @@ const FEWEST_STEPS: usize = 64;
 const FIRST_STEPS: usize = 16;
 /// Least number of steps of a piece at which unstable modes are counted; chosen: three places show a dip.
 const FEWEST_OF_PIECE: usize = 2;
-/// Farthest distance of a branch point from the real axis at which it is listed, as a fraction of a piece; chosen.
+/// Largest distance from the real axis of a branch point that is listed, as a fraction of a piece; chosen.
 const FARTHEST_OF_PIECE: f64 = 0.25;
 
 /// Where the modes of a part have the names that its branches get.
@@ -201,7 +201,7 @@ fn steps<B: UncertainBrake>(part: &Part<'_, B>) -> Result<usize, Error> {
     Ok(STEPS.iter().find(|(most, _)| eigenvalues <= *most).map_or(FEWEST_STEPS, |(_, steps)| *steps))
 }
 
-/// Number of equal steps at which unstable modes are counted on a piece that is a share of a range with so many.
+/// Number of equal steps at which unstable modes are counted on a piece, which is a `share` of a range with `steps` of them.
 pub(super) fn steps_of_piece(steps: usize, share: f64) -> usize {
     ((steps as f64 * share).ceil() as usize).max(FEWEST_OF_PIECE)
 }

@@ -16,12 +16,14 @@ use crate::step_control::PredictorErrors;
 
 /// Weight of the change of slope, relative to the distance of the tangents, in the error of a link; chosen.
 const DIRECTION_WEIGHT: f64 = 0.25;
-/// Largest error of a clear link, as a part of the error of the second best link; chosen.
+/// Largest error of a clear link, as a fraction of the error of the second best link; chosen: with less, more steps are halved; with more, a link may lead to
+/// another branch.
 const CLEAR_LINK_ERROR: f64 = 0.25;
 /// Number of eigenvalues nearest to the tangent at the middle of the step that are compared as links; chosen: the derivatives
 /// of the others need not be computed.
 const COMPARED_EIGENVALUES: usize = 4;
-/// Number of steps that an interval is divided into before any step is halved; chosen.
+/// Number of steps that an interval is divided into before any step is halved; chosen: with fewer, more of them are halved; with more, more spectra are taken
+/// where nothing happens.
 pub(crate) const FIRST_STEPS: usize = 16;
 
 /// An eigenvalue and its derivative by the parameter.

@@ -13,7 +13,7 @@ use crate::tuning::tuning;
 
 /// The first step, as a part of the path; chosen: steps next to a coalescence are about as short.
 const FIRST_PAIR_STEP: f64 = 0.01;
-/// Shortest step, as a part of the path; chosen.
+/// Shortest step, as a part of the path; chosen: a pair that needs a shorter one is left to subdivision.
 const SHORTEST_PAIR_STEP: f64 = 1.0 / 4096.0;
 /// Most halvings of a step in which the turn of s about 0 is followed; chosen: a step 2^24 times shorter that still turns by
 /// more than 60 degrees passes 0 at a distance of rounding.

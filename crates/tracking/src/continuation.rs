@@ -18,10 +18,10 @@ use crate::path::{Path, PathPoint};
 use crate::step_control::{PredictorErrors, StepControl};
 use crate::tuning::tuning;
 
-/// Most coalescences that one mode is continued past; chosen.
+/// Most coalescences that one mode is continued past; chosen: a mode with more is left to subdivision.
 const MOST_COALESCENCES: usize = 6;
-/// Least distance of the second nearest known eigenvalue from the end of a continuation, as a multiple of the distance
-/// `negligible_error` within which the nearest must lie; chosen.
+/// Least distance of the second nearest known eigenvalue from the end of a continuation, as a multiple of `negligible_error`, the largest distance of the
+/// nearest one; chosen: nearer, it is in doubt which of both the mode is.
 const LEAST_SEPARATION: f64 = 10.0;
 
 /// A mode that is being continued.

@@ -36,7 +36,7 @@ impl ModeOnPath {
     }
 }
 
-/// Modes of a path of this order that are corrected together: all of small systems, which is cheaper, and of large ones as many as fill little memory.
+/// Most modes of a path that are corrected together: all of small systems, which is cheaper, and of large ones as many as fill little memory.
 fn most_together(path: &Path<'_>) -> usize {
     let order = path.mass().nrows().max(1);
     (MOST_NUMBERS / (order * order) / 8).max(1) * 8

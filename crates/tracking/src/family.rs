@@ -10,7 +10,7 @@ use crate::kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 use crate::locus::{RootLocus, root_locus};
 use crate::onset_search::{Onsets, find_onsets};
 
-/// Half of the difference from which derivatives by the parameter are taken, as a part of the interval: squared it is near
+/// Half of the step of the central differences that derivatives by the parameter are computed by, as a fraction of the interval: squared it is near
 /// machine epsilon over itself.
 const PARAMETER_DIFFERENCE: f64 = 1e-5;
 /// Shortest step, as a part of the interval; chosen: derivatives by differences tell branches apart down to there.

@@ -10,7 +10,7 @@ use num_complex::Complex;
 use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, OrderedParameter, RefinedPoint};
 
-/// Spectra after which branches count as unresolvable; chosen.
+/// Most spectra; chosen: branches that need more count as unresolvable.
 const MOST_SPECTRA: usize = 20_000;
 /// Largest |lambda|, as a part of the largest |Im lambda|, of a rigid motion, which rounding may give a frequency; chosen: a double zero
 /// becomes the root of a rounding.
@@ -79,7 +79,7 @@ impl<'a, F> KeptSpectra<'a, F> {
         }
     }
 
-    /// Spectra in which so many modes must oscillate at every parameter.
+    /// Spectra in which `modes` modes must oscillate at every parameter.
     #[must_use]
     pub fn with_modes(self, modes: usize) -> Self {
         Self { modes: Some(modes), ..self }

@@ -62,7 +62,7 @@ where
     root_locus_in_steps(branches, [from, to], FIRST_STEPS, smallest)
 }
 
-/// The root locus as by [`root_locus`], whose interval is divided into so many equal steps before any of them is halved: fewer serve where the
+/// The root locus as by [`root_locus`], whose interval is divided into `first` equal steps before any of them is halved: fewer serve where the
 /// interval is a small part of what is of interest.
 ///
 /// # Errors

@@ -9,9 +9,10 @@ use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 /// Least MAC of a match that is clear whatever other modes there are. A match with a smaller MAC is still clear where it is at
 /// least half of this and no other mode has more than 1 minus this. Chosen.
 const LEAST_CLEAR_MAC: f64 = 0.8;
-/// Largest amount by which the MAC of a rival is below that of the assigned mode; chosen.
+/// Largest amount by which the MAC of a rival is below that of the assigned mode; chosen, as the other numbers of the rule: with less, a match that counts as
+/// clear is more often wrong; with more, more modes have to be followed.
 const RIVAL_MAC_MARGIN: f64 = 0.4;
-/// Largest distance of a rival's eigenvalue from the old one, as a multiple of the assigned eigenvalue's distance; chosen.
+/// Largest distance of a rival's eigenvalue from the old one, as a multiple of the assigned eigenvalue's distance; chosen likewise.
 const RIVAL_DISTANCE_RATIO: f64 = 8.0;
 
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes phi (`old`, rows) and psi (`new`, columns)
@@ -20,7 +21,7 @@ pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
     mac_of_weighted(&weighted(old, mass), new)
 }
 
-/// Product M phi of each of some modes.
+/// Product M phi of each of `modes`.
 pub(crate) fn weighted(modes: &[Mode], mass: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
     modes.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect()
 }
@@ -45,8 +46,8 @@ impl Match {
     }
 }
 
-/// Index of the one of `known` that each of some mass-normalised modes, given with M phi of each, clearly is, by the MAC of all of
-/// them together; `None` where that is in doubt.
+/// Index of the one of `known` that each of `modes` clearly is, by the MAC of all of them together; `None` where that is in doubt. All modes are
+/// mass-normalised, and `weighted` has M phi of each of `modes`.
 #[must_use]
 pub fn clear_matches(modes: &[Mode], weighted: &[DVector<Complex<f64>>], known: &[Mode]) -> Vec<Option<usize>> {
     let clear = |found: Match| found.to.filter(|_| found.is_clear());

@@ -14,7 +14,8 @@ use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, FIRST_STEPS, RefinedPoint, first_steps, link};
 use crate::error::check_interval;
 
-/// A branch is watched in a step if it would reach the axis at this multiple of its speed at one end of the step; chosen.
+/// Factor on the speed of a branch at an end of a step: it is watched in the step if it would reach the axis at that. Chosen: with less, a branch that becomes
+/// faster within the step is missed; with more, branches are watched that stay away.
 const RATE_MARGIN: f64 = 2.0;
 /// Most steps of the root search; chosen: bisection alone takes about 50.
 const MOST_ROOT_STEPS: usize = 60;

@@ -46,7 +46,7 @@ pub trait OwnedPath: Debug + Sync {
     /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros.
     fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>>;
 
-    /// Eigenvalues at `t`, the `count` nearest to each of some numbers, rad/s, every one of them once, with shapes up to a
+    /// Eigenvalues at `t`, the `count` nearest to each number in `to`, rad/s, every one of them once, with shapes up to a
     /// factor; `None` where the owner cannot tell, so that a spectrum is taken.
     fn nearest(&self, _t: f64, _to: &[Complex<f64>], _count: usize) -> Option<Vec<Eigenpair>> {
         None

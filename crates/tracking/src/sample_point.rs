@@ -8,9 +8,11 @@ use num_complex::Complex;
 
 use crate::path::{Path, PathStart};
 
-/// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
+/// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen: with fewer, the mode itself may not be among them; with more,
+/// more shapes are computed.
 const CANDIDATES_OF_STEP: usize = 3;
-/// Largest move of a mode, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
+/// Largest move of a mode, as a fraction of the distance of the last of its candidates, before an owner is asked for others; chosen: with less, owners are
+/// asked more often; with more, the mode may have become one that is no candidate.
 const MOVED: f64 = 0.1;
 
 /// A position on the path, 0 to 1, and the modes there.
@@ -26,7 +28,7 @@ pub(crate) enum Known {
     Candidates(Option<Candidates>),
 }
 
-/// The modes nearest to some eigenvalues, ascending in frequency.
+/// The modes nearest to the eigenvalues `asked`, ascending in frequency.
 pub(crate) struct Candidates {
     asked: Vec<Complex<f64>>,
     modes: Vec<Mode>,
@@ -41,7 +43,7 @@ pub(crate) struct Solved {
 }
 
 impl Known {
-    /// The modes that some followed ones may have become, ascending in frequency.
+    /// The modes that the `followed` ones may have become, ascending in frequency.
     pub fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
         match self {
             Self::Spectrum(solved) => solved.modes_near(followed),
@@ -51,7 +53,7 @@ impl Known {
 }
 
 impl Candidates {
-    /// Modes at a position on the path that some followed ones may have become, as its owner finds them; `None` where it cannot tell.
+    /// Modes at a position on the path that the `followed` ones may have become, as its owner finds them; `None` where it cannot tell.
     pub fn at(place: f64, path: &Path<'_>, followed: &[Mode]) -> Option<Self> {
         let PathStart::Owned(mass, owner) = path.start else { return None };
         let asked: Vec<Complex<f64>> = followed.iter().map(|mode| mode.lambda).collect();

@@ -32,7 +32,7 @@ pub(crate) struct Tuning {
     pub most_attempts: usize,
     /// Least MAC of the shapes before and after a step.
     pub least_mac: f64,
-    /// Relative correction at or below which an eigenvalue has converged: the error left is of the order of its square, 2.5e-9.
+    /// Largest relative correction of an eigenvalue that has converged: the error left is of the order of its square, 2.5e-9.
     pub converged: f64,
     /// Most corrections of one guess: a guess that needs more is near another mode.
     pub most_corrections: usize,

@@ -30,7 +30,7 @@ pub struct EstimatorAccuracy {
     pub max_error_near: f64,
 }
 
-/// Comparison of all estimators on some scenes.
+/// Comparison of all estimators on chosen scenes.
 #[derive(Debug, Clone, Serialize)]
 pub struct Estimators {
     /// Number of scenes, one for each class of arrangements chosen.
@@ -65,7 +65,7 @@ struct ExactOccurrences {
     spectra: u64,
 }
 
-/// Comparison of the estimators on some scenes of shared Coulomb friction, with these numbers of samples.
+/// Comparison of the estimators on `scenes` of shared Coulomb friction, with these numbers of samples.
 ///
 /// # Errors
 /// Those of the estimators.

@@ -20,7 +20,7 @@ const SURE_GROWTH: f64 = 1e-5;
 const BISECTIONS: usize = 40;
 /// Most steps of the secant method; chosen.
 const MOST_SECANT_STEPS: usize = 40;
-/// Squared relative distance of the eigenvalues at or below which the secant method ends; chosen, some tens of epsilon.
+/// Largest squared relative distance of the eigenvalues at which the secant method ends; chosen: some tens of epsilon.
 const ROUNDED_SQUARE: f64 = 1e-14;
 /// Largest relative distance of the two eigenvalues at the end of a successful search; chosen.
 const LARGEST_DISTANCE: f64 = 1e-5;

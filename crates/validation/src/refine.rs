@@ -24,7 +24,7 @@ use crate::refine_equations::{Long, bordered, long, product, residuals, short};
 
 /// Most Newton steps; chosen: each step gains the digits to which the factorisation is accurate.
 const MOST_NEWTON_STEPS: usize = 30;
-/// Relative size of a step at or below which the iteration ends; chosen.
+/// Largest relative size of a step after which the iteration ends; chosen.
 const LAST_STEP: f64 = 1e-22;
 /// Largest relative size of the last step of an accepted result; chosen: with a condition number above 1e8, double-double is no
 /// more accurate.

@@ -65,7 +65,7 @@ pub(super) fn naming_system(case: &FiniteElementCase, brake: &AffineSystem) -> R
     Ok(brake.assemble(&own_point(case, &all_patches(case))?)?)
 }
 
-/// The naming point of a configuration with some patches closed, as an operating point of the whole brake.
+/// The naming point of the configuration with the patches `closed` in contact, as an operating point of the whole brake.
 fn own_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
     Ok(of_brake(case, closed, &naming_point(case, closed)?))
 }

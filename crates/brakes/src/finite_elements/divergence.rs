@@ -35,7 +35,7 @@ const MOST_CONTACTS: usize = 100;
 const MOST_COLUMNS: usize = 600;
 /// Part of the responses that are directions of their own, roughly. Measured with cases/disc-pad: 324 of 432.
 const OF_THEIR_OWN: f64 = 0.75;
-/// Backward error of an eigenvalue of the whole brake that is looked for next to one on the responses; chosen.
+/// Largest backward error of an eigenvalue of the whole brake that is found next to one on the responses; chosen.
 const FOUND: f64 = 1e-10;
 
 /// What grows far beyond the band of a brake with one set of constraints.
@@ -75,7 +75,7 @@ impl Responses {
     }
 }
 
-/// Distance of the contacts at which forces act, of so many in a row.
+/// Step through the list of `contacts` from one at which forces act to the next.
 fn step(contacts: usize) -> usize {
     contacts.div_ceil(MOST_CONTACTS).max(1)
 }

@@ -17,11 +17,11 @@ use crate::case::FiniteElementCase;
 use crate::prepared::Pieces;
 use crate::{Error, Prepared, Purpose};
 
-/// The first stream from which draws are taken, far from those of samples and from those of training points: how many samples a study has
-/// changes nothing.
+/// Number of the first stream of the draws that are checked: far from those of samples, which begin at 0, and of training points, so that the number of
+/// samples changes nothing.
 const FIRST_STREAM: u64 = u64::MAX / 2;
-/// Distance, relative to |lambda|, of a mode next to the axis above which a reduction is trained on a draw; chosen: up to it verdicts that are open for it are few
-/// enough to be settled, and bases made anew take longer.
+/// Largest distance of a mode next to the axis from that of the whole brake, relative to |lambda|, with which a draw agrees; a reduction is trained on draws
+/// with a larger one. Chosen: at this distance so few verdicts are open for it that they can be settled, and bases made anew take longer.
 const TRAINED_ABOVE: f64 = 1e-4;
 
 /// Result of one draw: where the reduced brake and the whole one differ, and the point at which it may be trained on.
@@ -35,8 +35,8 @@ struct OneCheck {
 bits!(OneCheck { found, at, next_to_axis });
 
 impl FiniteElementBrake {
-    /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares draws with the whole one, chosen at random among all scenes. Where
-    /// they do not agree, these draws are trained on too, some times at most; what eigenvalues are off by then is assumed of samples. It follows from the case
+    /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares it with the whole one at draws in scenes chosen at random. Draws at which they do
+    /// not agree are trained on too, in a few rounds at most; what eigenvalues are off by after that is assumed of samples. All of it follows from the case
     /// alone, whatever the number of samples is.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), next_to_axis })
 }
 
-/// True if an eigenvalue is one of some, within [`AT_BORDER`] of its size.
+/// True if an eigenvalue is one of `modes`, to within [`AT_BORDER`] of its size.
 fn has(modes: &[Complex<f64>], lambda: Complex<f64>) -> bool {
     modes.iter().any(|other| (other - lambda).norm() <= AT_BORDER * lambda.norm())
 }

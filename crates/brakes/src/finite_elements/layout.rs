@@ -94,7 +94,7 @@ fn add_scenes(
     Ok(())
 }
 
-/// The reduced brake with some patches closed. Its constant parts, the holders, and the closed patches unless their stiffness is drawn, are
+/// The reduced brake with the patches `closed` in contact. Its constant parts, the holders, and the closed patches unless their stiffness is drawn, are
 /// summed in one term; open patches have neither a term nor channels.
 ///
 /// A reduced coordinate moves the whole brake, so that there is one body. The friction of each patch is a force family of its own.

@@ -27,8 +27,8 @@ const OTHER_MODES: &str =
     "the reduced brake does not have the modes of the whole one, at the medians or at draws of which it was not made";
 /// Most degrees of freedom at which a table has shapes, roughly; chosen: enough to tell modes of a band apart.
 const ROWS_OF_SHAPES: usize = 300;
-/// Factor of the largest residual at draws of which a basis of modes was not made, up to which the distance that was measured there is taken to tell the
-/// error of a mode; chosen.
+/// Largest residual of a mode whose error is told by the distances measured at draws of which the basis was not made, as a multiple of the largest residual
+/// there; chosen: with less, modes are marked that are as well known as those; with more, the measured distances are believed of modes that are unlike those.
 const BEYOND_HELD_OUT: f64 = 10.0;
 
 impl FiniteElementBrake {
@@ -150,7 +150,7 @@ impl ModeSource for FiniteElementBrake {
     }
 
     fn whole_shape(&self, constraints: usize, shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)> {
-        // Every so many rows of the model, before any is held: those of another set of constraints too.
+        // One of `every` rows of the model, before any is held: the same rows with another set of constraints.
         let every = self.case.dofs.len().div_ceil(ROWS_OF_SHAPES);
         let lifted = self.origin(constraints).reduced.lift(shape);
         let rows = self.sets[constraints].dofs.free().iter().zip(lifted.iter());

@@ -99,7 +99,7 @@ pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
     of_scene(scene).into_iter().filter_map(named).collect()
 }
 
-/// The medians of a scene with some parameters at other values.
+/// The values of a scene whose parameters have `values`, by their indices, and all others their medians.
 pub(super) fn changed(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Values {
     let (mut at, parameters) = (medians(scene), of_scene(scene));
     for &(place, value) in values {
@@ -130,13 +130,13 @@ pub(super) fn contact_points(scene: &SceneOf<'_>) -> Vec<String> {
     contact.into_iter().flat_map(|contact| scene.closed.iter().flat_map(move |&at| of_patch(contact, at))).collect()
 }
 
-/// Flags of [`contact_points`], true of those that press, with some parameters at other values.
+/// Flags of [`contact_points`], true of those that press, with parameters at `values` as of [`changed`].
 pub(super) fn closed_points(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<Vec<bool>, Error> {
     let at = changed(scene, values);
     points::closed_points(scene.case, scene.closed, at.friction, &at.sample, at.scales())
 }
 
-/// The operating point of the whole brake, reduced or not, with some parameters at other values. What is constant in the brake of a scene is
+/// The operating point of the whole brake, reduced or not, with parameters at `values` as of [`changed`]. What is constant in the brake of a scene is
 /// taken apart again: each patch is a term.
 pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<OperatingPoint, Error> {
     whole_point(scene, &changed(scene, values))

@@ -9,7 +9,7 @@ use super::sliding::{Scales, UNSCALED, sliding, stiffness_factor};
 use crate::Error;
 use crate::case::{CaseError, FiniteElementCase, Law, Patch, PatchContact};
 
-/// The operating point of a configuration with some patches closed, under a law at a speed: the coefficients of the case's terms, then
+/// The operating point of the configuration with the patches `closed` in contact, under a law at a speed: the coefficients of the case's terms, then
 /// one for all that is constant in it, and the gains of closed patches, then those of what relaxes.
 pub(super) fn scene_point(
     case: &FiniteElementCase,
@@ -187,13 +187,13 @@ pub(super) fn all_patches(case: &FiniteElementCase) -> Vec<usize> {
     (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
 }
 
-/// Takes the friction of all contacts out of an operating point of some channels; what relaxes stays.
+/// Takes the friction of all contacts out of an operating point of `channels`; what relaxes stays.
 pub(super) fn without_friction(channels: &[Channel], at: &mut OperatingPoint) {
     let contacts = channels.iter().zip(&mut at.channels).filter(|(channel, _)| channel.is_contact);
     contacts.for_each(|(_, gain)| *gain = ChannelGain::default());
 }
 
-/// Channels of a configuration with some patches closed, by their indices in the system: those of these patches, then those of what relaxes.
+/// Channels of the configuration with the patches `closed` in contact, by their indices in the system: those of the patches, then those of what relaxes.
 pub(super) fn own_channels<'a>(case: &'a FiniteElementCase, closed: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
     closed.iter().flat_map(|&patch| channels_of(case, patch)).chain(case.channels_of_branches())
 }

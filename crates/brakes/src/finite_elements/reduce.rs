@@ -21,15 +21,19 @@ use crate::bits::{Bits as _, bits, put_list};
 use crate::case::FiniteElementCase;
 use crate::prepared::Pieces;
 
-/// Error, relative to |lambda|, that eigenvalues may have on a smaller basis within that of a set, as it is estimated; chosen: a third of what that of a set
-/// is made for.
+/// Largest estimated error of eigenvalues on the basis of a part, relative to |lambda|, at the draws that it is made of; chosen: a third of the error for which
+/// the basis of a set is made.
 const WITHIN: f64 = 3e-7;
-/// Draws of a part after those that its basis is made of, and the error that eigenvalues may have at these, as it is estimated; where it is larger, twice as
-/// many draws make the basis, some times at most. Chosen: the error is that of draws of which the basis of a set was not made.
+/// Number of further draws, at which the basis of a part is checked; chosen: with fewer, a basis that does not hold other draws is found out less often; with
+/// more, the check takes longer.
 const FURTHER: u64 = 4;
+/// Largest estimated error of eigenvalues there, relative to |lambda|. If it is larger, the basis is made anew of twice as many draws. Chosen: the same is
+/// wanted of the basis of a set, at draws of which it was not made.
 const WANTED_FURTHER: f64 = 1e-6;
+/// Most times that the number of draws is doubled; chosen: the error that is left after the last time is assumed of samples.
 const MOST_DOUBLINGS: u32 = 3;
-/// Most points of a part at which its coarse modes are made; chosen.
+/// Number of points of a part at which its coarse modes are made, unless more draws did not agree before; chosen: with fewer, more samples need a whole
+/// spectrum; with more, the coarse basis has more columns.
 const COARSE_POINTS: usize = 24;
 
 /// Choice of the arrangements that have a basis of their own.

@@ -10,8 +10,9 @@ use super::training::training;
 use crate::Error;
 use crate::case::FiniteElementCase;
 
-/// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
+/// Number of rungs: equal steps in the number of columns, up to the whole basis; chosen.
 const RUNGS: usize = 6;
+/// Number of draws at which the error of each is measured, beside the medians; chosen.
 const MEASURED_POINTS: u64 = 6;
 
 /// Error of the first columns of the basis of a part, taken as a basis.
@@ -19,7 +20,7 @@ const MEASURED_POINTS: u64 = 6;
 pub struct Rung {
     /// Number of columns.
     pub columns: usize,
-    /// The largest residual in the whole brake of a mode in the rectangle, at the medians and some draws.
+    /// The largest residual in the whole brake of a mode in the rectangle, at the medians and at draws.
     pub residual: f64,
     /// The modes in the rectangle at the medians, rad/s.
     pub first: Vec<Complex<f64>>,

@@ -1,5 +1,5 @@
-//! The basis of a set of constraints, V: what holds a brake in all its arrangements, before a smaller one is sought within it for each. It is made of modes at
-//! draws, one after another, until some in a row are held that it was not made of.
+//! The basis of a set of constraints, V: it holds a brake in all its arrangements, and a smaller one is sought within it for each of them. It is made of the
+//! modes at draws, one draw after another, until it holds several in a row that it was not made of.
 
 use cea::{EigenSolver as _, QrSolver, Workspace};
 use linsys::OperatingPoint;
@@ -20,21 +20,24 @@ use crate::prepared::Pieces;
 /// Error, relative to |lambda|, that modes of a draw may have on a basis that was made without it; chosen: a hundred times that is what is
 /// assumed of samples.
 const WANTED_ERROR: f64 = 1e-6;
-/// Singular values, of vectors of unit length, down to which directions are in a basis: at first, and least where a draw whose modes were added is
-/// not held; each time a tenth. Chosen.
+/// Floors of a basis, which has the directions of larger singular values (of vectors of unit length): the first one, which is divided by ten each time that
+/// a draw whose modes were added is not held, and the least one. Chosen: a lower one adds directions, which cost time and may make modes that the brake does
+/// not have.
 const FLOORS: [f64; 2] = [1e-5, 1e-9];
-/// The floor at first where all that is studied is known: no more directions than hold it, as each that is a part of modes beside the band may make a mode that the
-/// brake does not have.
+/// First floor of a basis for points that are all known. It has no more directions than hold them, as each direction that is a part of modes beside the band
+/// may make a mode that the brake does not have.
 const FEWEST: f64 = 1e-2;
-/// Part of a floor that is tried after it where a basis has modes that the brake does not have; chosen: few directions more.
+/// Factor from one floor to the next that is tried, if a basis has modes that the brake does not have; chosen: it adds few directions.
 const FINER: f64 = 0.5;
-/// Singular values down to which the first columns of a basis have all modes of any draw, roughly; chosen.
+/// Smallest singular value of the leading columns of a basis, which have all modes of any draw, roughly; chosen: with a smaller one, spectra on these columns
+/// take longer; with a larger one, they miss modes that have to be found on all columns.
 const LEADING: f64 = 3e-3;
-/// Complete solutions that make a basis, with that at the medians, before draws tell whether it is enough; and most of them. Measured with
+/// Number of complete solutions, that at the medians among them, of which a basis is made before draws tell whether it is enough. Measured with
 /// cases/disc-pad and its refinement: 12 hold eigenvalues to 3e-9 and 1e-6.
 const FIRST_SOLUTIONS: usize = 9;
+/// Most complete solutions of which a basis is made.
 const MOST_SOLUTIONS: usize = 40;
-/// Draws that a basis was not made of and holds, after which it is enough; chosen: bounds of verdicts are told by them.
+/// Number of draws in a row that a basis was not made of and has to hold; chosen: the error bounds of verdicts are told by them.
 const HELD_OUT: usize = 3;
 /// Most columns of a basis; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
@@ -73,9 +76,9 @@ bits!(SetBasis { basis, leading, has_others, held_out });
 bits!(HeldOut { drawn, modes });
 bits!(Drawn { closed, at });
 
-/// The basis of a brake on the rows that a set of constraints leaves free, of modes at the medians, at points that were `trained` on and at draws. Points that a
-/// sweep goes through take the place of draws. Each complete solution is an advance of the progress; so many are made `together`, on which nothing depends but
-/// how long it takes.
+/// The basis of a brake on the rows that a set of constraints leaves free, of modes at the medians, at the points `trained` and at draws, in whose place are
+/// the points `swept` of a sweep, if there are any. Each complete solution is an advance of the progress; `together` of them are made at once, on which
+/// nothing depends but how long it takes.
 pub(super) fn basis(
     case: &FiniteElementCase,
     (system, together): (&SparseAffineSystem, usize),
@@ -140,7 +143,7 @@ pub(super) fn basis(
     Ok(SetBasis { basis, leading, has_others, held_out })
 }
 
-/// A basis that holds some of the modes that it is made of, with its singular values, down to a floor that is lowered until it does or cannot be lowered.
+/// A basis of all snapshots, with its singular values, that holds the modes `of` these: its floor is lowered until it does, or cannot be lowered further.
 fn holding(snapshots: &Snapshots<'_>, of: &[Snapshot<'_>], floor: &mut f64) -> Result<Directions, ReductionError> {
     loop {
         let basis = snapshots.basis(*floor, MOST_COLUMNS)?;
@@ -185,7 +188,7 @@ fn without_others(
     Ok((given, true))
 }
 
-/// All modes of the whole brake at some points.
+/// All modes of the whole brake at each of `points`.
 fn solved<'a>(
     snapshots: &Snapshots<'a>,
     points: &[OperatingPoint],

@@ -8,13 +8,13 @@ use study::{BandMode, Plan, WholeEigenvalue};
 use super::{Part, ReducedSet, whole};
 use crate::Error;
 
-/// Part of the error that is assumed of a mode up to which the eigenvalue of the whole brake that is found from it is taken for its own; chosen: as that error is
-/// a hundred times the largest distance that was measured, ten times this distance.
+/// Largest distance from a mode to the eigenvalue of the whole brake that is found from it and taken for its own, as a fraction of the error that is assumed
+/// of the mode. Chosen: that error is a hundred times the largest distance that was measured, so that this is ten times that distance.
 const SAME_MODE: f64 = 0.1;
 
-/// Gives modes of a reduced brake at an operating point of the whole one, whose verdict is open, the eigenvalues of the whole brake next to them, with the
-/// errors of these; and whether any was asked for. Where more than `most` are open none is. Where that eigenvalue is not found, is farther away than the mode of the
-/// whole brake can be, or may be that of another open mode, the mode stays as it is.
+/// Gives modes whose verdict is open, of a reduced brake at an operating point of the whole one, the eigenvalues of the whole brake next to them, with their
+/// errors. True if the whole brake was asked, which it is not if no mode or more than `most` are open. A mode stays as it is if its eigenvalue is not found, is
+/// farther away than the mode of the whole brake can be, or may be that of another open mode.
 ///
 /// # Errors
 /// A point of another brake.
@@ -50,7 +50,8 @@ pub(super) fn settle(
     Ok(true)
 }
 
-/// The eigenvalue of the whole brake that was found from one of some modes, rad/s with their errors, where it can be that of no other of them.
+/// The eigenvalue of the whole brake that was `found` from mode number `at`, if it can be that of none of the other `modes`. These are eigenvalues with the
+/// errors assumed of them, rad/s.
 fn own_eigenvalue(
     at: usize,
     modes: &[(Complex<f64>, f64)],

@@ -8,11 +8,13 @@ use super::points::speeds_of;
 use crate::Error;
 use crate::case::FiniteElementCase;
 
-/// Points along one parameter, and along each of two; chosen: residuals are small at all of them, and on the way between.
+/// Number of points along the parameter of a sweep over one; chosen: residuals are small at all of them, and on the way between.
 const ALONG_ONE: usize = 17;
+/// Number of points along each parameter of a sweep over two; chosen likewise.
 const ALONG_EACH: usize = 6;
 
-/// A grid over the ranges, each extended to the median from which names are followed, in the first scene of a case; the medians alone where nothing is swept.
+/// Points of a grid over the ranges in the first scene of a case. Each range is extended to the median, from which names are followed. Without a parameter
+/// that is swept it is the point of the medians alone.
 ///
 /// # Errors
 /// A parameter that the scene does not have, a range that is none, values without an operating point.

@@ -19,7 +19,7 @@ pub(super) struct Together {
 struct Taken<'a>(&'a Together);
 
 impl Together {
-    /// So many places, one at least.
+    /// `count` places, or one if that is 0.
     pub fn new(count: usize) -> Self {
         let count = count.max(1);
         Self { count, free: Mutex::new(count), freed: Condvar::new() }

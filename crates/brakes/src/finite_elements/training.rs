@@ -1,4 +1,4 @@
-//! Points that the bases of a finite element brake are trained on, and where its modes are wanted.
+//! Operating points that the bases of a finite element brake are made of, and the rectangle in which its modes are wanted.
 
 use std::f64::consts::TAU;
 
@@ -12,27 +12,32 @@ use super::samples::{State, draw, law_and_speed};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law, ReductionGoal};
 
-/// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
-/// does hardly any brake squeal, and where nothing is there a search costs little.
-const SEARCHED: f64 = 0.25;
-/// Draws of a stream after which none of them is taken to have an operating point; chosen.
+/// Least upper border of Re lambda of the rectangle, as a fraction of its largest Im lambda; a case can ask for more. Chosen: hardly any brake
+/// squeals with a mode that grows so fast, and a search costs little where it finds nothing.
+const LEAST_GROWTH_SEARCHED: f64 = 0.25;
+/// Most draws that are taken from a stream until one has an operating point; chosen: with fewer, the medians stand more often for a scene most of whose draws
+/// have none; with more, a scene without any takes longer.
 const MOST_DRAWS: usize = 20;
-/// The first stream of draws that the basis of a set is made of, far from those of samples, of full checks and of training points.
+/// Number of the first stream of the draws that the basis of a set of constraints is made of. Samples have the streams from 0 up, full checks those
+/// from `u64::MAX / 2` up, training points those from `u64::MAX` down.
 const FIRST_STREAM: u64 = u64::MAX / 4;
-/// Parts of 1 by which scenes and speeds of these draws advance: the golden ratio, by which any thirteen in a row
-/// are in all tenths of the scenes, and the root of 2.
-const STEPS: [f64; 2] = [0.618_033_988_749_895, 0.414_213_562_373_095];
-/// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen.
+/// Step by which the scene advances from one of these draws to the next, as a fraction of the number of scenes: (sqrt 5 - 1) / 2, the golden ratio,
+/// by which any thirteen draws in a row reach all of ten scenes.
+const SCENE_STEP: f64 = 0.618_033_988_749_895;
+/// Step by which the quantile of the speed advances from one of these draws to the next, modulo 1: sqrt 2 - 1.
+const SPEED_STEP: f64 = 0.414_213_562_373_095;
+/// Largest number of times that bases are made anew because draws do not agree with the whole brake; chosen: each time takes about as long as the first, and
+/// with fewer, larger errors are assumed of samples.
 pub(super) const MOST_ROUNDS: u64 = 2;
 
-/// Distance, relative to |lambda|, of a mode from the border of where modes are wanted up to which it may be inside in one system and
-/// outside in the other; chosen: up to that distance eigenvalues of both are one mode ([`reduction::compared`]).
+/// Largest distance from the border of the wanted modes, relative to |lambda|, of a mode that may be inside in one system and outside in the
+/// other; chosen: eigenvalues of two systems are one mode up to the same distance ([`reduction::compared`]).
 pub(super) const AT_BORDER: f64 = 1e-3;
 
-/// Closed patches, from 0.
+/// An arrangement: the patches that are in contact (closed), by their indices from 0.
 pub(super) type Closed = Vec<usize>;
 
-/// The arrangements of a case, in the order of its configurations; one without patches where it has no contact.
+/// The arrangements of a case, in the order of its configurations; of a case without contact one, without patches.
 pub(super) fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
     let Some(contact) = &case.contact else { return vec![Vec::new()] };
     let of_panel = |(_, arrangements): &(usize, Vec<ContactArrangement>)| {
@@ -41,17 +46,17 @@ pub(super) fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
     contact.panels.iter().flat_map(of_panel).collect()
 }
 
-/// Rectangle, rad/s, in which and to the right of which the modes of a case are wanted: how fast a mode grows is no reason to leave it out. Its
-/// largest growth is that up to which the whole brake is searched at least.
+/// Rectangle of the wanted modes of a case, rad/s. Modes to the right of it are wanted too, as how fast a mode grows is no reason to leave it out, but
+/// the whole brake is searched for certain in the rectangle alone.
 pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
     let ReductionGoal { frequencies, growth: [lowest, highest], .. } = case.reduction;
     let im = frequencies.map(|hz| TAU * hz);
-    Rectangle { re: [lowest, highest.max(SEARCHED * im[1])], im }
+    Rectangle { re: [lowest, highest.max(LEAST_GROWTH_SEARCHED * im[1])], im }
 }
 
-/// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after
-/// another: `count`, or one for each of these where they are more. Speeds are spread over their range from end to end, as friction across the
-/// sliding grows without bound towards low ones.
+/// Training points of the basis of one part, which holds the `arrangements`: the points of a sweep, if it is for a sweep. Otherwise draws, which go
+/// through the scenes (each arrangement under each law in each range of speed) in turn: `count` of them, or one for each scene if there are more scenes.
+/// Their speeds are spread over each range and reach both ends, as friction across the sliding grows without bound towards low speeds.
 pub(super) fn training(
     case: &FiniteElementCase,
     arrangements: &[Closed],
@@ -64,27 +69,28 @@ pub(super) fn training(
     let scenes = scenes(case, arrangements);
     let count = count.max(scenes.len() as u64);
     let point = |(index, scene): (u64, &(&Closed, State))| {
-        // Streams from the other end than those of the samples.
+        // The last streams, as samples have the first ones.
         drawn_at(case, *scene, u64::MAX - index, spread(index / scenes.len() as u64))
     };
     (0..count).zip(scenes.iter().cycle()).map(point).collect()
 }
 
-/// A point of the whole brake with some patches closed.
+/// An operating point of the whole brake, and the arrangement to which it belongs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drawn {
     pub closed: Closed,
     pub at: OperatingPoint,
 }
 
-/// Draws by their number from 0, spread over all scenes and over their ranges of speed; or the points that a sweep goes through, from end to end.
+/// The first `count` draws for the basis of a set of constraints, which holds all arrangements: spread over all scenes and over their ranges of speed,
+/// however many are taken. For a sweep they are points of the sweep, spread over all of it.
 pub(super) fn draws(case: &FiniteElementCase, swept: &[OperatingPoint], count: usize) -> Result<Vec<Drawn>, Error> {
     let arrangements = arrangements(case);
     let scenes = scenes(case, &arrangements);
     let draw = |number: usize| match swept {
         [] => {
             let (closed, state) = scenes[place(number, scenes.len())];
-            let at = drawn_at(case, (closed, state), FIRST_STREAM + number as u64, advanced(number, STEPS[1]))?;
+            let at = drawn_at(case, (closed, state), FIRST_STREAM + number as u64, advanced(number, SPEED_STEP))?;
             Ok(Drawn { closed: closed.clone(), at })
         }
         _ => Ok(Drawn { closed: arrangements[0].clone(), at: swept[place(number, swept.len())].clone() }),
@@ -92,17 +98,17 @@ pub(super) fn draws(case: &FiniteElementCase, swept: &[OperatingPoint], count: u
     (0..count).map(draw).collect()
 }
 
-/// Part of 1 that a draw of some number has come to by steps.
+/// The fractional part of `number` steps.
 fn advanced(number: usize, step: f64) -> f64 {
     (number as f64 * step).fract()
 }
 
-/// Index among some of what a draw of some number belongs to.
-fn place(number: usize, of: usize) -> usize {
-    (advanced(number, STEPS[0]) * of as f64) as usize
+/// Index, of `count` scenes or points of a sweep, of the one to which draw `number` belongs.
+fn place(number: usize, count: usize) -> usize {
+    (advanced(number, SCENE_STEP) * count as f64) as usize
 }
 
-/// Arrangements, each under each law and range of speed.
+/// The scenes: each arrangement under each law in each range of speed.
 fn scenes<'a>(case: &FiniteElementCase, arrangements: &'a [Closed]) -> Vec<(&'a Closed, State)> {
     let states: Vec<State> = match &case.contact {
         None => vec![None],
@@ -114,19 +120,20 @@ fn scenes<'a>(case: &FiniteElementCase, arrangements: &'a [Closed]) -> Vec<(&'a 
     arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect()
 }
 
-/// The first draw of a random stream that has an operating point in a scene, at a quantile of its range of speed: one without, as where no equilibrium of
-/// contacts is, has no modes to hold, and fails as a sample. Where none of some draws has one it is the point at which modes are named.
+/// Operating point of the whole brake in a scene, of the first draw of a random stream that has one; the speed is at a quantile of the scene's range.
+/// A draw without an operating point, as where the contacts have no equilibrium, has no modes to hold, and fails as a sample. If none of [`MOST_DRAWS`]
+/// draws has one, it is the point of the medians with all patches closed.
 fn drawn_at(
     case: &FiniteElementCase,
     (closed, state): (&Closed, State),
-    number: u64,
-    speed: f64,
+    stream_number: u64,
+    speed_quantile: f64,
 ) -> Result<OperatingPoint, Error> {
-    let mut rng = stream(case.header.seed, number);
+    let mut rng = stream(case.header.seed, stream_number);
     for _ in 0..MOST_DRAWS {
         let mut sample = draw(case, &mut rng)?;
         if let Some(contacts) = &mut sample.contacts {
-            contacts.speed_quantile = speed;
+            contacts.speed_quantile = speed_quantile;
         }
         let friction = law_and_speed(case, state, &sample);
         if let Ok(point) = scene_point(case, closed, friction, &sample) {
@@ -136,11 +143,11 @@ fn drawn_at(
     at_medians(case)
 }
 
-/// Numbers from 0 to 1: both ends, then the middle, quarters and so on, by the radical inverse (van der Corput).
-fn spread(at: u64) -> f64 {
-    match at {
-        0 | 1 => at as f64,
-        _ => (at - 1).reverse_bits() as f64 / 2f64.powi(64),
+/// Number `index` of a sequence in 0 to 1: both ends, then the middle, the quarters and so on, by the radical inverse (van der Corput).
+fn spread(index: u64) -> f64 {
+    match index {
+        0 | 1 => index as f64,
+        _ => (index - 1).reverse_bits() as f64 / 2f64.powi(64),
     }
 }
 

@@ -15,11 +15,13 @@ use super::training::{AT_BORDER, Closed, rectangle};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
-/// Largest growth that is looked for in the whole brake, as a multiple of that of the fastest mode of the reduced one; chosen.
+/// Least upper border of Re lambda of the search in the whole brake, as a multiple of the growth of the fastest mode of the reduced one; chosen: with less, a
+/// mode that grows faster in the whole brake may be missed; with more, the search takes longer.
 const BEYOND: f64 = 1.5;
-/// Widening of the band in which growing modes beside it are looked for: from its lowest frequency over this factor to its highest times it; chosen.
+/// Factor by which the band is widened at both ends to look for growing modes beside it; chosen: with more, the search takes longer.
 const BESIDE: f64 = 1.05;
-/// Largest |Re lambda|, as a part of |lambda|, of a mode of which an error may change the verdict; chosen.
+/// Largest |Re lambda|, as a fraction of |lambda|, of a mode whose verdict an error may change; chosen: with less, errors that may change a verdict are not
+/// looked at; with more, errors that change none ask for more training.
 const NEXT_TO_AXIS: f64 = 0.02;
 
 /// The modes of a whole brake where those of a case are wanted, up to what a reduced one has there at least.

@@ -151,7 +151,7 @@ impl LatticeSample {
         Self::draw_for(&case.friction, case.correlation.as_ref(), count, rng)
     }
 
-    /// Draws so many contacts, one for all or one for each, and makes them correlated.
+    /// Draws a sample with `count` draws of friction, one for all contacts or one for each, and makes them correlated.
     ///
     /// # Errors
     /// Those of [`Distribution::draw`](montecarlo::Distribution::draw).

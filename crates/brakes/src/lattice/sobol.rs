@@ -23,9 +23,10 @@ pub(crate) struct DrawnFriction<'a> {
     pub has_bristle_damping: bool,
 }
 
-/// The coordinate of each of [`FrictionDistributions::DRAWN`] in the first contact; the most influential parameters have the first ones, in which a
-/// Sobol' sequence is distributed best. The speed has coordinate 1.
+/// Coordinates of the unit cube that [`FrictionDistributions::DRAWN`] have in the first contact. The most influential parameters have the first coordinates, in
+/// which a Sobol' sequence is distributed best.
 const COORDINATES: [u32; FrictionDistributions::DRAWN.len()] = [0, 3, 2, 0, 4, 5, 6, 7, 8];
+/// Coordinate of the speed.
 const SPEED: u32 = 1;
 /// Coordinates of a contact; in the second and later ones that of the speed is not used.
 pub(crate) const OF_CONTACT: u32 = 9;
@@ -38,7 +39,8 @@ fn of_law(law: Law) -> [bool; FrictionDistributions::DRAWN.len()] {
 }
 
 impl DrawnFriction<'_> {
-    /// The sample of so many contacts, one for all or one for each, at a point of the unit cube. What the law does not have is at its median.
+    /// The sample with draws for `contacts` contacts (1 if all have the same) at a point of the unit cube, whose coordinates `uniform` gives. Parameters that
+    /// the law does not have are at their medians.
     pub fn sample(&self, contacts: usize, uniform: &dyn Fn(u32) -> f64) -> LatticeSample {
         let of_contact = |contact: u32| {
             let mut values = self.from.of_draw().map(Distribution::median);

@@ -101,7 +101,7 @@ pub(super) fn checked(
 
 /// The text for a message, shortened where it is long.
 pub(super) fn shown(text: &str) -> String {
-    /// Most characters of an expression in a message; chosen.
+    /// Most characters of an expression that a message shows; chosen.
     const LONGEST_SHOWN: usize = 80;
     let clean = |c: char| if c.is_control() { ' ' } else { c };
     let start: String = text.chars().take(LONGEST_SHOWN).map(clean).collect();

@@ -14,7 +14,7 @@ pub struct TableFunction {
 }
 
 impl TableFunction {
-    /// The function through points whose arguments increase strictly, as many as values, two or more.
+    /// The function through two or more points, with the arguments `at`, which increase strictly, and the values `value`.
     pub(crate) fn new(name: String, at: Vec<f64>, value: Vec<f64>) -> Self {
         Self { name, at, value }
     }

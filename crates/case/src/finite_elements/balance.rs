@@ -10,11 +10,12 @@ use study::identity::Written;
 
 use crate::Expression;
 
-/// Condensed structures and states of equilibrium that are kept for what asks the same again, such as other scenes of a sample; chosen: a structure
-/// takes some megabytes.
+/// Most condensed structures that are kept for what asks for the same again, such as other scenes of a sample; chosen: each takes some megabytes.
 const STRUCTURES: usize = 8;
+/// Most states of equilibrium that are kept likewise; chosen: they are smaller.
 const STATES: usize = 64;
-/// Part of the loads up to which a force is rounding; chosen: an equilibrium has some twelve digits, and its smallest forces that count far more.
+/// Largest force that is rounding, as a fraction of the loads; chosen: an equilibrium has some twelve digits, and its smallest forces that count are far
+/// larger.
 const ROUNDING: f64 = 1e-10;
 
 /// Contact points, loads and springs of contacts in static equilibrium.
@@ -45,7 +46,7 @@ pub struct ContactBalance {
 /// Numbers on which an equilibrium depends.
 #[derive(Debug)]
 pub struct Acting<'a> {
-    /// Coefficients of the terms of the case, as many as it has beside holders and contacts.
+    /// Coefficients of the terms of the case, without those of holders and contacts.
     pub coefficients: &'a [f64],
     /// Factor of each load.
     pub loads: &'a [f64],
@@ -192,7 +193,7 @@ impl<T> Default for Recent<T> {
 }
 
 impl<T> Recent<T> {
-    /// The result for some numbers, made where it is not among the `most` that are kept.
+    /// The result for the numbers `key`, made if it is not among the `most` that are kept.
     fn get(
         &self,
         most: usize,

@@ -114,7 +114,7 @@ impl<'a> Solids<'a> {
         self.outer(field, self.mesh.outer_faces(elements))
     }
 
-    /// Outer faces all of whose corners are among some nodes.
+    /// Outer faces all of whose corners are among `nodes`.
     fn outer_on(&self, field: &str, nodes: &[i64]) -> Result<Vec<FaceId>, CaseError> {
         let places: Vec<usize> = nodes.iter().filter_map(|&node| self.mesh.place(node)).collect();
         self.outer(field, self.mesh.faces_on(&places))

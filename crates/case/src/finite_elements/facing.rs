@@ -1,4 +1,4 @@
-//! Sets of two bodies of a mesh that look at each other, from which a draft of a case proposes contacts.
+//! Pairs of sets, of two bodies of a mesh, whose faces face each other: the contacts that a draft of a case proposes.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -9,41 +9,45 @@ use super::entries::Nodes;
 use super::faces::Solids;
 use super::names_on_mesh::bodies;
 
-/// How far two faces may be apart, as a part of the mean size of the slave's; chosen: less than what parts two faces of a body.
-const NEAR: f64 = 0.25;
+/// Largest distance of two faces that face each other, as a fraction of the square root of the slave's mean face area; chosen: less than the distance
+/// between two faces of one body.
+const REACH: f64 = 0.25;
 
-/// A set of one body, all of whose faces look at those of a set of another.
+/// Slave and master: a set of one body, all of whose faces face those of a set of another body.
 #[derive(Debug, Clone)]
 pub(super) struct Facing {
-    /// Set, or surface, that looks.
+    /// Name of the slave, a set or surface.
     pub slave: String,
-    /// Set, or surface, that it looks at.
+    /// Name of the master, a set or surface.
     pub master: String,
-    /// Number of faces that look.
+    /// Number of faces of the slave.
     pub faces: usize,
-    /// Distance within which they do.
+    /// Distance within which they face the master, in the unit of the mesh.
     pub reach: f64,
-    /// Node sets that part the nodes of the slave; empty where none do.
+    /// Names of node sets that divide the nodes of the slave: each node is in exactly one of them. Empty if there are none.
     pub patches: Vec<String>,
 }
 
-/// A set whose faces are of one body.
+/// A set or surface whose faces are all of one body: a possible slave or master.
 struct Candidate {
     name: String,
+    /// Number of the body.
     body: usize,
-    /// Number of nodes of this body.
+    /// Number of nodes of the body.
     body_nodes: usize,
     faces: Vec<FaceId>,
+    /// Distance within which its faces face others if it is a slave, in the unit of the mesh.
     reach: f64,
-    /// Least and largest coordinates.
+    /// Least and largest coordinates, x, y and z of each.
     bounds: [[f64; 3]; 2],
 }
 
-/// Pairs of sets of two bodies that look at each other: of sets that share faces the largest as slave, before the smallest that will do as
-/// master. No pair has a face of one before it.
+/// Pairs of slave and master, found greedily: sets are tried as slaves from the one with the most faces down, and each gets the smallest master that all its
+/// faces face. A slave has no face of a pair before it; two pairs may have one master. Of equally large sets that of the smaller body (the pad) comes first,
+/// then by name.
 pub(super) fn facing(solids: &Solids<'_>) -> Vec<Facing> {
     let mut candidates = candidates(solids);
-    // Large slaves first; of equal ones that of the smaller body, as pads are, and by name, so that no order of a map shows.
+    // By name at last, so that the result does not depend on the order of a map.
     candidates.sort_by(|a, b| {
         b.faces.len().cmp(&a.faces.len()).then(a.body_nodes.cmp(&b.body_nodes)).then_with(|| a.name.cmp(&b.name))
     });
@@ -53,9 +57,9 @@ pub(super) fn facing(solids: &Solids<'_>) -> Vec<Facing> {
         if slave.faces.iter().any(|face| taken.contains(face)) {
             continue;
         }
-        // The smallest set that all faces of the slave look at.
+        // From the smallest up.
         let mut masters = candidates.iter().rev().filter(|master| is_near(slave, master));
-        let Some(master) = masters.find(|master| looks_at(solids, slave, master)) else { continue };
+        let Some(master) = masters.find(|master| faces_wholly(solids, slave, master)) else { continue };
         taken.extend(slave.faces.iter().chain(&master.faces));
         found.push(Facing {
             slave: slave.name.clone(),
@@ -69,33 +73,34 @@ pub(super) fn facing(solids: &Solids<'_>) -> Vec<Facing> {
     found
 }
 
+/// The sets and surfaces of a mesh whose faces are all of one body.
 fn candidates(solids: &Solids<'_>) -> Vec<Candidate> {
     let model = solids.model;
     let bodies: HashMap<i64, usize> = model.mesh.iter().flat_map(bodies).collect();
     let of = |name: &String| {
         let faces = solids.faces("", &Nodes::One(name.clone())).ok()?;
-        let drawn = faces.iter().map(|&face| solids.mesh.face(face)).collect::<Result<Vec<_>, _>>().ok()?;
-        // Corners, by which elements are joined.
-        let corners = || drawn.iter().flat_map(|face| face.nodes.iter().take(face.kind.corners()));
+        let shapes = faces.iter().map(|&face| solids.mesh.face(face)).collect::<Result<Vec<_>, _>>().ok()?;
+        // The corners alone: of quadratic elements, bodies have no other nodes.
+        let corners = || shapes.iter().flat_map(|face| face.nodes.iter().take(face.kind.corners()));
         let body = |node: &usize| bodies.get(&solids.mesh.labels()[*node]).copied();
         let first = body(corners().next()?)?;
         if corners().any(|node| body(node) != Some(first)) {
             return None;
         }
-        let mean = drawn.iter().map(|face| face.area().norm()).sum::<f64>() / drawn.len() as f64;
+        let mean_area = shapes.iter().map(|face| face.area().norm()).sum::<f64>() / shapes.len() as f64;
         let positions = || corners().map(|&node| solids.mesh.positions()[node]);
         let end = |of: fn(f64, f64) -> f64, from: f64| {
             std::array::from_fn(|axis| positions().map(|x| x[axis]).fold(from, of))
         };
         let bounds = [end(f64::min, f64::INFINITY), end(f64::max, f64::NEG_INFINITY)];
         let body_nodes = bodies.values().filter(|body| **body == first).count();
-        Some(Candidate { name: name.clone(), body: first, body_nodes, faces, reach: NEAR * mean.sqrt(), bounds })
+        Some(Candidate { name: name.clone(), body: first, body_nodes, faces, reach: REACH * mean_area.sqrt(), bounds })
     };
     let names: BTreeSet<&String> = model.sets.keys().chain(model.surfaces.keys()).collect();
     names.into_iter().filter_map(of).collect()
 }
 
-/// True if two sets are of two bodies and their bounds meet within the reach of the first.
+/// True if two sets are of two bodies, and their boxes of coordinates are no farther apart than the slave reaches.
 fn is_near(slave: &Candidate, master: &Candidate) -> bool {
     let [from, to] = slave.bounds;
     let meets = |axis: usize| {
@@ -104,18 +109,20 @@ fn is_near(slave: &Candidate, master: &Candidate) -> bool {
     slave.body != master.body && (0..3).all(meets)
 }
 
-fn looks_at(solids: &Solids<'_>, slave: &Candidate, master: &Candidate) -> bool {
-    // Whatever slides: who looks at whom does not depend on it.
+/// True if all faces of the slave face those of the master, within its reach.
+fn faces_wholly(solids: &Solids<'_>, slave: &Candidate, master: &Candidate) -> bool {
+    // Any direction of sliding will do: which faces face each other does not depend on it.
     let pairing = Pairing::new(Sliding::Along([1.0, 0.0, 0.0]), slave.reach);
-    let looking = Interface::facing(&solids.mesh, &slave.faces, &master.faces, &pairing);
-    looking.is_ok_and(|looking| looking.len() == slave.faces.len())
+    let facing = Interface::facing(&solids.mesh, &slave.faces, &master.faces, &pairing);
+    facing.is_ok_and(|facing| facing.len() == slave.faces.len())
 }
 
-/// Node sets that part the nodes of the faces of a set.
+/// Names of all node sets that hold nodes of the slave's faces, not all of them, and no others, if each of these nodes is in exactly one of the sets. Else
+/// none.
 fn patches(solids: &Solids<'_>, slave: &Candidate) -> Vec<String> {
     let all: BTreeSet<i64> = solids.nodes_of(&slave.faces).into_iter().collect();
-    let is_part = |nodes: &[i64]| nodes.len() < all.len() && nodes.iter().all(|node| all.contains(node));
-    let parts: Vec<(&String, &Vec<i64>)> = solids.model.sets.iter().filter(|(_, nodes)| is_part(nodes)).collect();
+    let is_subset = |nodes: &[i64]| nodes.len() < all.len() && nodes.iter().all(|node| all.contains(node));
+    let parts: Vec<(&String, &Vec<i64>)> = solids.model.sets.iter().filter(|(_, nodes)| is_subset(nodes)).collect();
     let covered: BTreeSet<i64> = parts.iter().flat_map(|(_, nodes)| nodes.iter().copied()).collect();
     let is_partition = parts.iter().map(|(_, nodes)| nodes.len()).sum::<usize>() == all.len() && covered == all;
     if is_partition { parts.into_iter().map(|(name, _)| name.clone()).collect() } else { Vec::new() }

@@ -126,7 +126,7 @@ pub struct PatchContact {
     pub load_factor: Option<Expression>,
     /// By which power of that the stiffness of all pairs grows: `1 - 1/m` of faces whose pressure is `c g^m` and given, else 0.
     pub load_exponent: f64,
-    /// True if the stiffness of some pair grows with its pressure, `p = c g^m` with m > 1.
+    /// True if the stiffness of any pair grows with its pressure, `p = c g^m` with m > 1.
     pub has_power_law: bool,
     /// The speed, where the parameters say it and no range of speeds.
     pub own_speed: Option<OwnSpeed>,

@@ -63,7 +63,7 @@ impl<'a> Model<'a> {
         Ok(all)
     }
 
-    /// Names of some rows, for messages.
+    /// Names of the first rows, as examples in messages.
     pub fn some_rows(&self) -> String {
         let named: Vec<String> = self.dofs.iter().filter(|dof| dof.direction > 0).take(3).map(Dof::to_string).collect();
         if named.is_empty() { "no names".to_owned() } else { format!("{}, ...", named.join(", ")) }

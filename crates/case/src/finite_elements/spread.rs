@@ -126,7 +126,7 @@ impl SpreadParameters {
         &self.all
     }
 
-    /// True if a parameter of the case, by its index, has a part in what some closed patches are.
+    /// True if a parameter of the case, by its index, acts in one of the patches `closed`.
     pub fn acts_in(&self, parameter: usize, closed: &[usize]) -> bool {
         let is_part = |local: &SpreadParameter| match &local.spread {
             Spread::Patches { first } => closed.iter().any(|patch| first + patch == parameter),

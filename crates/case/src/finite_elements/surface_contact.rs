@@ -15,7 +15,7 @@ use crate::check::field;
 /// The directions x, y and z.
 const TRANSLATIONS: [u32; 3] = [1, 2, 3];
 
-/// Angle between the sliding and the face from which on a line says so, degrees; chosen: faces of coarse meshes are that much off.
+/// Largest angle between the sliding and the face of which nothing is said, degrees; chosen: faces of coarse meshes are that much off.
 const STEEP: f64 = 10.0;
 
 /// A contact of the case with its points.

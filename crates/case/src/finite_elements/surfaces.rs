@@ -139,7 +139,7 @@ fn mean_speed(contacts: &[SurfaceContact<'_>]) -> f64 {
 
 /// Says where the meshes of a contact are farthest apart and overlap most, where that is more than rounding.
 fn report_gaps(solids: &Solids<'_>, contact: &SurfaceContact<'_>) {
-    /// Gap below which nothing is said, as a fraction of the reach; chosen.
+    /// Largest gap of which nothing is said, as a fraction of the reach; chosen.
     const SMALL: f64 = 1e-6;
     let points = contact.interface.points();
     let largest = points.iter().max_by(|a, b| a.gap.abs().total_cmp(&b.gap.abs()));

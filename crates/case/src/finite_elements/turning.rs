@@ -17,8 +17,7 @@ use crate::check::field;
 use crate::expression::formulas::{Formula, Formulas};
 use crate::{CaseError, Expression};
 
-/// The symmetric part of a gyroscopic matrix, as a part of the skew one, above which the body is none of revolution; chosen: a coarse mesh of
-/// a disc has a hundredth.
+/// Largest symmetric part of the gyroscopic matrix of a body of revolution, as a fraction of its skew part; chosen: a coarse mesh of a disc has a hundredth.
 const NOT_ROUND: f64 = 0.1;
 
 /// The terms of a body that turns with the speed Omega: `2 G` with the coefficient Omega, and `- P + K_sigma` with Omega^2. The stress

@@ -12,9 +12,9 @@ use super::elsewhere::{Places, on, sum};
 use crate::CaseError;
 use crate::check::{Check, field};
 
-/// Entry that differs from its mirror image by more than this part of the largest is not symmetric; chosen.
+/// Largest difference of an entry of a symmetric matrix from its mirror image, as a fraction of the largest entry; chosen.
 const SYMMETRIC: f64 = 1e-10;
-/// Damping ratio below which a mode has no loss; chosen: above rounding of eigenvalues.
+/// Least damping ratio to which an error of the damping is compared: a mode with less has no loss. Chosen: above rounding of eigenvalues.
 const NO_LOSS: f64 = 1e-7;
 /// Most degrees of freedom with which dashpots are compared with the complex stiffness, by all eigenvalues of both; chosen: seconds.
 const MOST_COMPARED: usize = 150;

@@ -8,10 +8,10 @@ use crate::check::{Check, field};
 use crate::expression::formulas::Formulas;
 use crate::relaxing::{BranchTable, Relaxing};
 
-/// Roundings of the diagonal of a matrix, for each of its rows, below which what is left of it is rounding; chosen: larger ones take soft springs beside stiff ones
-/// for nothing, smaller ones make directions of rounding, which are as soft.
+/// Largest rest of a matrix that is nothing but rounding, in roundings of its diagonal for each of its rows; chosen: with more, soft springs beside stiff ones
+/// are taken for nothing; with less, rounding makes directions, which are as soft.
 const ROUNDINGS: f64 = 4.0;
-/// Part of the diagonal up to which a matrix may be indefinite; chosen: files print ten digits at least.
+/// Largest asymmetry and largest indefinite rest of a matrix that is taken, as a fraction of its diagonal; chosen: files print ten digits at least.
 const INDEFINITE: f64 = 1e-10;
 
 /// The branches of terms, and a channel for each direction of each of them.

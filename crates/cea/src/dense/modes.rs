@@ -9,8 +9,8 @@ use num_complex::Complex;
 
 use crate::{CeaError, Spectrum, StandardForm, Workspace, rank_order, real_count, right_vector};
 
-/// Largest distance of a real eigenvalue from minus the decay rate of an internal state, as a part of that rate, at which the
-/// eigenvalue is attributed to the state without its vector. Chosen; used only where there are as many real eigenvalues as states.
+/// Largest distance of a real eigenvalue that is attributed to an internal state without its vector from minus the decay rate of that state, as a fraction of
+/// the rate; chosen, for systems that have as many real eigenvalues as states.
 const LARGEST_SHIFT_OF_DECAY: f64 = 0.5;
 /// Largest |Im lambda| / |lambda| of a multiple real eigenvalue that rounding has split into complex ones. Chosen: rounding
 /// splits a defective pair by 1.5e-8 and a triple by 6e-6, and an oscillating mode with a smaller ratio has a damping ratio

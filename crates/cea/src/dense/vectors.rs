@@ -16,8 +16,8 @@ use crate::{CeaError, Workspace};
 /// Largest normwise backward error of an accepted pair (lambda, phi). Chosen: an eigenvalue given to nine digits passes, a
 /// number that is no eigenvalue does not.
 const LARGEST_BACKWARD_ERROR: f64 = 1e-9;
-/// Rows from which on singular vectors are found by LU factors, one matrix at a time. Chosen: reduced finite elements, of which few
-/// matrices come together, are as large; where there is one of order 80 it is 2.7 times faster, where there are eight as much slower.
+/// Fewest rows of a matrix whose singular vector is found by its LU factors, one matrix at a time. Chosen: reduced finite elements, of which few
+/// matrices come together, are as large; a single matrix of order 80 takes 2.7 times less time, and eight of them as much more.
 const LARGE: usize = 64;
 /// Most solves with one factorisation; chosen: one nearly always suffices.
 const MOST_INVERSE_ITERATIONS: usize = 4;
@@ -120,7 +120,7 @@ fn make_independent(
     }
 }
 
-/// The right singular vector (unit length) of the smallest singular value of each of some n x n matrices, in one batch: for a
+/// The right singular vector (unit length) of the smallest singular value of each of the n x n `matrices`, in one batch: for a
 /// nearly singular `Q(lambda)` the vector of smallest backward error. `None` where the entries of a matrix are too large or too
 /// small to be squared. Counts as one factorisation per matrix.
 pub fn singular_vectors(

@@ -80,7 +80,7 @@ impl AxisMargins {
         }
     }
 
-    /// Margins of some matrices and of others together.
+    /// The margins of these matrices and of those of `other` together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {

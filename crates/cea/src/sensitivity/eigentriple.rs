@@ -11,9 +11,9 @@ use crate::{CeaError, Workspace, left_vector, right_vector};
 const ROUNDINGS: f64 = 8.0;
 /// Largest part of a derivative that may be rounding; chosen: three digits are left.
 const LARGEST_BLUR: f64 = 1e-3;
-/// Relative change of an eigenvalue at which [`Eigentriple::of_neighbour`] stands; chosen: some roundings.
+/// Largest relative change of an eigenvalue that [`Eigentriple::of_neighbour`] ends with at once; chosen: some roundings.
 const SETTLED: f64 = 1e-14;
-/// Relative change below which it stands as soon as it does not fall any more: rounding errors are left; chosen.
+/// Largest relative change that it ends with if the change does not fall any more, as it then is of rounding errors; chosen.
 const ROUNDING: f64 = 1e-9;
 /// Most iterations; chosen: convergence is cubic, and a guess that needs more is near another mode.
 const MOST_ITERATIONS: usize = 8;

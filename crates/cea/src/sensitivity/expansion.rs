@@ -7,7 +7,7 @@ use num_complex::Complex;
 use super::{Eigentriple, Perturbation};
 use crate::{CeaError, Workspace};
 
-/// The part of the first order that the second may be where the first is said to hold; chosen.
+/// Largest second order, as a fraction of the first, with which the first is said to hold; chosen.
 const TOLERATED: f64 = 0.1;
 
 /// Derivatives of an eigenvalue by a parameter.
@@ -20,21 +20,21 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// The change of p at which the second order of the eigenvalue is a tenth of the first: up to there the first order holds, as far as
-    /// the second can tell. Infinite where the second derivative is 0.
+    /// The largest change of p over which the first order of the eigenvalue holds, as far as the second can tell: there the second order is a tenth of the
+    /// first. Infinite where the second derivative is 0.
     #[must_use]
     pub fn holds_to(&self) -> f64 {
         reach(self.first.norm(), self.second.norm())
     }
 
-    /// The change of p at which the second order of the growth is a tenth of its first, and never beyond [`Rates::holds_to`]: 0 where the growth has
+    /// The largest change of p over which the first order of the growth holds likewise, and never beyond [`Rates::holds_to`]: 0 where the growth has
     /// no first order.
     #[must_use]
     pub fn growth_holds_to(&self) -> f64 {
         reach(self.first.re, self.second.re).min(self.holds_to())
     }
 
-    /// The change of p at which the second order of the angular frequency is a tenth of its first, and never beyond [`Rates::holds_to`].
+    /// The largest change of p over which the first order of the angular frequency holds likewise, and never beyond [`Rates::holds_to`].
     #[must_use]
     pub fn frequency_holds_to(&self) -> f64 {
         reach(self.first.im, self.second.im).min(self.holds_to())

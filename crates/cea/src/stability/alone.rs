@@ -2,12 +2,12 @@
 
 use num_complex::Complex;
 
-/// Distance from all others, as a multiple of the larger bound, from which on an eigenvalue is alone: without damping its mirror image at the imaginary axis is within
-/// two bounds of it, another one within one of its own, and two computed ones within four; chosen twice that.
+/// Least distance of an eigenvalue that is alone from each other one, as a multiple of the larger of both error bounds. Without damping its mirror image at the
+/// imaginary axis is within two bounds of it, another one within one of its own, and two computed ones within four; chosen twice that.
 const ALONE: f64 = 8.0;
 
-/// True if no other of some eigenvalues, rad/s with the bounds of their errors, can be where the one at an index is, or its mirror image at the imaginary axis where it
-/// is within its bound of the axis.
+/// True if the eigenvalue at an index is alone: no other of `eigenvalues`, rad/s with the bounds of their errors, can be where it is or, if it is within its
+/// bound of the imaginary axis, where its mirror image at that axis is.
 ///
 /// Without damping, `-conj(lambda)` is an eigenvalue with lambda. So one that is alone and within its bound of the axis is on it.
 #[must_use]

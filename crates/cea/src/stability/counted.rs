@@ -10,7 +10,7 @@ use super::Threshold;
 use super::judge::{Judge, is_blunt};
 use crate::{CeaError, Spectrum, Verdict, Workspace, real_count};
 
-/// Frequency, as a part of [`Spectrum::scale`], up to which a motion may be a rigid one; chosen: some times the root of epsilon.
+/// Largest frequency of a motion that may be a rigid one, as a fraction of [`Spectrum::scale`]; chosen: some times the root of epsilon.
 const RIGID: f64 = 2e-7;
 
 /// Eigenvalues of a system with Im lambda >= 0, by whether they are beyond a threshold, rad/s: the rule of [`verdicts`](crate::verdicts).

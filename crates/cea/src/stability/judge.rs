@@ -10,17 +10,17 @@ use crate::{CeaError, Eigentriple, JudgedEigenvalue, Spectrum, Verdict, Workspac
 
 /// Assumed error of a solver, in units of the problem's scale. A backward stable one errs by some 1e-14.
 const SOLVER_ERROR: f64 = 1e-12;
-/// Real parts up to this part of the problem's scale are near the axis: two eigenvalues that meet in one vector move by the root
+/// Largest distance of an eigenvalue that is near the axis, as a fraction of the problem's scale: two eigenvalues that meet in one vector move by the root
 /// of SOLVER_ERROR, and a simple one of condition 1e6 by as much.
 const NEAR_AXIS: f64 = 1e-6;
-/// Distance from the axis, as a part of [`Spectrum::scale`], up to which an eigenvalue is on it: above what a projection and a
-/// solver leave of an undamped mode, and below any growth that a measurement could show; chosen.
+/// Largest distance of an eigenvalue that is on the axis, as a fraction of [`Spectrum::scale`]; chosen: above what a projection and a
+/// solver leave of an undamped mode, and below any growth that a measurement could show.
 const ON_AXIS: f64 = 1e-12;
 /// Roundings that matrices are taken to have been assembled with, in units of what one does to an eigenvalue ([`Eigentriple::rounding_of_entries`]);
 /// chosen: they make of the double zero of a body that is free to move a pair of either kind.
 pub const ROUNDED_DATA: f64 = 32.0;
-/// Tolerance, as a part of |lambda|, from which on a vibration on the axis to within it is undecided; chosen: a growth of 1e-5 of the frequency is none that
-/// a measurement could show.
+/// Largest error bound, as a fraction of |lambda|, with which a vibration counts as on the axis; with a larger one it is undecided. Chosen: no measurement
+/// could show a growth of 1e-5 of the frequency.
 const BLUNT: f64 = 1e-5;
 /// Largest multiplicity m of an eigenvalue with one vector that is guarded against. Five take m - 1 = 4 parameters that are hit at once
 /// (docs/error-bounds.md, section 8).
@@ -44,7 +44,7 @@ pub fn verdict(
     verdicts(system, &[lambda], spectrum, work).map(|verdicts| verdicts[0])
 }
 
-/// Verdicts on the motions of some eigenvalues of `spectrum`, whether they grow: the one rule of studies, sweeps, maps and
+/// Verdicts on the motions of the eigenvalues `lambdas` of `spectrum`, whether they grow: the one rule of studies, sweeps, maps and
 /// [`stability_census`](crate::stability_census). The verdict of a [`certified`] eigenvalue is what its bound says by itself.
 ///
 /// *On the axis*, [`Verdict::Marginal`], is what is no farther from it than 1e-12 of [`Spectrum::scale`](crate::Spectrum::scale), or than
@@ -72,7 +72,7 @@ pub fn verdicts(
     verdicts_beyond(&Threshold::AXIS, system, lambdas, spectrum, work)
 }
 
-/// Verdicts on some eigenvalues of `spectrum`, whether they are beyond a threshold: [`verdicts`] with the nearest point of the threshold in place of
+/// Verdicts on the eigenvalues `lambdas` of `spectrum`, whether they are beyond a threshold: [`verdicts`] with the nearest point of the threshold in place of
 /// that of the axis. Near it [`Verdict::Undecided`] is where the certified bound straddles the threshold.
 ///
 /// # Errors
@@ -152,7 +152,7 @@ impl<'a> Judge<'a> {
         threshold.margin(lambda).abs() <= NEAR_AXIS * self.spectrum.scale
     }
 
-    /// Distance from the axis, rad/s, up to which an eigenvalue is on it: the larger of 1e-12 of the scale and 32 roundings.
+    /// Largest distance, rad/s, of an eigenvalue that is on the axis: the larger of 1e-12 of the scale and 32 roundings.
     fn tolerance(&self, lambda: Complex<f64>, work: &mut Workspace) -> f64 {
         let triple = Eigentriple::new(self.system, lambda, work);
         let rounding = triple.map_or(0.0, |triple| triple.rounding_of_entries(self.system));

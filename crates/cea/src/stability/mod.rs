@@ -1,4 +1,4 @@
-//! Stability: the verdict on one eigenvalue, the census of a system, thresholds from where on growth counts.
+//! Stability: the verdict on one eigenvalue, the census of a system, thresholds beyond which growth counts.
 
 mod alone;
 mod census;

@@ -1,4 +1,4 @@
-//! Thresholds from where on a growing motion counts, on its growth rate and its damping ratio, beside the bare sign.
+//! Thresholds beyond which a growing motion counts, on its growth rate and its damping ratio, beside the bare sign.
 
 use num_complex::Complex;
 

@@ -72,7 +72,7 @@ impl Lu {
         }
     }
 
-    /// x -= some rows of column k times `head`.
+    /// x -= `rows` of column k times `head`.
     #[inline(always)]
     fn subtract_column(&self, k: usize, rows: Range<usize>, head: [f64; 2], [re, im]: [&mut [f64]; 2]) {
         let l = self.column(k, rows);
@@ -92,7 +92,7 @@ impl Lu {
         Complex::new(re[(k, k)], im[(k, k)])
     }
 
-    /// The parts of some rows of column k.
+    /// The real and the imaginary parts of `rows` of column k.
     fn column(&self, k: usize, rows: Range<usize>) -> [&[f64]; 2] {
         let start = k * self.order();
         [0, 1].map(|part| &self.parts[part].as_slice()[start + rows.start..start + rows.end])

@@ -14,13 +14,13 @@ use squeal::study::{Origin, Plan};
 use super::Lines;
 use crate::Error;
 
-/// An asymmetry that is rounding of an export; chosen.
+/// Largest asymmetry that is nothing but the rounding of an export; chosen.
 const ROUNDING: f64 = 1e-12;
-/// Relative error of a known solution from which on a model is called singular at a point; chosen.
+/// Largest relative error of a known solution with which a model is not called singular at a point; chosen.
 const SINGULAR: f64 = 1e-3;
-/// Rows that are listed of null vectors; chosen: the largest tell where it is, and a line holds them.
+/// Most rows that are listed of a null vector; chosen: the largest tell where it is, and a line holds them.
 const ROWS_LISTED: usize = 5;
-/// A row that a null vector moves less than this, squared, is not listed; chosen.
+/// Largest part of a null vector in a row, squared, that is not listed; chosen.
 const LEAST_MOVED: f64 = 1e-6;
 /// Points in the rectangle of growth and frequency at which the model is solved with, as fractions of its sides; chosen to be irregular.
 const POINTS: [[f64; 2]; 5] = [[0.21, 0.08], [0.67, 0.31], [0.43, 0.52], [0.88, 0.74], [0.13, 0.93]];

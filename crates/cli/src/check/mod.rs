@@ -24,7 +24,7 @@ use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file::CaseArgs;
 
-/// Longest preparation, s of processor time by its rate, that a check goes through to time some samples; chosen.
+/// Longest preparation, s of processor time by its rate, that a check goes through to time a few samples; chosen.
 const LONGEST_PREPARATION: f64 = 300.0;
 
 /// Check a case and say what its study would compute, and roughly how long that takes.
@@ -236,7 +236,7 @@ struct CostFound {
     shards: Option<Value>,
 }
 
-/// Cost of a study: memory and preparation by their rates, the time in all by some samples, unless the preparation alone takes too long for a
+/// Cost of a study: memory and preparation by their rates, the time in all by a few samples, unless the preparation alone takes too long for a
 /// check.
 fn cost<B: UncertainBrake>(
     brake: &B,
@@ -264,7 +264,7 @@ fn cost<B: UncertainBrake>(
     Ok(found)
 }
 
-/// Cost of each of some shards, and which part of all their time is preparation that one run would do once: in words, and as JSON.
+/// Cost of each of `shards` shards, and which part of all their time is preparation that one run would do once: in words, and as JSON.
 fn of_shards(shards: u64, bases: f64, expected: &ExpectedTime) -> (String, Value) {
     let (preparation, samples) = (expected.preparation.as_secs_f64() + bases, expected.samples.as_secs_f64());
     let lost = (shards - 1) as f64 * preparation / (shards as f64 * preparation + samples);

@@ -17,13 +17,13 @@ use crate::terminal::note;
 
 /// Most degrees of freedom; chosen, so that the longest problem takes less than an hour.
 const LARGEST_ORDER: usize = 1000;
-/// Processor time, s, by the cube of the degrees of freedom. Measured on an AMD EPYC (Zen 4) with random full matrices: 0.55 s for
-/// n = 200, and 0.45 s for n = 120 where the damping is 1e12 times the stiffness and QZ in double-double arithmetic does it.
+/// Processor time, s per n^3 of n degrees of freedom. Measured on an AMD EPYC (Zen 4) with random full matrices: 0.55 s for n = 200.
 const SECONDS: f64 = 1e-7;
+/// The same where QZ in double-double arithmetic does it. Measured likewise: 0.45 s for n = 120 where the damping is 1e12 times the stiffness.
 const SECONDS_EXTENDED: f64 = 3e-7;
-/// Memory, bytes, by the square of the degrees of freedom. Measured with the same: 13 MB for n = 200.
+/// Memory, bytes per n^2 of n degrees of freedom. Measured with the same: 13 MB for n = 200.
 const BYTES: f64 = 200.0;
-/// Processor time, s, above which a problem is announced; chosen.
+/// Longest processor time, s, of a problem that is not announced; chosen.
 const ANNOUNCED: f64 = 1.0;
 
 /// The spectrum as text.
@@ -54,7 +54,7 @@ pub(super) fn spectrum(args: &EigArgs) -> Result<String, Error> {
     })
 }
 
-/// Says beforehand how long a problem of many degrees of freedom takes, and how much memory. Seconds, roughly.
+/// Processor time, s, that a problem of `order` degrees of freedom takes, roughly. If it is long, a note says it beforehand, with the memory.
 pub(crate) fn announce(order: usize) -> f64 {
     let n = order as f64;
     let seconds = SECONDS * n.powi(3);

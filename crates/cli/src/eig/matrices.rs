@@ -1,4 +1,4 @@
-//! M, C and K from files of any format, on common rows.
+//! M, C and K from files of any format, on one numbering of degrees of freedom.
 
 use std::path::{Path, PathBuf};
 
@@ -13,36 +13,37 @@ use super::symmetry::wanted;
 use crate::Error;
 use crate::terminal::note;
 
-/// Limits of what may be read.
+/// Limits of the matrices that are read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sizes {
     /// Most bytes of a file, and of its contents after decompression.
     pub(super) bytes: u64,
     /// Most degrees of freedom.
     pub(super) order: usize,
-    /// Words to end the refusal of more degrees of freedom with: what else is possible, beginning with a comma.
+    /// Last words of the error that refuses more degrees of freedom, with a comma before them: what the user can do instead.
     pub(super) beyond: &'static str,
 }
 
-/// M, C and K of one order, with the same rows, without those that are held.
+/// M, C and K, n x n, with the same degree of freedom in the same row of each. Those that an entry huge against all others constrains
+/// ([`brakes::case::held`]) are taken out.
 pub(super) struct Matrices {
     pub(super) mass: Matrix,
     pub(super) damping: Option<Matrix>,
     pub(super) stiffness: Matrix,
-    /// Files that were read, and how each was taken.
+    /// Files that were read, and how the entries of each were understood.
     pub(super) files: Vec<TakenFile>,
-    /// The degrees of freedom that were taken out.
+    /// Names of the degrees of freedom that were taken out; their numbers from 1, if no file has names.
     pub(super) held: Vec<String>,
 }
 
-/// File that was read, and how it was taken.
+/// File that was read, and how its entries were understood.
 pub(super) struct TakenFile {
     pub(super) kind: Kind,
-    /// The file, as it was given.
+    /// Path of the file, as the user gave it.
     pub(super) path: PathBuf,
-    /// The matrix in it.
+    /// Name of the matrix in the file.
     pub(super) name: String,
-    /// Way in which its entries were taken, in words.
+    /// Whether the entries are the whole matrix or a triangle that was mirrored, and what says so; then which rows the file alone has. In words.
     pub(super) taken: String,
 }
 
@@ -50,8 +51,8 @@ impl Matrices {
     /// Reads the files that `args` names.
     ///
     /// # Errors
-    /// A file that is no matrix, a matrix of another kind, shapes or rows that do not belong together, sizes above `sizes`, entries of
-    /// which nobody knows whether they are a triangle.
+    /// A file that is no matrix, a matrix of another kind, shapes or rows that do not belong together, sizes above `sizes`, entries that may be one
+    /// triangle of a symmetric matrix or all of an unsymmetric one.
     pub(super) fn read(args: &EigArgs, sizes: Sizes) -> Result<Self, Error> {
         let mut all = vec![Given::read(args, Kind::Mass, &args.mass, sizes)?];
         if let Some(path) = &args.damping {
@@ -80,18 +81,19 @@ impl Matrices {
         }
     }
 
+    /// n, the number of degrees of freedom.
     pub(super) fn order(&self) -> usize {
         self.mass.rows()
     }
 
-    /// The names of the rows, where a file has them.
+    /// The names of the degrees of freedom, row by row; `None` if no file has names.
     pub(super) fn labels(&self) -> Option<&[Dof]> {
         let all = [Some(&self.mass), self.damping.as_ref(), Some(&self.stiffness)];
         all.into_iter().flatten().find_map(Matrix::row_labels)
     }
 }
 
-/// A matrix and the option that named it.
+/// A matrix that was read, with the option (`--mass`, `--damping` or `--stiffness`) and the path by which the user gave it.
 struct Given<'a> {
     kind: Kind,
     path: &'a Path,
@@ -99,7 +101,7 @@ struct Given<'a> {
 }
 
 impl<'a> Given<'a> {
-    /// The matrix of a file that is meant.
+    /// The matrix of a file that `kind`, or a name after the path (FILE:NAME), asks for. What the reader was unsure of is printed as notes.
     fn read(args: &EigArgs, kind: Kind, path: &'a Path, sizes: Sizes) -> Result<Self, Error> {
         let refused = |source: FormatsError| Error::Matrix { path: path.to_owned(), source: Box::new(source) };
         let (file, name) = split_name(path);
@@ -132,6 +134,7 @@ impl<'a> Given<'a> {
     }
 }
 
+/// The option that gives a matrix.
 fn option(kind: Kind) -> &'static str {
     match kind {
         Kind::Mass => "--mass",
@@ -140,7 +143,8 @@ fn option(kind: Kind) -> &'static str {
     }
 }
 
-/// The refusal of a list that may be a triangle or not.
+/// Error for a matrix of whose entries off the diagonal none has its mirror image: they may be one triangle of a symmetric matrix, or all of an
+/// unsymmetric one. `side` is the triangle in which all of them are, if they are in one.
 fn one_sided(path: &Path, kind: Kind, side: Option<formats::Symmetry>) -> Error {
     let (found, mirrored) = match side {
         Some(side) => ("on one side of the diagonal only", format!("{kind}={side} for a triangle to be mirrored")),
@@ -169,7 +173,7 @@ fn check_sizes(all: &[Given<'_>], sizes: Sizes) -> Result<(), Error> {
             return Err(Error::MatrixShape { path, name, rows, columns, order: rows, reason });
         }
     }
-    // The size that most have is right; of two that differ nobody knows which.
+    // The order that most of the matrices have is taken for the right one; of two matrices that differ, that of the mass matrix.
     let votes = |order: usize| all.iter().filter(|given| given.matrix.rows() == order).count();
     let orders: Vec<usize> = all.iter().map(|given| given.matrix.rows()).collect();
     let order = orders.iter().copied().max_by_key(|&order| (votes(order), orders[0] == order)).unwrap_or(0);
@@ -188,6 +192,7 @@ fn check_sizes(all: &[Given<'_>], sizes: Sizes) -> Result<(), Error> {
     }
 }
 
+/// The word for a matrix in an error.
 fn word(kind: Kind) -> &'static str {
     match kind {
         Kind::Mass => "mass",
@@ -196,7 +201,7 @@ fn word(kind: Kind) -> &'static str {
     }
 }
 
-/// Takes out the rows and columns that are held by entries huge against all others, and says so.
+/// Takes the degrees of freedom that an entry huge against all others constrains out of all matrices, prints a note that says so, and gives their names.
 fn take_out_held(all: &mut [Given<'_>]) -> Result<Vec<String>, Error> {
     let order = all.first().map_or(0, |given| given.matrix.rows());
     let mut held = HeldRows::new(order);

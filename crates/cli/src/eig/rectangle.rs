@@ -15,31 +15,31 @@ use crate::Error;
 use crate::bar::Bar;
 use crate::terminal::note;
 
-/// Most degrees of freedom of which the whole spectrum is certified; chosen: some two seconds.
-const CERTIFIED: usize = 300;
-/// Most degrees of freedom of which what a search finds is counted again unless it is asked for; chosen, so that this takes about as
-/// long as the search.
-const COUNTED: usize = 10_000;
+/// Most degrees of freedom of a problem whose whole spectrum is certified, instead of a search; chosen: it takes some two seconds.
+const MOST_DOFS_CERTIFIED: usize = 300;
+/// Most degrees of freedom of a problem whose list is counted again without `--count`; chosen, so that the count takes about as long as the search.
+const MOST_DOFS_COUNTED: usize = 10_000;
 /// Largest border of a rectangle, rad/s; chosen: far above any vibration, and its powers are finite.
 const LARGEST_BORDER: f64 = 1e12;
-/// Memory, bytes, of a Krylov basis by the degrees of freedom, and of sparse factors by their power 4/3, which is that of meshes
-/// of solids. Measured (GNU time) with a disc and pad of linear solids of 14,985, 47,376, 108,459 and 205,227 degrees of freedom: 0.33, 1.5,
-/// 4.6 and 11.5 GB, where they say 0.39, 1.65, 4.8 and 10.9.
+/// Memory of a Krylov basis, bytes per degree of freedom. Memory is estimated as `BASIS_BYTES n + FACTOR_BYTES n^(4/3)`. Measured (GNU time) with a disc
+/// and pad of linear solids of n = 14,985, 47,376, 108,459 and 205,227: 0.33, 1.5, 4.6 and 11.5 GB; the estimate is 0.39, 1.65, 4.8 and 10.9 GB.
 const BASIS_BYTES: f64 = 6000.0;
+/// Memory of sparse factors, bytes per n^(4/3) of n degrees of freedom; the power is that of meshes of solids. Measured with [`BASIS_BYTES`].
 const FACTOR_BYTES: f64 = 800.0;
-/// Part of the memory there is that the vectors of the eigenvalues may take; chosen.
+/// Largest fraction of the allowed memory that the vectors of the eigenvalues take; chosen.
 const PART_OF_VECTORS: f64 = 0.25;
-/// Processor time, s, at one shift, by the square of the degrees of freedom.
-const SECONDS: f64 = 2e-8;
-/// Number of degrees of freedom above which a problem is announced; chosen: a second or so in all.
-const ANNOUNCED: usize = 3000;
-const HUNDRED: f64 = 100.0;
-/// Distance of eigenvalues, as a fraction of the largest, up to which they are copies of one; chosen: rounding parts copies by less.
+/// Processor time at one shift, s per n^2 of n degrees of freedom, roughly. Some twenty eigenvalues are found there.
+const SECONDS_AT_A_SHIFT: f64 = 2e-8;
+/// Most degrees of freedom of a problem whose memory and time are not said beforehand; chosen: it takes a second or so in all.
+const MOST_DOFS_UNANNOUNCED: usize = 3000;
+/// Steps of the bar of progress.
+const PERCENT: f64 = 100.0;
+/// Largest distance of copies of one eigenvalue, as a fraction of the largest eigenvalue listed; chosen: rounding moves copies apart by less.
 const COPIES: f64 = 1e-6;
-/// Most copies of one eigenvalue of which nothing is said; chosen: those of zero of a free body.
+/// Most copies of one eigenvalue without a warning; chosen: the eigenvalue zero of a free body has so many, two for each of six rigid body modes.
 const MOST_COPIES: usize = 12;
 
-/// The value of `--box`.
+/// The rectangle that the value of `--box` says.
 ///
 /// # Errors
 /// A text that is refused, with what is allowed.
@@ -60,7 +60,8 @@ pub(super) fn parse(text: &str) -> Result<Rectangle, String> {
     Ok(rectangle)
 }
 
-/// The eigenvalues of the rectangle as text.
+/// Runs `squeal eig` with `--box`: the matrices that `args` names are read, a note says what the search costs, and the eigenvalues of the rectangle are
+/// found. The answer, as text or as JSON.
 ///
 /// # Errors
 /// A file that is no matrix, shapes that differ, a singular pencil, no convergence, a rectangle with too much in it.
@@ -100,30 +101,30 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
     })
 }
 
-/// Options of a search in a rectangle: counted again however long it takes, or where that takes about as long as the search; with as many
-/// vectors as fit into memory, bytes.
+/// Options of a search in a rectangle. If `is_counted`, its list is counted again however long that takes, otherwise only if it takes about as long as the
+/// search. `budget` is the memory that may be taken, bytes.
 #[must_use]
 pub fn search_options(is_counted: bool, budget: u64) -> Options {
-    let counted = if is_counted { usize::MAX } else { COUNTED };
+    let counted = if is_counted { usize::MAX } else { MOST_DOFS_COUNTED };
     let bytes = (PART_OF_VECTORS * budget as f64) as usize;
-    Options { certified: CERTIFIED, counted, bytes, ..Options::default() }
+    Options { certified: MOST_DOFS_CERTIFIED, counted, bytes, ..Options::default() }
 }
 
-/// The search, with its progress in hundredths of the rectangle.
+/// The eigenpairs that a search of the rectangle finds, with a bar of its progress in percent of the area.
 fn search(system: &SparseSecondOrder, rectangle: &Rectangle, is_counted: bool, budget: u64) -> Result<Found, Error> {
     let bar = Bar::of("% of the rectangle");
     let told = Cell::new(0_u64);
-    bar.begin(HUNDRED as u64, 0);
+    bar.begin(PERCENT as u64, 0);
     let options = search_options(is_counted, budget);
     let found = eigenpairs_in(system, rectangle, &options, &mut |progress| {
-        let covered = (progress.covered * HUNDRED) as u64;
+        let covered = (progress.covered * PERCENT) as u64;
         bar.advance(covered.saturating_sub(told.replace(covered)));
     });
     bar.end();
     Ok(found?)
 }
 
-/// Largest number of listed eigenvalues next to one of them.
+/// Largest number of copies of an eigenvalue in the list.
 fn most_copies(found: &Found) -> usize {
     let reach = COPIES * found.pairs.iter().map(|pair| pair.lambda.norm()).fold(0.0, f64::max);
     let next_to =
@@ -131,13 +132,13 @@ fn most_copies(found: &Found) -> usize {
     found.pairs.iter().map(next_to).max().unwrap_or(0)
 }
 
-/// Memory, bytes, for many degrees of freedom.
+/// Memory, bytes, that a search of a system of `order` degrees of freedom takes, roughly.
 fn bytes_of(order: usize) -> f64 {
     let n = order as f64;
     BASIS_BYTES * n + FACTOR_BYTES * n.powf(4.0 / 3.0)
 }
 
-/// The most degrees of freedom that fit into so many bytes.
+/// The most degrees of freedom whose search fits into `budget` bytes.
 #[must_use]
 pub fn largest_order(budget: u64) -> usize {
     let (mut fits, mut above) = (0, 1_usize << 31);
@@ -148,11 +149,11 @@ pub fn largest_order(budget: u64) -> usize {
     fits
 }
 
-/// Says beforehand how much memory and time many degrees of freedom take.
+/// Says beforehand how much memory and time a search of a system of `order` degrees of freedom takes, if it has many.
 fn announce(order: usize) {
-    if order > ANNOUNCED {
+    if order > MOST_DOFS_UNANNOUNCED {
         let n = order as f64;
-        let (memory, time) = (bytes_in_words(bytes_of(order)), in_words(SECONDS * n * n));
+        let (memory, time) = (bytes_in_words(bytes_of(order)), in_words(SECONDS_AT_A_SHIFT * n * n));
         note(&format!("{order} degrees of freedom: roughly {memory}; {time} for every twenty eigenvalues or so"));
     }
 }
@@ -231,7 +232,7 @@ fn table((found, listed): (&Found, usize), vectors: bool) -> String {
             format!("counted again by the argument principle, {within}, as many as were found, from {points} points")
         }
         (Count::SecondBlock, _) => format!(
-            "not counted again, which above {COUNTED} degrees of freedom takes longer than the search: --count does; a second block of \
+            "not counted again, which above {MOST_DOFS_COUNTED} degrees of freedom takes longer than the search: --count does; a second block of \
              vectors at each disc found nothing new"
         ),
         (Count::Unclear, _) => {

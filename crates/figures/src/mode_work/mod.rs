@@ -22,7 +22,9 @@ use output::Table;
 const SCALE_GAP: f64 = 6.0;
 /// Height of the bar of one body with its white space, pt; chosen: a line of small text fits beside it.
 const BAR_PITCH: f64 = 10.5;
+/// Title of the axis of works.
 const WORK_AXIS_TITLE: &str = "normalised median net work (1: that of the oscillator with most)";
+/// Title of the axis of bodies.
 const BODY_AXIS_TITLE: &str = "oscillator, p: plate";
 /// The two instants at which the shape is drawn: together they are the whole motion.
 const INSTANTS: [&str; 2] = ["shape", "shape, a quarter of a period later"];

@@ -13,13 +13,16 @@ pub(super) struct ElementType {
     pub shape: Option<(CellKind, &'static [usize])>,
 }
 
-/// A prism and a pyramid are hexahedra of which corners coincide.
+/// Corners of a hexahedron by its nodes.
 const HEXAHEDRON: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 7];
+/// Corners of a prism by its nodes: a hexahedron of which two pairs of corners coincide.
 const PRISM: &[usize] = &[0, 1, 2, 2, 3, 4, 5, 5];
+/// Corners of a pyramid by its nodes: a hexahedron of which four corners coincide.
 const PYRAMID: &[usize] = &[0, 1, 2, 3, 4, 4, 4, 4];
 
-/// Solids, and what is flat, in a plane or on a surface: the letters before the number of their nodes.
+/// Letters before the number of nodes in the names of solid elements.
 const SOLIDS: [&str; 7] = ["C3D", "DC3D", "DCC3D", "AC3D", "F3D", "COH3D", "SC"];
+/// Letters before the number of nodes in the names of flat elements, in a plane or on a surface.
 const FLAT: [&str; 16] = [
     "STRI", "S", "DS", "M3D", "SFM3D", "R3D", "CPS", "CPE", "CPEG", "CAX", "DC2D", "AC2D", "DCAX", "ACAX", "F2D",
     "DSAX",

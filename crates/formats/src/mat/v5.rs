@@ -10,9 +10,11 @@ use crate::limits::Limits;
 use crate::numbers::order;
 use crate::problem::Problem;
 
+/// Bytes of the header of a file.
 const HEADER: u64 = 128;
-/// Types of elements.
+/// Type of an element that is an array.
 const MATRIX: u32 = 14;
+/// Type of an element that is compressed.
 const COMPRESSED: u32 = 15;
 /// Flags of an array.
 const COMPLEX: u32 = 0x800;
@@ -81,7 +83,7 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
 struct Tag {
     kind: u32,
     length: u64,
-    /// Bytes after the data up to where the next part begins.
+    /// Number of bytes between the data and the next part.
     padding: u64,
 }
 
@@ -112,7 +114,7 @@ fn storage(kind: u32) -> Result<Storage, Problem> {
     })
 }
 
-/// Numbers of a part, which must be as many as expected.
+/// The storage and padding of the numbers of a part, of which there must be `expected`.
 fn numbers(bytes: &mut Bytes<'_>, expected: u64) -> Result<(Storage, u64), Problem> {
     let Tag { kind, length, padding } = tag(bytes)?;
     let storage = storage(kind)?;
@@ -204,7 +206,7 @@ fn array(
     found.keep(&name, builder.finish(Stated::Array, Head::unlabelled(name.clone(), None, size)))
 }
 
-/// Takes note of the imaginary parts of so many numbers.
+/// Takes note of the imaginary parts of `count` numbers.
 fn imaginary(bytes: &mut Bytes<'_>, count: u64, builder: &mut Builder) -> Result<(), Problem> {
     let Tag { kind, length, .. } = tag(bytes)?;
     let storage = storage(kind)?;

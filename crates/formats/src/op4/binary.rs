@@ -6,8 +6,9 @@ use crate::bytes::{Bytes, Endian};
 use crate::limits::Limits;
 use crate::problem::Problem;
 
-/// Words of the header of a matrix, of which two are its name, and of that of a column.
+/// Words of the header of a matrix, of which two are its name.
 const HEADER: u32 = 6;
+/// Words of the header of a column.
 const COLUMN: u32 = 3;
 /// Bytes of a word: of a whole number, and of a real one in single precision. Of 8 bytes all real numbers are in double precision,
 /// one word each; marks of a record's length have 4 bytes nevertheless.
@@ -24,7 +25,7 @@ pub(crate) fn detect(head: &[u8]) -> Option<Endian> {
     [Endian::Little, Endian::Big].into_iter().find(is_header)
 }
 
-/// The bytes of a word in a file whose headers have so many bytes.
+/// The bytes of a word in a file whose headers have `length` bytes.
 fn word_of_header(length: u32) -> Option<u32> {
     WORDS.into_iter().find(|word| length == HEADER * word)
 }

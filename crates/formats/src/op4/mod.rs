@@ -16,7 +16,7 @@ use crate::limits::Limits;
 use crate::numbers::order;
 use crate::problem::Problem;
 
-/// Rows from which on strings have long headers, whatever the sign of their number.
+/// Fewest rows of a matrix whose strings have long headers whatever the sign of that number.
 const LONG_HEADERS: u64 = 65_536;
 
 /// A matrix whose header was read.

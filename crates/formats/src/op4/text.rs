@@ -103,7 +103,7 @@ fn dense(lines: &mut Lines<'_>, open: &mut Open, row: i64, given: usize, print: 
     }
 }
 
-/// Reads the numbers of a line, at most so many, and says how many they were.
+/// Reads the numbers of a line, at most `most`. Their number.
 fn numbers(
     line: &str,
     open: &mut Open,

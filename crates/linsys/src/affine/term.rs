@@ -41,7 +41,7 @@ impl Term {
         &self.matrices
     }
 
-    /// Adds `coefficient` times some entries, column by column, of M, C and K, as far as these are not zero.
+    /// Adds `coefficient` times the `entries`, numbered column by column, of M, C and K, as far as these are not zero.
     pub(super) fn add(&self, coefficient: f64, entries: Range<usize>, out: &mut SecondOrder) {
         let SecondOrder { m, c, k, .. } = &self.matrices;
         let parts = [(&mut out.m, m), (&mut out.c, c), (&mut out.k, k)];

@@ -1,10 +1,10 @@
-//! Oscillators that touch the plate.
+//! Arrangements of contacts: which of the oscillators of a lattice, or of the patches of a mesh, are in contact.
 
 use std::fmt;
 
 use crate::OscModelError;
 
-/// The oscillators in contact, of a lattice with a given number of oscillators.
+/// The oscillators of a lattice that are in contact, and the number of all of them. A finite element brake has patches in the place of oscillators.
 ///
 /// Indices run from 0; [`fmt::Display`] prints numbers from 1.
 ///
@@ -24,7 +24,7 @@ pub struct ContactArrangement {
 }
 
 impl ContactArrangement {
-    /// The arrangement of these oscillators, by index from 0 and in any order, out of `oscillators`.
+    /// The arrangement with the oscillators `in_contact`, by index from 0 and in any order, out of `oscillators`.
     ///
     /// # Errors
     /// An oscillator that does not exist or is named twice.
@@ -52,12 +52,12 @@ impl ContactArrangement {
         Self::new(oscillators, &numbers.iter().map(from_zero).collect::<Result<Vec<_>, _>>()?)
     }
 
-    /// Every oscillator in contact.
+    /// The arrangement with every oscillator in contact.
     pub fn full(oscillators: usize) -> Self {
         Self { in_contact: (0..oscillators).collect(), oscillators }
     }
 
-    /// The C(oscillators, in_contact) arrangements with this number in contact, in lexicographic order.
+    /// All arrangements with `in_contact` of `oscillators` in contact, in lexicographic order: C(oscillators, in_contact), the binomial coefficient.
     ///
     /// # Errors
     /// More contacts than oscillators.
@@ -85,7 +85,7 @@ impl ContactArrangement {
         &self.in_contact
     }
 
-    /// Number of oscillators of the lattice.
+    /// Number of oscillators of the lattice, in contact or not.
     pub fn oscillators(&self) -> usize {
         self.oscillators
     }

@@ -44,7 +44,7 @@ fn count(places: &[Option<usize>]) -> usize {
     places.iter().flatten().count()
 }
 
-/// Combinations of those that stay; `None` where one has some that stay and some that do not.
+/// Combinations of what stays; `None` where what stays and what does not are in one combination.
 fn kept(all: &[Combination], places: &[Option<usize>]) -> Option<Vec<Combination>> {
     let mut out = Vec::with_capacity(all.len());
     for combination in all {

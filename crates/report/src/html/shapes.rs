@@ -17,7 +17,7 @@ use crate::Error;
 
 /// Numbers of shapes in a page, at most; chosen: 1.6 megabytes. The modes that come first are shown.
 const MOST_SHAPE_NUMBERS: usize = 600_000;
-/// Damping ratio from which on a mode is said to be stable; chosen, far above rounding.
+/// Least damping ratio of a mode that is said to be stable; chosen: far above rounding.
 const NEXT_TO_AXIS: f64 = 1e-9;
 /// Part of the mean square of the displacements about their mean that a moving cycle leaves out, at most; chosen: a thousandth of the motion.
 const LEFT_OUT: f64 = 1e-6;
@@ -63,8 +63,8 @@ pub(super) struct MovingMode<'m> {
     pub of: ModeOf<'m>,
 }
 
-/// Geometry and shapes, of the modes in their order as many as a page has room for, and how many it leaves out: real and imaginary part of each number in turn, as
-/// parts of the largest modulus. In the page they stand group by group.
+/// Geometry and shapes, as JSON: of the modes in their order as many as a page has room for, and how many it leaves out. A shape has the real and the
+/// imaginary part of each number in turn, as fractions of the largest modulus. In the page they stand group by group.
 ///
 /// # Errors
 /// A mode that does not fit the mesh.
@@ -217,7 +217,7 @@ pub(super) fn of_study(results: &Results, geometry: &Geometry<'_>) -> Result<Val
 mod tests {
     use super::*;
 
-    /// Harmonics of a motion that is 1 m/s in the first of so many degrees of freedom.
+    /// Harmonics of a motion that is 1 m/s in the first of `order` degrees of freedom.
     fn harmonics(order: usize) -> Harmonics {
         let mut velocity = vec![Complex::default(); order];
         velocity[0] = Complex::new(1.0, 0.0);

@@ -1,4 +1,4 @@
-//! The answer of a sweep in words: which modes grow from where on, or how much of a map is stable.
+//! The answer of a sweep in words: which modes grow, and where they begin to, or how much of a map is stable.
 
 use output::hertz;
 use squeal::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, SweepOnset, named, not_looked_for};

@@ -7,7 +7,7 @@ use crate::Error;
 
 /// Modes that are drawn, those that are unstable in most draws first; chosen: a page.
 const MOST_MODES: usize = 4;
-/// Inputs of a panel, those with the largest indices first; chosen.
+/// Most inputs of a panel, those with the largest indices first; chosen.
 const MOST_INPUTS: usize = 10;
 
 /// Bars of the indices with their intervals; `title` and `note` stand above and below. `None` where no output varies enough.

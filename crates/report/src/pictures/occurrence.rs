@@ -43,7 +43,7 @@ pub fn set_heading(results: &Results, constraints: usize) -> String {
     }
 }
 
-/// The figure of some laws' occurrences under one constraint set, by the indices of both in the plan.
+/// The figure of the occurrences with `laws` under one set of constraints, by the indices of both in the plan.
 pub fn occurrence(
     results: &Results,
     constraints: usize,

@@ -7,7 +7,7 @@ use crate::Error;
 
 /// Brakes that are drawn, the likeliest first; chosen: a page.
 const MOST_BRAKES: usize = 4;
-/// Inputs of a panel, those with the largest parts first; chosen.
+/// Most inputs of a panel, those with the largest parts first; chosen.
 const MOST_INPUTS: usize = 10;
 
 /// Bars of the parts that inputs have in the growth rate at the likeliest squealing brakes; `title` and `note` stand above and below. `None` where

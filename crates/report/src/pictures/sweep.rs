@@ -10,7 +10,7 @@ use squeal::sweep::{CELLS, ChangeOf, Found, NamedBranch, StabilityMap, Sweep, Sw
 
 use crate::Error;
 
-/// Lines with which a branch over the whole range is drawn; chosen.
+/// Number of lines with which a branch over the whole range is drawn; chosen.
 const LINES: f64 = 96.0;
 
 /// The root locus or the stability map; `title` and `note` stand above and below, `growth` is what of it the root locus shows, 1/s, ascending, or

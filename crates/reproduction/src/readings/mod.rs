@@ -33,8 +33,9 @@ use table::Entry;
 use thin::thin;
 
 /// Number of claims by which a combination may fall short of the better of the case and the paper's words and still be run with more
-/// draws: after the few draws that all get, and after those of the second stage. Written before the product was run.
+/// draws, after the few draws that all get. Written before the product was run.
 const COARSE_SLACK: usize = 2;
+/// The same after the draws of the second stage.
 const SECOND_SLACK: usize = 1;
 
 /// Every reading of what the paper leaves open, in all combinations, with a scorecard each
@@ -126,8 +127,8 @@ pub fn run(args: &ReadingsArgs, root: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// The rows of some combinations, those that are not known run, as many as the deadline allows. `workers` groups of combinations,
-/// of those that have much in common, are run at once.
+/// The rows of `combinations`; those that are not known are run, as many as the deadline allows. `workers` groups of combinations
+/// that have much in common are run at once.
 fn run_all(
     store: &Store,
     combinations: &[Combination],
@@ -194,8 +195,8 @@ fn into_inner<T>(of: Mutex<T>) -> T {
     of.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The groups of the combinations that differ from some, the best first, in that each contact has a draw of its own: the first so
-/// many groups.
+/// The combinations that differ from those of `of`, the best of which are first, in that each contact has a draw of its own: the first `most`
+/// groups of them.
 fn with_each_draw(of: &[Combination], most: usize) -> Vec<Combination> {
     let best: Vec<_> = of.iter().map(Combination::with_draw_for_each).collect();
     let groups: Vec<_> = by_what_is_shared(&best).iter().take(most).map(|group| group[0].what_is_shared()).collect();

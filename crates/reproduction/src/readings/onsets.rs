@@ -20,8 +20,9 @@ use crate::Error;
 
 /// The largest coefficient tried.
 const MOST_MU: f64 = 1.3;
-/// Steps of the coefficient in the table of patterns, and in that of structures.
+/// Step of the coefficient in the table of patterns.
 const FINE_STEP: f64 = 0.001;
+/// Step of the coefficient in the table of structures.
 const COARSE_STEP: f64 = 0.01;
 /// Answers that change the structure: mass, lean, lateral, theta and phi, as indices into [`AXES`].
 const STRUCTURE: [usize; 5] = [0, 1, 2, 4, 5];

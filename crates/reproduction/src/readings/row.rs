@@ -105,7 +105,7 @@ impl Card {
         self.claims.iter().filter(|cell| cell.holds_by_value()).count()
     }
 
-    /// True if some claims all hold by the values.
+    /// True if the claims `ids` all hold by the values.
     pub fn holds_by_value(&self, ids: &[&str]) -> bool {
         let holds = |id: &&str| self.claims.iter().any(|cell| cell.id == *id && cell.by_value == "yes");
         ids.iter().all(holds)

@@ -117,7 +117,7 @@ mod tests {
     use super::*;
     use crate::readings::product::{AXES, Combination, product, read_tables};
 
-    /// Cases of the paper with some numbers in contact: all answers to some questions, the case's own to the others.
+    /// Cases of the paper with the numbers `in_contact`: all answers to `questions`, the case's own to the others.
     fn cases(questions: &[&str], in_contact: [usize; 2]) -> Vec<LatticeCase> {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
         let tables = read_tables(&path).unwrap();

@@ -35,13 +35,13 @@ impl Store {
         self.folder.join(format!("{}.json", &squeal::fingerprint(&key)[..16]))
     }
 
-    /// The row of each of some cases, if they have been run. A file that is damaged is run again.
+    /// The row of each of `cases`, if they have been run. A file that is damaged is run again.
     pub fn known(&self, cases: &[LatticeCase]) -> Option<Vec<Row>> {
         let rows: Vec<Row> = serde_json::from_slice(&std::fs::read(self.path(cases)).ok()?).ok()?;
         (rows.len() == cases.len()).then_some(rows)
     }
 
-    /// The row of each of some cases; runs them together if they have not been run, and keeps the rows.
+    /// The row of each of `cases`; runs them together if they have not been run, and keeps the rows.
     ///
     /// # Errors
     /// A file that cannot be written. A study that fails is a row that says why.

@@ -12,14 +12,14 @@ use crate::SparseError;
 use crate::symmetric::{Factor, largest_entry, nearest_to_zero, norm, scaled_part, shifted};
 pub use solutions::{SolutionErrors, solution_errors};
 
-/// An eigenvalue below this part of the norm is zero; chosen: an export with 14 digits moves a zero by some 1e-14.
+/// Largest eigenvalue that is zero, as a fraction of the norm; chosen: an export with 14 digits moves a zero by some 1e-14.
 pub const NULL: f64 = 1e-13;
 /// Most null vectors that are looked at; their number is known from the signs. Chosen: a brake whose two bodies are
 /// free has twelve.
 const MOST_VECTORS: usize = 12;
-/// Vectors beyond those wanted, for inverse iteration; chosen.
+/// Number of vectors beyond those wanted, for inverse iteration; chosen: with more, it converges faster and each step costs more.
 const MORE_VECTORS: usize = 2;
-/// A null vector that was found may be this many times as large as the limit says; chosen, for the rounding of its products.
+/// Factor on that limit for an eigenvalue found by inverse iteration; chosen, for the rounding of products.
 const FOUND: f64 = 10.0;
 
 /// Numbers of eigenvalues by their sign.

@@ -1,4 +1,4 @@
-//! Errors of solutions with a model at some points.
+//! Errors of solutions with a model at given points.
 
 use num_complex::Complex;
 
@@ -16,7 +16,7 @@ pub struct SolutionErrors {
     pub forward: f64,
 }
 
-/// Solves with Q at some points for a known solution.
+/// Errors of solutions with Q at `points`, rad/s, where the solution is known.
 ///
 /// # Errors
 /// A factorisation that does not fit into memory.

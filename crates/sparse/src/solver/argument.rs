@@ -26,15 +26,16 @@ use super::types::{Circle, Count, Known};
 use crate::SparseError;
 use crate::unpatterned::unpatterned;
 
-/// Points of a circle to begin with; chosen. Their distances differ by a factor of up to two, so that no number of eigenvalues at the
+/// Number of points of a circle to begin with; chosen. Their distances differ by a factor of up to two, so that no number of eigenvalues at the
 /// centre turns the phase by whole turns between all of them.
 const FIRST_POINTS: usize = 10;
-/// Points of a circle to begin with where it contradicts what is known; chosen: a whole turn between two of so many takes eigenvalues nearer to the circle than
-/// a search leaves any unknown.
+/// Number of points of a circle to begin with, where a count from fewer contradicts what is known; chosen: for a whole turn between two neighbours of so many,
+/// eigenvalues have to be nearer to the circle than a search leaves any unknown.
 const MORE_POINTS: usize = 50;
 /// Degree of the polynomial that stands for the logarithm of all far away; chosen: so few that nothing next to the circle is in it.
 const DEGREE: usize = 3;
-/// Change of the phase between two points, rad, above which one is looked at between them; chosen.
+/// Largest change of the phase between two neighbours, rad, between which no further point is taken; chosen: with less, a circle takes more points, each a
+/// factorisation; with more, a change by nearly a whole turn is more easily taken for a small one.
 const LARGEST_CHANGE: f64 = 0.8;
 /// Most points of one circle; chosen: each is a factorisation. With fewer a circle near eigenvalues is given up, with more one along which rounding turns the
 /// phase is looked at for long.
@@ -42,9 +43,10 @@ const MOST_POINTS: usize = 200;
 /// Circles that are tried about one centre; chosen: two that differ in the same way, or all in one direction, are believed. With fewer rounding next to one
 /// leaves the count open, with more a count that rounding spoils takes longer.
 const CIRCLES: usize = 4;
-/// Distance of a circle from an eigenvalue: so many bounds of that, and this part of the radius; chosen: the phase turns fast next to an eigenvalue, so that a
-/// nearer circle takes more points, and no circle may be left that is farther.
+/// Least distance of a circle that is clear of an eigenvalue, in error bounds of the eigenvalue; beyond that [`CLEAR`]. Chosen: the phase turns fast next to an
+/// eigenvalue, so that a nearer circle takes more points; and with more there may be no circle that is clear.
 const BOUNDS: f64 = 1e3;
+/// Least distance of a circle that is clear of an eigenvalue, beyond [`BOUNDS`], as a fraction of its radius; chosen likewise.
 const CLEAR: f64 = 1e-6;
 /// Most degrees of freedom of a determinant by a dense matrix, where the sparse one has too small pivots; chosen: some tenths of a second.
 const DENSE: usize = 1000;
@@ -76,7 +78,7 @@ impl<'a> Counting<'a> {
         Self { problem, gamma, is_dense, circles: Vec::new(), points: 0, is_clear: true }
     }
 
-    /// Counts along one of some circles.
+    /// Counts along one of the circles.
     ///
     /// # Errors
     /// [`SparseError::CountsDiffer`] where det Q has more or fewer zeros inside than are known.
@@ -85,7 +87,7 @@ impl<'a> Counting<'a> {
         Ok(())
     }
 
-    /// True if det Q has as many zeros as are known inside one of some circles; false where rounding turns the phase along all of them.
+    /// True if det Q has as many zeros as are known inside one of the circles; false where rounding turns the phase along all of them.
     ///
     /// # Errors
     /// [`SparseError::CountsDiffer`] where there are more or fewer.
@@ -129,7 +131,7 @@ impl<'a> Counting<'a> {
         }
     }
 
-    /// Excess of the eigenvalues inside over those that are known, from so many points to begin with; `None` where the phase jumps.
+    /// Number of eigenvalues inside less that of the known ones, from `first` points to begin with; `None` where the phase jumps.
     fn excess(&mut self, around: &Around<'_>, radius: f64, first: usize) -> Option<i64> {
         let at = |angle: f64| around.centre + Complex::from_polar(radius, angle);
         let irregular = |i: usize| (i as f64 + unpatterned(i as f64) / 3.0) * TAU / first as f64;

@@ -15,8 +15,8 @@ use crate::{SparseError, SparseSecondOrder};
 /// Steps outwards from the circle around the rectangle at which a circle is tried, as fractions of its radius; chosen: near circles have few further
 /// eigenvalues inside, and one of those that are far is clear of all.
 const OUTWARDS: [f64; 10] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
-/// A rectangle that goes farther from zero than so many times the largest eigenvalue is counted there; chosen: any number well above 1, as nothing lies
-/// beyond.
+/// Radius of the circle about zero that stands for one around the rectangle, if this goes farther from zero, as a multiple of the largest eigenvalue;
+/// chosen: any number well above 1, as nothing lies beyond.
 const BEYOND: f64 = 2.0;
 
 /// Eigenpairs of a system in a rectangle that the dense solver certifies, counted once more by the argument principle; `None` where it does not

@@ -10,7 +10,7 @@ use super::lanes::{
     Halves, Kernel, Row, add, columns, compute, gathered, joined_conjugate, negative, plus, scatter, turned, zero,
 };
 
-/// Rows that are multiplied with all columns of a basis before the next ones: they stay in the nearest cache. Chosen.
+/// Number of rows that are multiplied with all columns of a basis before the next ones; chosen: they stay in the nearest cache.
 const CHUNK: usize = 256;
 
 type Block = Mat<Complex<f64>>;
@@ -69,7 +69,7 @@ impl Kernel for Removal<'_> {
     }
 }
 
-/// Adds the products of some rows, T columns at a time.
+/// Adds the products of `rows`, T columns at a time.
 #[inline(always)]
 fn add_dots<S: Simd, const N: usize, const T: usize>(
     simd: S,
@@ -137,7 +137,7 @@ fn add_all<S: Simd, const N: usize>(
     }
 }
 
-/// Adds the columns times their factors to some rows, T columns at a time.
+/// Adds the columns times their factors to `rows`, T columns at a time.
 #[inline(always)]
 fn add_columns<S: Simd, const N: usize, const T: usize>(
     simd: S,

@@ -13,16 +13,18 @@ use super::settle::settled;
 use super::types::{Count, Counters, Covered, Disc, Found, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
-/// Half diagonal of the smallest rectangle that is searched, in units of the margin around what a disc covers; chosen.
+/// Half diagonal of the smallest rectangle that is searched, in units of the margin around what a disc covers; chosen: a smaller one would be mostly margin.
 const LEAST_SIZE: f64 = 8.0;
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead. Chosen: with less
 /// long targets are covered by many thin strips, with more they are cut where a strip would do.
 const THINNEST: f64 = 0.1;
-/// Shifts after which the size of a rectangle is estimated, and by how many times it has to be too large then; chosen, because
-/// eigenvalues are not spread evenly.
+/// Number of shifts after which the size of a rectangle is estimated; chosen: with fewer, the estimate is poorer; with more, a rectangle that is too large is
+/// refused later.
 const ESTIMATED: usize = 10;
+/// Factor by which a rectangle that is refused by this estimate is too large; chosen, because eigenvalues are not spread evenly.
 const ESTIMATE_MARGIN: f64 = 4.0;
-/// Factor by which the blocks of a second search are wider, where the count contradicts the first; chosen.
+/// Factor by which the blocks of a second search are wider, where the count contradicts the first; chosen: most of these lists lack copies of an eigenvalue
+/// that has more of them than a block has columns.
 const WIDER: usize = 4;
 
 /// Eigenpairs in `rectangle`, its border included, all of them.

@@ -16,31 +16,34 @@ use super::ritz::Ritz;
 use super::types::{Counters, Disc, Known, Options, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
-/// Residual of a Ritz value, relative, from which on it counts as known to be there; chosen: larger than [`NEARLY`], as where an eigenvalue outside lies
+/// Largest relative residual of a Ritz value outside the rectangle whose place is known; chosen: larger than [`NEARLY`], as the place of an eigenvalue outside
 /// need be known to fewer digits. Less makes spaces larger, more trusts a disc up to an eigenvalue whose place is not yet known.
 const SEEN: f64 = 1e-6;
-/// Residual of a Ritz value inside the rectangle, relative, from which on it counts as known to be there; chosen.
+/// Largest relative residual of a Ritz value inside the rectangle whose place is known; chosen: smaller than [`SEEN`], as the place of an eigenvalue inside
+/// has to be known to more digits.
 const NEARLY: f64 = 1e-8;
-/// Backward error at which a right Ritz vector that is wanted is good enough: some rounding errors.
+/// Largest backward error of a wanted right Ritz vector that is good enough: some rounding errors.
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
-/// Residual of a Ritz value, relative, at which its vector is good enough though its backward error does not become so small; chosen.
+/// Largest relative residual of a Ritz value whose vector is good enough though its backward error does not become so small; chosen.
 const CONVERGED: f64 = 1e-13;
-/// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
+/// Radius of a disc, as a fraction of the distance of the first Ritz value not yet known; chosen: with less, discs are smaller; with more, that value may be
+/// inside, as its place is not known.
 const TRUSTED: f64 = 0.95;
-/// Columns before the first look at the Ritz values; chosen: fewer have hardly any that is known, more may be too many where few are wanted.
+/// Number of columns before the first look at the Ritz values; chosen: fewer have hardly any that is known, more may be too many where few are wanted.
 const FIRST_LOOK: usize = 40;
-/// Number of columns from which on the radius of a disc grows about evenly; chosen.
+/// Number of columns before the radius of a disc grows about evenly with them; chosen.
 const HIDDEN: usize = 20;
-/// Fraction of the columns that are missing, as the radius grows evenly beyond [`HIDDEN`], by which the basis grows after a look; chosen.
+/// Growth of the basis after a look, as a fraction of the columns that are missing if the radius grows evenly beyond [`HIDDEN`]; chosen: with less, there are
+/// more looks; with more, columns that are not needed.
 const OF_MISSING: f64 = 0.75;
-/// Columns of the block by which another one is checked, and steps that both then make together; chosen: the fewest that show a multiple eigenvalue
-/// which the first block holds once. More take more solutions at every disc.
+/// Number of columns of the block by which the first block is checked; chosen: the fewest that show a multiple eigenvalue which the first block holds once.
+/// More take more solutions at every disc.
 const CHECKED_BY: usize = 2;
+/// Number of steps that both blocks then make together; chosen likewise.
 const CHECK_STEPS: usize = 3;
-/// Factor by which a space may have more columns where blocks come back full, and such a block more than the larger of its own number and
-/// [`WIDEST`]; chosen.
+/// Factor on the number of columns that a space may have, and on that of a block (or [`WIDEST`], if that is larger), if blocks come back full; chosen.
 const GROWN: usize = 4;
-/// Width of a block, in columns, that a narrower one counts as in [`GROWN`]; chosen.
+/// Number of columns that a narrower block counts with in [`GROWN`]; chosen.
 const WIDEST: usize = 16;
 /// Number of shifts that are tried, the first one included, where Q(shift) is singular; chosen: a shift hits an eigenvalue by chance alone, so that more
 /// than one further is needed only where Q is singular everywhere, which is refused.
@@ -202,7 +205,7 @@ impl Problem {
         (0..ritz.lambdas.len()).filter(|&j| is_wanted(ritz.lambdas[j])).collect()
     }
 
-    /// Margin outside a rectangle up to which eigenvalues are found with those inside.
+    /// Width of the margin around a rectangle, rad/s: eigenvalues in it are found with those inside.
     pub(crate) fn margin(&self, target: &Rectangle) -> f64 {
         (1e-6 * target.half_diagonal()).max(4.0 * self.pencil.blur(Complex::from(target.reach())))
     }

@@ -18,13 +18,14 @@ use super::products::Side;
 use super::substitution::Substitution;
 use crate::SparseError;
 
-/// Backward error of a first solution above which the pivots of the symmetric order were too small; chosen.
+/// Largest backward error of a first solution whose pivots, in the symmetric order, were large enough; chosen: with a larger one Q is factorised again with any
+/// pivots, which takes longer.
 const STABLE: f64 = 1e-13;
-/// Backward error of a solution, |Q x - b| / (|Q| |x| + |b|), up to which it is not refined: some rounding errors.
+/// Largest backward error of a solution, |Q x - b| / (|Q| |x| + |b|), that is not refined: some rounding errors.
 const GOOD: f64 = 1e-15;
-/// Backward error above which a solution is refused; chosen, far below what an eigenpair is asked for.
+/// Largest backward error of a solution that is accepted; chosen: far below what an eigenpair is asked for.
 const REFUSED: f64 = 1e-12;
-/// Relative error of a known solution above which Q(sigma) is singular to rounding; chosen.
+/// Largest relative error of a known solution with which Q(sigma) is regular; with a larger one it is singular to rounding. Chosen.
 const REGULAR: f64 = 1e-3;
 /// Most steps of iterative refinement; where the second does not help none does. Chosen: it ends
 /// earlier where a step does not halve the error, so that more would hardly ever be made.

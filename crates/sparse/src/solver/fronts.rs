@@ -25,7 +25,7 @@ use super::pencil::Pencil;
 /// Only a supernodal analysis has groups of rows; it is taken where operations by entry exceed this.
 const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
 
-/// Groups of up to so many rows are joined where at most that part of the entries are zeros: fewer than the library's, because factors
+/// Most rows of groups that are joined, with the largest fraction of zeros among their entries: fewer than the library's, because factors
 /// are read a hundred times as often as they are computed.
 const JOINED: &[(usize, f64)] = &[(4, 0.5), (16, 0.1)];
 

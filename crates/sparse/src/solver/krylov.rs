@@ -67,7 +67,7 @@ impl<'a> Krylov<'a> {
         Ok(krylov)
     }
 
-    /// Appends the image of another block of extended vectors; what is appended from then on is by so many columns wider.
+    /// Appends the image of another block of extended vectors; what is appended from then on is wider by its columns.
     ///
     /// # Errors
     /// A solution with Q(sigma) that is not accurate.
@@ -126,7 +126,7 @@ impl<'a> Krylov<'a> {
         self.space.times(&combined)
     }
 
-    /// The coordinates a, with `part` 0, or b, with 1, of some columns of V.
+    /// The coordinates a, with `part` 0, or b, with 1, of the columns `from` to `to` (without it) of V.
     fn coordinates(&self, part: usize, from: usize, to: usize) -> Block {
         let (vectors, states) = (self.vectors.basis(), self.factor.pencil().states().len());
         Mat::from_fn(self.space.columns(), to - from, |i, j| vectors[from + j][states + 2 * i + part])

@@ -140,7 +140,7 @@ pub(super) fn bring<'a>(values: impl Iterator<Item = &'a Complex<f64>>) {
     std::hint::black_box(values.step_by(LINE).fold(0, |bits, value| bits ^ value.re.to_bits()));
 }
 
-/// Rows of some columns of a block, as many as a row has or fewer, side by side; row i is row `order(i)` of the block.
+/// Rows of the columns of a block from `from` on, as many as a row holds or are left; row i is row `order(i)` of the block.
 #[inline(always)]
 pub(super) fn gathered<S: Simd, const N: usize>(
     simd: S,
@@ -178,7 +178,7 @@ pub(super) fn scatter<S: Simd, const N: usize>(
     }
 }
 
-/// Puts a row back into a block, for some of its columns.
+/// Puts a row back into row i of a block, in its columns from `from` on.
 #[inline(always)]
 pub(super) fn put<S: Simd, const N: usize>(row: Row<S, N>, block: &mut Block, i: usize, from: usize) {
     let numbers: &[Complex<f64>] = cast_slice(&row);

@@ -12,17 +12,21 @@ use super::ritz::Ritz;
 use super::types::{Counters, Options};
 use crate::SparseError;
 
-/// Residual of a Ritz vector, relative, that is enough: this part of the distance to the next eigenvalue, as a part of that to the
-/// shift, between these limits, so that a condition number has two digits or is one of a group. Chosen.
+/// Largest relative residual of a left Ritz vector that is good enough, as a fraction of g, the distance of its eigenvalue from the next one over that from
+/// the shift; chosen, so that a condition number has two digits or is one of a group.
 const OF_GAP: f64 = 1e-2;
+/// Least and largest value of that residual, whatever g is; chosen likewise.
 const CONVERGED_LEFT: [f64; 2] = [1e-6, 1e-4];
-/// Part of the backward error allowed to a left vector at which the space ends, as it shows in the worst ones; chosen.
+/// Largest backward error of the worst left vectors at which the space ends, as a fraction of the error that all are allowed; chosen: only those that are the
+/// worst by their residuals are looked at.
 const OF_TOLERANCE_LEFT: f64 = 0.1;
-/// Columns of the left basis at the first look, as a part of those of the right one, and its growth between two looks; chosen.
+/// Number of columns of the left basis at the first look, as a fraction of that of the right one; chosen: with less, there are more looks; with more, columns
+/// may be made that are not needed.
 const LEFT_LOOK: f64 = 0.7;
+/// Factor on that number from one look to the next; chosen likewise.
 const LEFT_GROWTH: f64 = 1.08;
-/// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift; chosen, between [`CONVERGED_LEFT`]: with less a
-/// left value that is good enough finds no partner, with more it may take that of a neighbour.
+/// Largest distance of a left from a right Ritz value of the same eigenvalue, as a fraction of the distance from the shift; chosen, between
+/// [`CONVERGED_LEFT`]: with less a left value that is good enough finds no partner, with more it may take that of a neighbour.
 const SAME_AS_RIGHT: f64 = 1e-5;
 
 type Block = Mat<Complex<f64>>;

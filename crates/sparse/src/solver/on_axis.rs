@@ -8,8 +8,8 @@ use cea::{Verdict, is_alone};
 use super::types::{Eigenpair, Rectangle};
 use crate::SparseSecondOrder;
 
-/// Distance from the border, as a multiple of its bound, from which on the mirror image of an eigenvalue is in the rectangle too; chosen: as far as others are, of which
-/// it is alone.
+/// Least distance from the border, in error bounds, of an eigenvalue whose mirror image is in the rectangle too; chosen: as far as others are from one that
+/// is alone.
 const INSIDE: f64 = 8.0;
 
 /// Says of each eigenvalue of a system without damping whose verdict is open, and that is alone, that it is marginal.

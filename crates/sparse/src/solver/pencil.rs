@@ -53,8 +53,9 @@ struct Norms {
     states: Vec<f64>,
 }
 
-/// Eigenvalues are told apart where they are farther apart than this part of their size, or so many roots of rounding errors; chosen.
+/// Least blur of an eigenvalue, relative to |lambda|: eigenvalues that are farther apart than their blur are told apart. Chosen.
 const TOLD_APART: f64 = 1e-7;
+/// Blur of an eigenvalue with one vector, in roots of a rounding error times the scale of the problem; chosen.
 const APART: f64 = 4.0;
 
 /// Vectors in columns.

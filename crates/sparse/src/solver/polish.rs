@@ -24,20 +24,21 @@ const INVERSE_STEPS: usize = 3;
 /// Fewest and most factorisations, each next to the eigenvalue that the one before found; chosen: from a neighbour three are enough, where
 /// others are near it takes more.
 const FACTORISATIONS: [usize; 2] = [2, 8];
-/// Backward error at which no further one is made: some rounding errors.
+/// Largest backward error with which no further factorisation is made: some rounding errors.
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
-/// Farthest that one factorisation moves an eigenvalue, relative to it; chosen.
+/// Largest step of an eigenvalue by one factorisation, relative to it; chosen.
 const FARTHEST: f64 = 0.1;
-/// Distance of two eigenvalues, relative, up to which their vectors may be any of a common space; chosen:
-/// with less left vectors of a multiple eigenvalue are paired with wrong right ones, with more those of neighbours are mixed.
+/// Largest distance of two eigenvalues whose vectors may be any of a common space, relative to |lambda|; chosen:
+/// with less, left vectors of a multiple eigenvalue are paired with wrong right ones; with more, those of neighbours are mixed.
 const ONE_GROUP: f64 = 1e-8;
 /// Smallest reciprocal condition of the couplings of a group whose left vectors can be paired with its right ones; chosen: below,
 /// the pairs would keep less than half of their digits and the vectors stay as they are.
 const PAIRED: f64 = 1e-6;
 /// Factor on motion times backward error, a first-order estimate; that of `cea::certified`, docs/error-bounds.md.
 const FIRST_ORDER_SAFETY: f64 = 4.0;
-/// Largest backward error that is rounding, and tolerance of what is marginal, relative; the latter is that of `cea::certified`.
+/// Largest backward error that is nothing but rounding.
 pub(super) const ROUNDING_ONLY: f64 = 16.0 * f64::EPSILON;
+/// Largest tolerance of a marginal eigenvalue, relative to |lambda|; that of `cea::certified`.
 const LARGEST_MARGINAL_TOLERANCE: f64 = 1e-6;
 
 type Vector = DVector<Complex<f64>>;

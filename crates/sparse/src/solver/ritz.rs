@@ -9,7 +9,7 @@ use super::blocks::{PAR, length};
 use super::krylov::Krylov;
 use crate::SparseError;
 
-/// Vectors that stand for all others by the errors that they have: as many as a product takes at once.
+/// Number of vectors whose errors stand for those of all: as many as a product takes at once.
 const JUDGED: usize = 4;
 
 /// The Ritz values of a Krylov space, nearest to the shift first.
@@ -54,13 +54,13 @@ impl Ritz {
         })
     }
 
-    /// The coordinates of some of the vectors, each multiplied once more than the basis was: the image is known anyway, and what is
+    /// The coordinates of the vectors `wanted`, by their indices, each multiplied once more than the basis was: the image is known anyway, and what is
     /// far from the shift is less in it.
     pub(crate) fn vectors_of(&self, wanted: &[usize]) -> Mat<Complex<f64>> {
         Mat::from_fn(self.images.nrows(), wanted.len(), |i, j| self.images[(i, wanted[j])] / self.mus[wanted[j]])
     }
 
-    /// Indices, of some of the vectors, of those whose residuals are largest, as many as are multiplied at once.
+    /// Indices, among `wanted`, of the vectors whose residuals are largest: as many as are multiplied at once.
     pub(crate) fn worst(&self, wanted: &[usize]) -> Vec<usize> {
         let mut all = wanted.to_vec();
         all.sort_by(|&a, &b| self.residuals[b].total_cmp(&self.residuals[a]));

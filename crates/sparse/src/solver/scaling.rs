@@ -14,12 +14,13 @@ use super::polish::pair_of;
 use super::types::{Circle, Count, Disc, Eigenpair, Found, Reach};
 use crate::{SparseSecondOrder, State};
 
-/// Rounds of choosing gamma and equilibrating in turn, and sweeps of Ruiz's iteration in each; those of `cea::certified`.
+/// Number of rounds of choosing gamma and equilibrating in turn; that of `cea::certified`.
 const ROUNDS: usize = 5;
+/// Most sweeps of Ruiz's iteration in each; that of `cea::certified`.
 const SWEEPS: usize = 8;
-/// Distance from one of the largest entries of all rows and columns at which no further sweep is made; chosen: factors become powers of two.
+/// Largest distance from one of the largest entries of all rows and columns after which no further sweep is made; chosen: factors become powers of two.
 const EVEN: f64 = 0.02;
-/// Ratio of two factors of rows, or of columns, from which on a search needs the scaling; chosen: a million between entries.
+/// Largest ratio of two factors of rows, or of columns, without which a search does; with a larger one it needs the scaling. Chosen: a million between entries.
 const UNEVEN: f64 = 1e3;
 
 /// A system in units of its own.

@@ -1,8 +1,9 @@
-//! Eigenvalues that are there once each, from what all discs found.
+//! Merging of the eigenpairs that overlapping discs found: a list that has each once, in both half planes.
 //!
-//! The matrices are real, so the spectrum is symmetric about the real axis, and what rounding does not tell apart from the axis has an
-//! invariant space with a real basis. Groups of eigenvalues that rounding does not tell apart are solved in their space: Q is projected
-//! on real bases of right and left vectors, which leaves a small real problem, and that is certified.
+//! The matrices are real, so the spectrum is symmetric about the real axis, and the eigenvalues within rounding of the axis together span an
+//! invariant space that has a real basis. The distance to which rounding may move two eigenvalues apart that are one is their *blur*, rad/s
+//! (`Pencil::blur`); eigenvalues that are no farther apart are a *group*. A group of several eigenvalues that is ill conditioned or meets the axis is solved
+//! again in its space: Q is projected on real bases of right and left vectors, which leaves a small real problem, and that is certified.
 
 use faer::Mat;
 use linsys::{Internal, SecondOrder};
@@ -19,32 +20,35 @@ use super::products::Side;
 use super::types::{Counters, Eigenpair};
 use crate::SparseError;
 
-/// Condition number from which on a member of a group is solved with the others; chosen: with less groups are solved again whose members are good, with
-/// more vectors of members stay that have lost their digits to each other.
+/// Condition number at which a member of a group is ill conditioned, so that the whole group is solved again; chosen: with a smaller number, groups whose
+/// members are good are solved again; with a larger one, members stay whose vectors have lost their digits to each other.
 const ILL: f64 = 1e5;
-/// Distance of the same eigenvalue found twice, relative, where the bounds of both are not larger; chosen: with less one that two discs found is listed
-/// twice, with more two that are one next to the other have to differ in their vectors.
+/// Largest distance, relative to |lambda|, of an eigenvalue that one disc found from the same one found by another; the bound of either, if that is larger.
+/// Chosen: with less, an eigenvalue that two discs found is listed twice; with more, two neighbours have to differ in their vectors to be listed both.
 const FOUND_TWICE: f64 = 1e-9;
-/// Part of a unit vector outside the span of others below which it is none of its own; chosen: with less the errors of a vector that was found twice count
-/// as a second one, with more two eigenvectors that are nearly one count once.
+/// Smallest length of the component of a unit eigenvector outside the span of others, for it to be a vector of its own; chosen: with less, the errors of a
+/// vector that was found twice count as a second vector; with more, two eigenvectors that are nearly one count once.
 const INDEPENDENT: f64 = 1e-4;
-/// Backward error up to which a pair of a projected problem is one of the whole; chosen.
+/// Largest backward error in the whole problem of a pair of a projected one that is kept; chosen.
 const CONVERGED: f64 = 1e-9;
-/// Vectors that are iterated with those of a group, steps, and distance of the shift from its mean, in units of what rounding does.
+/// Number of vectors that are iterated beside those of a group, to find its space.
 const BESIDE_VECTORS: usize = 2;
+/// Number of steps of that iteration.
 const STEPS: usize = 4;
+/// Least distance of the shift of that iteration from the mean of the group, in blurs.
 const BESIDE: f64 = 20.0;
-/// Part of the largest singular value below which a direction of a space is noise; chosen: with less directions of rounding enter
-/// the projected problem, with more those by which nearly defective members differ leave it.
+/// Smallest singular value, relative to the largest, of a direction of a space that is more than noise; chosen: with less, directions of rounding enter
+/// the projected problem; with more, those in which nearly defective members differ leave it.
 const NOISE: f64 = 1e-6;
 
 type Vector = DVector<Complex<f64>>;
+/// Complex vectors in columns.
 type Block = Mat<Complex<f64>>;
 
-/// The eigenpairs of both half planes, of what the discs found in the upper one and next to the real axis.
+/// The eigenpairs of both half planes, from those that the discs found in the upper half plane and next to the real axis, each with the number of its disc.
 ///
 /// # Errors
-/// [`SparseError::GroupLost`] where fewer eigenvalues of a group are found in its space than by a disc.
+/// [`SparseError::GroupLost`] where the space of a group has fewer eigenvalues than a disc found.
 pub(super) fn settled(
     problem: &Problem,
     found: Vec<(usize, Polished)>,
@@ -57,7 +61,7 @@ pub(super) fn settled(
     for group in groups(&lambdas, |lambda| pencil.blur(lambda)) {
         let members: Vec<_> = group.iter().filter_map(|&i| found[i].take()).collect();
         let blur = members.iter().map(|(_, member)| pencil.blur(member.ritz)).fold(0.0, f64::max);
-        // With structural damping nothing is sought on the real axis, and Q is not real there.
+        // With structural damping Q is not real on the real axis, and nothing is sought there.
         let is_real = !pencil.is_structurally_damped();
         let is_on_axis = is_real && members.iter().any(|(_, member)| member.ritz.im.abs() <= blur);
         let of_one_disc = |disc: usize| members.iter().filter(|(other, _)| *other == disc).count();
@@ -70,9 +74,10 @@ pub(super) fn settled(
             continue;
         }
         let is_fine = |(_, member): &(usize, Polished)| member.is_good && member.pair.condition < ILL;
-        // No real basis holds a group with structural damping: it stays, with the bounds that it has.
+        // With structural damping a group has no real basis: it stays as it is, with the bounds that it has.
         if !is_on_axis && (copies == 1 || !is_real || members.iter().all(is_fine)) {
-            // A disc that has any of a group that is no wider than its margin has all, or another one does.
+            // A disc finds what is within a margin of its part, too. If the group is no wider than that margin, one disc has found all of it: the one with
+            // the most members, and those of the others are the same again.
             let middle = members[0].1.ritz;
             let is_narrow = members.iter().all(|(_, member)| (member.ritz - middle).norm() <= 2.0 * blur);
             let fullest = members.iter().map(|(disc, _)| *disc).find(|&disc| of_one_disc(disc) == copies);
@@ -114,8 +119,8 @@ fn real(problem: &Problem, member: &Polished) -> Option<Eigenpair> {
     (member.is_good && pair.backward_error <= CONVERGED).then_some(pair)
 }
 
-/// The eigenpairs of a group, of which a disc found so many copies, from the space that its vectors span; `None` where nothing can be
-/// said of it.
+/// The eigenpairs of a group from the space that its vectors span, at most `copies`, the largest number that one disc found. `blur` is the largest of its
+/// members, rad/s. `None` if the matrix at the shift is singular, a solution there is not accurate, or the projected problem cannot be certified.
 fn in_space(
     problem: &Problem,
     members: &[(usize, Polished)],
@@ -144,9 +149,8 @@ fn in_space(
             basis => bases.push(real_basis(&basis?)),
         }
     }
-    let clear =
-        |(singular, _): &(Vec<f64>, DMatrix<f64>)| singular.iter().filter(|s| **s > NOISE * singular[0]).count();
-    let order = bases.iter().map(clear).max().unwrap_or(0).min(bases.iter().map(|(_, u)| u.ncols()).min().unwrap_or(0));
+    let rank = |(singular, _): &(Vec<f64>, DMatrix<f64>)| singular.iter().filter(|s| **s > NOISE * singular[0]).count();
+    let order = bases.iter().map(rank).max().unwrap_or(0).min(bases.iter().map(|(_, u)| u.ncols()).min().unwrap_or(0));
     let [v, w] = [0, 1].map(|side| bases[side].1.columns(0, order).into_owned());
     let small = projected(problem, &v, &w)?;
     let mut computed = cea::certified::Counters::default();
@@ -158,7 +162,7 @@ fn in_space(
     for e in certified.eigenvalues.iter().filter(|e| (e.lambda - mean).norm() <= 2.0 * spread + 8.0 * blur) {
         let pair = pair_of(pencil, e.lambda, &whole(&v, &e.right), &whole(&w, &e.left.conjugate()));
         if pair.backward_error <= CONVERGED {
-            // The bound is of the projected problem, for rounding errors; what is left of the projection is counted to it.
+            // The bound of the projected problem is for its rounding errors; it is multiplied by the backward error in the whole problem, in roundings.
             let more = (pair.backward_error / (0.5 * f64::EPSILON)).max(1.0);
             let bound = (e.bound * more).max(pair.bound.min(blur));
             let verdict = match e.verdict {
@@ -168,13 +172,13 @@ fn in_space(
             pairs.push(Eigenpair { bound, verdict, ..pair });
         }
     }
-    // A vector beside those of the space has a backward error too: as many are the group as a disc has copies.
+    // The vectors iterated beside those of the group may have given pairs of other eigenvalues; the group has as many as the fullest disc found.
     pairs.sort_by(|a, b| a.backward_error.total_cmp(&b.backward_error));
     pairs.truncate(copies);
     Ok(Some(pairs))
 }
 
-/// The space that `Q^-1 Q'` at the shift takes a block to in some steps: that of the eigenvalues next to it.
+/// The space, as orthonormal columns, to which [`STEPS`] products with `Q^-1 Q'` at the shift take a block: that of the eigenvalues next to the shift.
 fn space(factor: &Factor<'_>, side: Side, start: Block) -> Result<Block, SparseError> {
     let pencil = factor.pencil();
     let weights = pencil.slope_weights(factor.shift());
@@ -189,7 +193,7 @@ fn space(factor: &Factor<'_>, side: Side, start: Block) -> Result<Block, SparseE
     Ok(x)
 }
 
-/// Orthonormal real columns that span real and imaginary parts, with their singular values, the largest first.
+/// Orthonormal real columns that span the real and the imaginary parts of a block, with their singular values, the largest first.
 fn real_basis(x: &Block) -> (Vec<f64>, DMatrix<f64>) {
     let count = x.ncols();
     let parts =
@@ -199,7 +203,7 @@ fn real_basis(x: &Block) -> (Vec<f64>, DMatrix<f64>) {
     (svd.singular_values.iter().copied().collect(), u)
 }
 
-/// `W^T Q V` of real bases.
+/// The projected problem `W^T Q V` of real bases V and W.
 fn projected(problem: &Problem, v: &DMatrix<f64>, w: &DMatrix<f64>) -> Result<SecondOrder, SparseError> {
     let (pencil, order) = (&problem.pencil, v.ncols());
     let parts = pencil.parts(Side::Right, &Mat::from_fn(v.nrows(), order, |i, j| Complex::from(v[(i, j)])));
@@ -219,7 +223,7 @@ fn projected(problem: &Problem, v: &DMatrix<f64>, w: &DMatrix<f64>) -> Result<Se
     Ok(SecondOrder::with_internal(m, c, k, internal)?)
 }
 
-/// Pairs that two discs found are kept once.
+/// The pairs that the discs found, each with the number of its disc, without those that an earlier disc found too.
 fn without_duplicates(found: Vec<(usize, Eigenpair)>) -> Vec<Eigenpair> {
     let mut kept: Vec<(usize, Eigenpair)> = Vec::with_capacity(found.len());
     for (disc, pair) in found {

@@ -30,7 +30,7 @@ pub(crate) struct Factor {
     is_sound: bool,
 }
 
-/// Backward error of a solution above which a factorisation is unsound; chosen, between rounding and a pivot that was none.
+/// Largest backward error of a solution with a sound factorisation; chosen, between rounding and a pivot that was none.
 const SOUND: f64 = 1e-11;
 
 /// Only the supernodal factorisation has pivots, and it is taken where operations by entry exceed this. The library's own

@@ -12,7 +12,7 @@ pub(crate) use factor::Factor;
 
 /// A diagonal entry below this part of the largest of its row does not scale it; chosen: below that of a rotation in metres.
 const SMALL_DIAGONAL: f64 = 1e-8;
-/// Steps of inverse iteration; chosen.
+/// Number of steps of inverse iteration; chosen.
 const STEPS: usize = 4;
 
 /// The factor of each row in `A_ij / (s_i s_j)` that makes the diagonal 1, or nearly all rows alike where it is zero; 0 for a row

@@ -226,7 +226,7 @@ fn read(path: &Path) -> Result<Option<Table>, Error> {
     Table::read(path).map_err(|source| Error::Read { path: path.to_owned(), source: source.into() })
 }
 
-/// Places of some columns.
+/// Places of the columns `names`; `None` where one is missing.
 fn places<const N: usize>(table: &Table, names: [&str; N]) -> Option<[usize; N]> {
     let found: Vec<usize> =
         names.iter().filter_map(|name| table.columns.iter().position(|column| column == name)).collect();

@@ -66,7 +66,7 @@ impl Kept {
         }
     }
 
-    /// Proportion of so many samples in which a mode is unstable.
+    /// Proportion of the first `samples` samples in which a mode is unstable.
     pub fn proportion(&self, samples: u64, name: &str) -> Proportion {
         let mut found = Proportion::default();
         (0..samples).for_each(|index| found.record(self.trial(index, Question::Mode(name))));

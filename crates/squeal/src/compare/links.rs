@@ -6,11 +6,11 @@ use num_complex::Complex;
 
 use super::folder::SetModes;
 
-/// Least part of the degrees of freedom of either study that both must have for their shapes to be compared; chosen.
+/// Least fraction of the degrees of freedom of either study that both must have for their shapes to be compared; chosen.
 const COMMON_DOFS: f64 = 0.5;
-/// Least MAC of a link by shapes, and by how much it is above the next one at least; chosen. Modes next to a coalescence are alike, so that a
-/// larger margin would leave them without links.
+/// Least MAC of a link by shapes; chosen.
 const LEAST_MAC: f64 = 0.6;
+/// Least amount by which that MAC is above the next one; chosen: modes next to a coalescence are alike, so that a larger margin would leave them without links.
 const MAC_MARGIN: f64 = 0.1;
 /// Largest distance of two frequencies that are linked, relative; chosen.
 const FREQUENCY_DISTANCE: f64 = 0.05;

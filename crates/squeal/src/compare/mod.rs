@@ -80,7 +80,7 @@ pub struct ComparedStudies {
     pub identity: String,
 }
 
-/// Compares the studies in some folders with the first of them.
+/// Comparison of the studies in `folders` with the first of them.
 ///
 /// # Errors
 /// [`Error::NotComparable`] for a folder that holds no finished study, another threshold or band than the first one, or no scene with the

@@ -75,17 +75,17 @@ fn lines(other: &Against) -> Vec<String> {
     lines
 }
 
-/// Ratio of the frequencies of two modes beyond which they do not meet; chosen: a third octave.
+/// Largest ratio of the frequencies of two modes that may meet; chosen: a third octave.
 const APART: f64 = 1.26;
 
-/// True if two modes are near enough in frequency, in some study, to swap their names.
+/// True if two modes are near enough in frequency, in any of the studies, to swap their names.
 fn may_meet(a: &Compared, b: &Compared) -> bool {
     let hertz = |of: &Compared| -> Vec<f64> { of.link.iter().flat_map(|link| link.hz).flatten().collect() };
     let others = hertz(b);
     hertz(a).into_iter().any(|x| others.iter().any(|y| x.max(*y) <= APART * x.min(*y)))
 }
 
-/// Part of the larger of two changes that is left of both where they cancel; chosen.
+/// Largest sum of two changes that cancel, as a fraction of the larger one; chosen.
 const LEFT: f64 = 0.2;
 
 impl Against {

@@ -36,7 +36,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// The outputs of a scene: of any mode, then of each that is unstable in some sample.
+    /// The outputs of a scene: of any mode, then of each mode that is unstable in a sample.
     pub(super) fn all(samples: &[Evaluated]) -> Vec<Self> {
         let modes: BTreeSet<ModeLabel> = samples.iter().flat_map(|sample| &sample.modes).map(|mode| mode.0).collect();
         let of = |mode| [OutputKind::Growth, OutputKind::Instability].map(|kind| Self { mode, kind });

@@ -6,7 +6,7 @@ use study::{Plan, Scene, SceneLabels};
 
 use super::{Influence, OutputInfluence, OutputKind};
 
-/// Fraction of the variance below which inputs that surely explain less are counted together in words; chosen.
+/// Fraction of the variance: inputs that do not surely explain more are counted together in words; chosen.
 const LEAST_IN_WORDS: f64 = 0.01;
 /// Most of these inputs that are named; chosen: a line.
 const MOST_NAMED: usize = 8;
@@ -147,7 +147,7 @@ impl Influence {
     }
 }
 
-/// The table `influence` of some scenes: a row for each output, input and kind of index.
+/// The table `influence` of scenes: a row for each output, input and kind of index.
 pub fn influence_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Influence)>) -> Table {
     let own = ["output", "input", "unit", "index", "value", "lower", "upper", "standard_error", "samples"];
     let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();

@@ -34,7 +34,7 @@ pub(super) fn lights(has_one_arrangement: bool) -> String {
 struct InBand {
     label: String,
     strength: Option<Strength>,
-    /// The median of its frequency lies in the band; otherwise some of its draws reach it.
+    /// The median of its frequency lies in the band; otherwise its frequency does in a part of the draws alone.
     is_median: bool,
 }
 
@@ -62,7 +62,7 @@ struct Occurring {
     largest: Estimate,
     /// Largest lower limit of an arrangement, 0 to 1.
     lower: f64,
-    /// A mode is unstable in some draw, or may be.
+    /// A mode is unstable in any draw, or may be.
     is_ever: bool,
 }
 

@@ -159,7 +159,7 @@ impl Estimates {
         Table::new("estimates", header, rows)
     }
 
-    /// Cost of the estimates, in some lines: how many scenes by which estimator, the half width reached, and all
+    /// Cost of the estimates, in a few lines: how many scenes by which estimator, the half width reached, and all
     /// evaluations against those of plain sampling.
     #[must_use]
     pub fn text(&self) -> String {

@@ -9,16 +9,16 @@ use super::Results;
 use super::study_results::{ArrangementOccurrence, Estimate};
 use crate::Error;
 
-/// Fraction of the samples above which a mode that is unstable in more is called likely; chosen.
+/// Fraction of the samples: a mode that is unstable in more of them is called likely; chosen.
 pub(super) const LIKELY: f64 = 0.5;
 
-/// The occurrences of a mode over all panels of a set of constraints.
+/// The occurrences of a mode over all panels of a set of constraints. The occurrence in a panel is the median over its arrangements.
 pub struct ModeRange<'a> {
-    /// Smallest median over the arrangements of a panel, and the panel.
+    /// Occurrence in the panel where it is smallest, and the panel.
     pub least: (Estimate, &'a Panel),
-    /// Largest median over the arrangements of a panel, and the panel.
+    /// Occurrence in the panel where it is largest, and the panel.
     pub most: (Estimate, &'a Panel),
-    /// The mode is unstable, or may be, in some sample.
+    /// True if the mode is unstable, or may be, in any sample that was evaluated.
     pub is_ever_unstable: bool,
     /// Occurrence in the arrangement where it is smallest, of all panels.
     pub smallest: Estimate,
@@ -29,7 +29,7 @@ pub struct ModeRange<'a> {
 }
 
 impl ModeRange<'_> {
-    /// True if the mode surely is likely in every panel.
+    /// True if the mode surely is likely in every panel: the lower limit of its least occurrence is above one half.
     pub fn is_likely_everywhere(&self) -> bool {
         self.least.0.lower > LIKELY
     }
@@ -49,25 +49,27 @@ impl ModeRange<'_> {
     }
 }
 
-/// The modes of a set of constraints.
+/// Findings on the modes of a set of constraints.
 pub struct SetFindings<'a> {
-    /// Modes that are ever unstable, by their least occurrence in a panel, then by the largest, descending.
+    /// Modes that are unstable, or may be, in a sample that was evaluated. They are in descending order of [`ModeRange::least`], then of
+    /// [`ModeRange::most`], then of [`ModeRange::largest`].
     pub unstable: Vec<(ModeLabel, ModeRange<'a>)>,
-    /// Modes that are unstable in no sample.
+    /// The other modes: stable in every sample that was evaluated.
     pub stable: Vec<(ModeLabel, ModeRange<'a>)>,
-    /// Upper limit of the occurrence, 0 to 1, of a stable mode in one arrangement (Wilson, 95 % for each mode alone): the largest of all.
+    /// Largest upper limit (Wilson, 95 % for each mode alone) of the occurrence, 0 to 1, of a mode of `stable` in one arrangement.
     pub stable_upper: f64,
-    /// Occurrence of any instability, 0 to 1, a mode or divergence: the smallest and the largest of the medians of panels.
+    /// Occurrence of any instability, 0 to 1, a mode or divergence: the smallest and the largest of the panels, each the median over its arrangements.
     pub anything: [Estimate; 2],
 }
 
 impl<'a> SetFindings<'a> {
-    /// The findings of the samples on the modes of a set.
+    /// The findings on the modes of a set of constraints, by its index.
     pub fn new(results: &'a Results, constraints: usize) -> Result<Self, Error> {
         let ranges = mode_ranges(results, constraints)?;
         let (mut unstable, stable): (Vec<_>, Vec<_>) =
             ranges.into_iter().partition(|(_, range)| range.is_ever_unstable);
         unstable.sort_by(|(_, a), (_, b)| {
+            // Occurrences as integers, in units of 1e-9, which have an order; modes that are equal in all three stay in the order of their names.
             let key =
                 |range: &ModeRange<'_>| [range.least.0, range.most.0, range.largest].map(|e| (e.value * 1e9) as u64);
             key(b).cmp(&key(a))
@@ -82,7 +84,8 @@ impl<'a> SetFindings<'a> {
         Ok(Self { unstable, stable, stable_upper, anything })
     }
 
-    /// Number of samples in which anything is unstable, in words; `None` where all that is unstable are modes with names.
+    /// Sentence on the fraction of the samples in which anything is unstable, with each estimate worded by `with_limits`; `None` if nothing but modes
+    /// with names is unstable.
     pub fn anything_in_words(&self, with_limits: impl Fn(&Estimate) -> String) -> Option<String> {
         let [least, most] = self.anything.each_ref().map(with_limits);
         let range = if least == most { least } else { format!("{least} in one panel to {most} in another") };
@@ -94,7 +97,7 @@ impl<'a> SetFindings<'a> {
         })
     }
 
-    /// The occurrences of a mode.
+    /// The occurrences of a mode, by its name; `None` if the set has no such mode.
     pub fn range(&self, name: ModeLabel) -> Option<&ModeRange<'a>> {
         self.unstable.iter().chain(&self.stable).find(|(other, _)| *other == name).map(|(_, range)| range)
     }
@@ -140,23 +143,23 @@ fn mode_ranges<'a>(results: &'a Results, constraints: usize) -> Result<BTreeMap<
     Ok(modes)
 }
 
-/// Change by a set of constraints of the number of unstable modes per analysis, panel by panel, against the first set on
-/// the same samples.
+/// Drops of the mean number of unstable modes per analysis from the first set of constraints to another one, panel by panel and on the same samples. A
+/// drop is positive if the other set has fewer unstable modes, and negative if it has more.
 pub struct Change<'a> {
     /// Number of panels compared.
     pub panels: usize,
-    /// Number of panels with surely fewer unstable modes.
+    /// Number of panels with surely fewer unstable modes: the 95 % interval of the drop is above 0.
     pub fewer: usize,
-    /// Number of panels with surely more.
+    /// Number of panels with surely more: the interval is below 0.
     pub more: usize,
-    /// Smallest drop, and its panel.
+    /// Panel with the smallest drop, which may be negative, and the drop.
     pub least: (&'a Panel, Estimate),
-    /// Largest drop, and its panel.
+    /// Panel with the largest drop, and the drop.
     pub most: (&'a Panel, Estimate),
 }
 
 impl<'a> Change<'a> {
-    /// The change by a set of constraints; `None` where there is nothing to compare.
+    /// The change by a set of constraints, by its index; `None` where there is nothing to compare.
     pub fn new(results: &'a Results, constraints: usize) -> Option<Self> {
         let of_set = results
             .differences(ComparisonKind::Constraints, Confidence::P95)
@@ -173,31 +176,31 @@ impl<'a> Change<'a> {
     }
 }
 
-/// A drop in words, with its limits: how many fewer or more.
+/// A drop of the mean number of unstable modes in words, with its limits: how many fewer or, of a negative drop, more.
 pub fn drop_in_words(d: &Estimate) -> String {
     let word = if d.value < 0.0 { "more" } else { "fewer" };
     let limits = if d.value < 0.0 { [-d.upper, -d.lower] } else { [d.lower, d.upper] };
     format!("{:.3} {word} ({:.3} to {:.3})", d.value.abs(), limits[0], limits[1])
 }
 
-/// Counts over all analyses of a study, of a conjugate pair once.
+/// Counts of what all analyses of a study found unstable, and of what they left open; a conjugate pair counts once.
 pub struct OpenCounts {
     /// Number of unstable modes found.
     pub unstable_modes: u64,
-    /// Number of the unstable modes whose name is open.
+    /// Number of the unstable modes that could not be identified: they have no name, or several that are possible.
     pub ambiguous_modes: u64,
     /// Number of real eigenvalues that diverge.
     pub divergent: u64,
     /// Number of undecided verdicts, which count as stable.
     pub undecided: u64,
-    /// Number of eigenvalues on the axis.
+    /// Number of eigenvalues on the imaginary axis, to within rounding of the matrices.
     pub marginal: u64,
     /// Number of draws or evaluations that failed.
     pub failures: u64,
 }
 
 impl OpenCounts {
-    /// Open counts of the samples of a study.
+    /// The counts of all samples of a study.
     #[must_use]
     pub fn new(results: &Results) -> Self {
         let sum = |of: fn(&SceneTally) -> u64| results.summary.tally.scenes.iter().map(of).sum::<u64>();
@@ -212,8 +215,7 @@ impl OpenCounts {
     }
 }
 
-/// Warnings that every number of a study has to be read with: failures first, then verdicts that are open, a sentence each; nothing where
-/// there are none.
+/// Warnings that every number of a study has to be read with, a sentence each: failures first, then undecided verdicts; empty if there are none of either.
 pub fn warnings(results: &Results) -> Vec<String> {
     let (summary, mut found) = (&results.summary, Vec::new());
     let scenes = results.plan().scenes.len() as u64;
@@ -246,18 +248,20 @@ pub fn warnings(results: &Results) -> Vec<String> {
                 Some(reason) => format!("{reason}, so that nothing is known of its errors"),
             };
             let (verdicts, count) = if undecided == 1 { ("verdict is", "counts") } else { ("verdicts are", "count") };
-            let leave = match samples {
+            let left_open = match samples {
                 0 => "something else is unstable wherever that is so".to_owned(),
                 1 => "in one evaluation it is open whether anything is unstable".to_owned(),
                 _ => format!("in {samples} evaluations it is open whether anything is unstable"),
             };
-            found.push(format!("{undecided} {verdicts} UNDECIDED, because {reason}, and {count} as stable; {leave}"));
+            found.push(format!(
+                "{undecided} {verdicts} UNDECIDED, because {reason}, and {count} as stable; {left_open}"
+            ));
         }
     }
     found
 }
 
-/// Law, number in contact and speed of a panel.
+/// Description of a panel in words: its law, the number of its contacts and its range of speed, as far as it has them.
 pub fn place(results: &Results, panel: &Panel) -> String {
     let labels = &results.plan().labels;
     let mut place = labels.laws[panel.key.law].name.clone();

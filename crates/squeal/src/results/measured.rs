@@ -125,7 +125,7 @@ fn is_near(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
     (mode.hz.median - frequency.hz).abs() <= frequency.tolerance_hz + mode.hz.error
 }
 
-/// True if a mode may be within the tolerance of a measured frequency in some of the draws in which it is unstable.
+/// True if a mode may be within the tolerance of a measured frequency in any of the draws in which it is unstable.
 fn reaches(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
     let [from, to] = [-1.0, 1.0].map(|side| frequency.hz + side * (frequency.tolerance_hz + mode.hz.error));
     mode.is_ever_unstable && mode.hz.range.is_none_or(|range| range.lower <= to && range.upper >= from)
@@ -163,7 +163,7 @@ impl Results {
     }
 }
 
-/// Words on the share above which a mode counts.
+/// Words on the share of the draws: a mode that is unstable in more counts.
 fn shares(share: f64) -> String {
     format!("by modes unstable in more than {} % of the draws", significant(100.0 * share, 3))
 }

@@ -11,9 +11,9 @@ use study::{ModeLabel, Plan, Reference, SceneLabels, SetLinks, Study, UncertainB
 use crate::Error;
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
 
-/// Number of parameters that a sentence names; chosen.
+/// Most parameters that a sentence names; chosen.
 const MOST_IN_A_SENTENCE: usize = 3;
-/// Largest distance of an eigenvalue from that of the reference mode that it is, relative to it: both are solved to rounding; chosen.
+/// Largest relative distance of an eigenvalue from that of the same reference mode; chosen: both are solved to rounding.
 const SAME_MODE: f64 = 1e-6;
 
 /// The unstable modes of a scene at its medians, with the candidates for the name of each.

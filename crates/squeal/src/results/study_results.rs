@@ -47,7 +47,7 @@ impl ArrangementOccurrence {
     }
 }
 
-/// Shapes by set of constraints and mode, each at some degrees of freedom with their names.
+/// Shapes by set of constraints and mode, each at chosen degrees of freedom with their names.
 type WholeShapes = Vec<Vec<Vec<(String, Complex<f64>)>>>;
 
 /// The results of a study.
@@ -164,7 +164,7 @@ impl Results {
         }
     }
 
-    /// The results of some laws alone, by the same counts: what a study of these laws would have counted. `laws` are indices in the plan's
+    /// The results of the laws `laws` alone, by the same counts: what a study of these laws would have counted. `laws` are indices in the plan's
     /// list, which stays as it is.
     pub fn of_laws(&self, laws: &[usize]) -> Self {
         let is_of = |at: usize| laws.contains(&self.panels[at].key.law);

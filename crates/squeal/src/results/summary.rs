@@ -84,7 +84,7 @@ impl Results {
         warnings(self).into_iter().map(|warning| printable(&warning) + "\n").collect()
     }
 
-    /// Text of a study of many panels in some lines: the warnings first, then the numbers of evaluations with what no figure of modes
+    /// Text of a study of many panels in a few lines: the warnings first, then the numbers of evaluations with what no figure of modes
     /// shows.
     pub fn in_short(&self) -> String {
         let sum = |of: fn(&SceneTally) -> u64| self.summary.tally.scenes.iter().map(of).sum::<u64>();

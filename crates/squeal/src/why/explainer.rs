@@ -14,7 +14,7 @@ use super::balance::Balance;
 use super::influence::{Influence, InfluenceKind, between, of_friction, of_terms, rank};
 use crate::Error;
 
-/// Half of the difference from which derivatives of matrices by a parameter are taken, relative to its value: the square is the error of
+/// Half of the step of the central differences that derivatives of matrices by a parameter are computed by, relative to its value: the square is the error of
 /// the first derivative, and machine epsilon over the square that of the second.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -123,7 +123,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         Ok(if unstable.is_empty() { least_damped(self.oscillating()).into_iter().collect() } else { unstable })
     }
 
-    /// Reasons of the growth of some modes of the scene, given by their eigenvalues.
+    /// Reasons of the growth of modes of the scene, given by their eigenvalues `lambdas`.
     ///
     /// Three factorisations of Q for each mode and two systems for each parameter, but no further spectrum.
     ///
@@ -229,7 +229,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
     }
 }
 
-/// The least damped of some modes.
+/// The least damped of `modes`; `None` of none.
 #[must_use]
 pub fn least_damped(modes: Vec<Complex<f64>>) -> Option<Complex<f64>> {
     modes.into_iter().min_by(|a, b| damping_ratio(*a).total_cmp(&damping_ratio(*b)))

@@ -56,10 +56,10 @@ pub struct Influence {
     pub growth_per_percent: f64,
     /// Change of the frequency, Hz, as the value grows by one per cent.
     pub frequency_hz_per_percent: f64,
-    /// Change of the value up to which the derivative of the growth holds to a tenth, by the second derivative; infinite where
+    /// Largest change of the value over which the derivative of the growth holds to a tenth, by the second derivative; infinite where
     /// that is 0.
     pub growth_holds_to: f64,
-    /// Change of the value up to which the derivative of the frequency holds to a tenth; infinite where the second derivative is 0.
+    /// Largest change of the value over which the derivative of the frequency holds to a tenth; infinite where the second derivative is 0.
     pub frequency_holds_to: f64,
 }
 

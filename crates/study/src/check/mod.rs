@@ -8,7 +8,7 @@ mod samples;
 use super::{Scene, UncertainBrake};
 use crate::Error;
 
-/// Checks a plan and what its brake computes, by some operating points and assemblies.
+/// Checks a plan and what its brake computes, by a few operating points and assemblies.
 ///
 /// # Errors
 /// The first [`Contradiction`](super::Contradiction); those of the brake at its medians.

@@ -12,12 +12,13 @@ const ROUNDING: f64 = 1e-9;
 /// Rounding of the median of a distribution by its quantile function, as a fraction of a number; chosen: quantiles that are found by
 /// iteration have fewer digits than sums.
 const OF_QUANTILES: f64 = 1e-6;
-/// Draws by which a scene with one parameter is checked; chosen: with fewer a brake that is wrong somewhere passes, with more every command waits longer.
+/// Number of draws by which a scene with one parameter is checked; chosen: with fewer, a brake that is wrong somewhere passes; with more, every command waits
+/// longer.
 const DRAWS: u64 = 8;
 /// Number of values of that parameter between which a draw is looked for, evenly in probability; chosen: section search finds it
 /// between two of these.
 const GRID: u32 = 64;
-/// Distance from the curve of that parameter beyond which a draw is not on it, in units of the range of each number; chosen, far
+/// Largest distance of a draw that is on the curve of that parameter, in units of the range of each number; chosen: far
 /// above what the search leaves and far below what a second parameter does.
 const OFF_CURVE: f64 = 1e-3;
 /// Coordinates at which an input is compared with that at one half; several, for a distribution that is constant over most of them.

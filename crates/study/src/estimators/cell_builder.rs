@@ -17,15 +17,18 @@ use crate::{ModeLabel, Study, UncertainBrake};
 const FIRST_HALVINGS: u32 = 2;
 /// Number of steps of the finest grid in each direction; chosen.
 const GRID_STEPS: u32 = 1 << 16;
-/// Number of points of which one is left outside the cells at each end of each direction; chosen.
+/// Number of points for each one that is left outside the cells, at each end of each direction; chosen.
 const POINTS_PER_OUTLIER: usize = 4096;
-/// Number of points of which the nearest gives the gain of a sample point; chosen.
+/// Number of points of which the nearest gives the gain of a sample point; chosen: with more, finding it takes longer.
 const TANGENT_CANDIDATES: usize = 2048;
-/// Least distance from the threshold, in residuals of its polynomial, at which a mode crosses nowhere in a cell; chosen.
+/// Least distance from the threshold, in residuals of its polynomial, of a mode that crosses nowhere in a cell; chosen: with less, a prediction is more often
+/// wrong; with more, modes are evaluated at points where they cross nothing.
 const CLEAR_RESIDUALS: f64 = 10.0;
-/// Number of points of a cell whose slopes are evaluated at the frequencies of its modes; chosen.
+/// Number of points of a cell whose slopes are evaluated at the frequencies of its modes; chosen: with fewer, the extent of the slopes may be larger than is
+/// seen.
 const SLOPES_PER_CELL: usize = 32;
-/// A mode is followed in a cell if it would reach the threshold at this multiple of its rates at a corner; chosen.
+/// Factor on the rates of a mode at a corner: it is followed in a cell if it would reach the threshold at these. Chosen: with less, a mode that changes faster
+/// elsewhere in the cell is missed; with more, modes are followed that cross nothing.
 const RATE_MARGIN: f64 = 1.5;
 
 /// A cell without a leaf yet, in steps of the finest grid.
@@ -159,7 +162,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         ChannelGain { mu: at[0], slope: at[1] - product * response.re, lag: Some(moved) }
     }
 
-    /// Solves the corners of some cells that are no sample points yet.
+    /// Solves the corners of `cells` that are no sample points yet.
     pub fn solve(&mut self, cells: &[PendingCell]) -> Result<(), EstimatorError> {
         let wanted = cells.iter().flat_map(|cell| (0..CORNERS).map(|k| cell.corner(k)));
         let wanted: BTreeSet<[u32; 3]> = wanted.filter(|grid| !self.sample_points.contains_key(grid)).collect();

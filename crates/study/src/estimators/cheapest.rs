@@ -18,24 +18,24 @@ use crate::{ModeLabel, Scene, SceneTally, SingleParameter, Study, UncertainBrake
 /// Least number of systems that a control variate solves, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
-/// Number of pilot samples, which only determine the number of plain samples; chosen.
+/// Number of pilot samples, which only determine the number of plain samples; chosen: with fewer, that number is less certain; more are lost for the result.
 pub(super) const PLAIN_PILOT_SAMPLES: u64 = 400;
-/// Half width that plain sampling is planned for, as a fraction of the half width asked for; chosen.
+/// Half width that plain sampling is planned for, as a fraction of the half width asked for; chosen: with 1, the half width is missed as often as not.
 const PLANNED_WIDTH: f64 = 0.95;
-/// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
+/// Largest half width for which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
 const FINEST_HALF_WIDTH: f64 = 1e-3;
 /// Largest number of Sobol points per scrambling; chosen: with this number the standard error of the mean of a prediction is about 1e-4.
 const FINEST_POINTS: f64 = 32_768.0;
 /// Least number of Sobol points per scrambling; chosen.
 const COARSEST_POINTS: f64 = 1_024.0;
-/// Number of scramblings for the mean of a prediction; chosen.
+/// Number of scramblings for the mean of a prediction; chosen: its standard error is that of the means over each.
 const SCRAMBLINGS: u32 = 32;
 /// Number of scramblings of Sobol points that are solved; chosen.
 const SOBOL_SCRAMBLINGS: u32 = 16;
 /// Binary logarithms of the numbers of Sobol points that are solved in each scrambling; chosen.
 const SOBOL_POINTS: std::ops::RangeInclusive<u32> = 7..=16;
 
-/// Fewest values at which a brake is looked at for being affine in its parameter; chosen.
+/// Fewest values at which a brake is looked at for being affine in its parameter; chosen: a formula that changes between two of them is not seen.
 const FEWEST_PROBES: f64 = 256.0;
 /// Most values at which a brake is looked at for being affine in its parameter; chosen: they take a second or so.
 const MOST_PROBES: f64 = 100_000.0;

@@ -26,7 +26,8 @@ use super::stratum::Stratum;
 use super::{ControlVariateEstimate, EstimatorError, Surrogate};
 use crate::{ModeLabel, Scratch, Study, UncertainBrake};
 
-/// Half width for which the samples of the first look are planned, as a fraction of the half width asked for; chosen.
+/// Half width for which the samples of the first look are planned, as a fraction of the half width asked for; chosen: with 1, a further look is needed as often
+/// as not.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
 /// Fractions of the half width tried for Student's t, of which the cheapest is taken; chosen.
 const STUDENT_PARTS: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
@@ -36,9 +37,11 @@ const UNCERTAIN_PRICE: f64 = 2.0;
 const PRIOR_WRONG_OF_ALL: f64 = 3e-4;
 /// Share of the uncertain samples in which a prediction is assumed to be wrong in addition; chosen.
 const PRIOR_WRONG_OF_UNCERTAIN: f64 = 0.05;
-/// Number of uncertain samples that estimate the share of wrong predictions where many samples are needed; they have no other use. Chosen.
+/// Number of uncertain samples that estimate the share of wrong predictions where more than twice as many are needed; they have no other use. Chosen: with
+/// fewer, the share is less certain; more are lost for the result.
 const PILOT_SAMPLES: u64 = 400;
-/// Standard error from uncertain samples for which a surrogate is refined, as a fraction of the half width; chosen.
+/// Standard error from uncertain samples for which a surrogate is refined, as a fraction of the half width; chosen: with less, more sample points are solved;
+/// with more, more uncertain samples.
 const SURROGATE_ERROR_PART: f64 = 0.13;
 /// Least number of uncertain samples in the first look, so that Student's t applies; chosen.
 const FEWEST_UNCERTAIN: f64 = 120.0;

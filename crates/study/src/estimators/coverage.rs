@@ -22,7 +22,7 @@ const MODE: ModeLabel = ModeLabel::new(7);
 /// Error probability of an interval.
 const TAIL: f64 = 0.05;
 
-/// Counts of some runs of an estimator.
+/// Counts over the runs of an estimator.
 #[derive(Debug, Clone, Copy, Default)]
 struct Coverage {
     runs: u64,
@@ -115,7 +115,7 @@ impl Event {
     }
 }
 
-/// Quasi-Monte Carlo with `points` in each of some scramblings.
+/// Quasi-Monte Carlo with `points` in each of `scramblings` scramblings.
 fn quasi(event: Event, truth: f64, points: u32, scramblings: u32, rng: &mut StreamRng) -> (Option<Estimated>, f64) {
     use rand::RngExt;
 

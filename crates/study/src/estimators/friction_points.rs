@@ -16,7 +16,8 @@ use crate::{Scene, UncertainBrake};
 const MOST_POINTS: u32 = 1 << 16;
 /// Dimensions of the Sobol sequence, by the same tables.
 const MOST_DIMENSIONS: u32 = sobol_burley::NUM_DIMENSIONS;
-/// Number of points at which the friction of two scenes is compared before one scene uses the points of the other; chosen.
+/// Number of points at which the friction of two scenes is compared before one scene uses the points of the other; chosen: with fewer, friction that differs
+/// elsewhere passes for the same; with more, the comparison takes longer.
 const COMPARED_POINTS: usize = 64;
 
 /// Scrambled Sobol points of the friction of a scene.

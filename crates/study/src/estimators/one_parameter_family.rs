@@ -14,7 +14,7 @@ use tracking::{BranchPoint, Branches, KeptSpectra, Onsets, RefinedPoint, SystemA
 use super::EstimatorError;
 use crate::{Scene, UncertainBrake};
 
-/// Shortest step in mu, below which a step that is still open stays open; chosen.
+/// Shortest step in mu; chosen: one that is still open stays open, and adds the probability in it to the error of an occurrence.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
 /// Largest distance of matrices from affine in the parameter, relative to their largest entry: rounding of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-13;

@@ -14,9 +14,11 @@ use super::sample_points::SampledMode;
 
 /// Largest power of mu, and total degree where a cell has four corners: values and derivatives at two ends determine a cubic.
 const DEGREE: usize = 3;
-/// Number added to the diagonal of the normal equations, for directions in which the cell has no extent; chosen.
+/// Number added to the diagonal of the normal equations, for directions in which the cell has no extent; chosen: with less, these are nearly singular; with
+/// more, the polynomial misses the corners.
 const RIDGE: f64 = 1e-10;
-/// Distance from the threshold, in residuals of the polynomial, below which an eigenvalue's side is uncertain; chosen.
+/// Largest distance from the threshold, in residuals of the polynomial, of an eigenvalue whose side is uncertain; chosen: with less, predictions that count as
+/// certain are more often wrong; with more, more samples have to be solved.
 const UNCERTAIN_RESIDUALS: f64 = 2.0;
 /// Largest distance of a slope from the centre of a cell at which the polynomial is relied on, as a multiple of that of the
 /// corners; chosen.
@@ -130,7 +132,7 @@ impl ResponseSurface {
         (self.threshold.margin(lambda), is_outside)
     }
 
-    /// Distance from the threshold within which the side of the eigenvalue is uncertain, rad/s.
+    /// Largest distance from the threshold with which the side of the eigenvalue is uncertain, rad/s.
     pub fn uncertainty(&self) -> f64 {
         UNCERTAIN_RESIDUALS * self.residual
     }

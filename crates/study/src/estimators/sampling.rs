@@ -181,7 +181,7 @@ pub(super) fn of_scramblings(runs: &[HitCounts], points: u32, counters: Counters
     Estimates { modes: names.into_iter().map(estimated).collect(), unseen, counters }
 }
 
-/// The mean part of the points of some scramblings that are hits, from the hits of each, with a standard error of
+/// The mean share of hits among the points of each scrambling, from the hits of all scramblings, with a standard error of
 /// [`UNSEEN_HITS`] or more. Nothing is known of a single scrambling.
 pub(super) fn mean_of_scramblings(hits: impl Iterator<Item = f64> + Clone, points: u32) -> ReplicateMean {
     let points = f64::from(points);

@@ -39,7 +39,7 @@ impl Stratum {
         self.enter_alike(1, predicted, reference);
     }
 
-    /// Enters some samples of which all have the same prediction and the same reference.
+    /// Enters `samples` samples of which all have the same prediction and the same reference.
     pub fn enter_alike(
         &mut self,
         samples: u64,

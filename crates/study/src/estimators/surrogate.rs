@@ -18,11 +18,12 @@ use crate::{ModeLabel, Study, UncertainBrake};
 
 /// Number of cells that are halved before their sample points are solved together; chosen, so that the batched solver is filled.
 const CELLS_PER_ROUND: usize = 32;
-/// Share of points with an uncertain prediction at which refinement ends; chosen.
+/// Largest share of points with an uncertain prediction with which refinement ends; chosen: with less, more sample points are solved; with more, more uncertain
+/// samples.
 const UNCERTAIN_PART: f64 = 4e-4;
-/// Number of sample points below which the cost rule does not end refinement; chosen.
+/// Fewest sample points with which the cost rule ends refinement; chosen.
 const FEWEST_SAMPLE_POINTS: usize = 1_000;
-/// Number of sample points from which no cell is halved; chosen.
+/// Number of sample points with which refinement ends in any case; chosen: the samples that are then uncertain are solved.
 const MOST_SAMPLE_POINTS: usize = 8_000;
 /// Cost rule: refinement ends where this many times the number of sample points exceeds the number of uncertain samples to be
 /// solved. Estimated: a sample point costs as much as two uncertain samples, whose number falls with the second power of the

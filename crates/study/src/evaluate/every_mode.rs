@@ -17,7 +17,7 @@ pub struct SampledMode {
 }
 
 impl<B: UncertainBrake> Study<'_, B> {
-    /// Modes of some samples in a scene that oscillate and that the plan studies, ascending in frequency. Each takes the whole spectrum of its
+    /// Modes of each of `samples` in a scene that oscillate and that the plan studies, ascending in frequency. Each sample takes the whole spectrum of its
     /// system: nothing is searched and nothing certified.
     pub fn every_mode(
         &self,

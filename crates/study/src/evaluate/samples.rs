@@ -96,7 +96,7 @@ impl<B: UncertainBrake> Study<'_, B> {
         outcomes
     }
 
-    /// Puts the modes of all sectors of some samples together and enters the outcomes.
+    /// Puts the modes of all sectors of each of `samples` together and enters the outcomes.
     fn enter(
         &self,
         scene: usize,

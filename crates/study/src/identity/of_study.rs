@@ -8,7 +8,7 @@ use osc_model::Brake;
 use super::{Identity, Written};
 use crate::{Configuration, ModeIdentity, ModeNaming, Origin, Plan, Scene, UncertainBrake};
 
-/// Draws whose operating points stand for the distribution of a brake's own type; chosen: a change of any of its parameters moves some
+/// Number of draws whose operating points stand for the distribution of a brake's own type; chosen: a change of any of its parameters moves some
 /// of them.
 const DRAWS: u64 = 8;
 
@@ -116,7 +116,7 @@ fn scene(to: &mut Written, Scene { key, members, configuration, wants_work }: &S
     to.count(usize::from(*wants_work));
 }
 
-/// The operating points of the medians and of some draws in every scene; of one that cannot be drawn that it cannot.
+/// The operating points of the medians and of [`DRAWS`] draws in every scene; of one that cannot be drawn that it cannot.
 fn draws<B: UncertainBrake>(to: &mut Written, brake: &B) {
     let plan = brake.plan();
     let drawn = (0..DRAWS).map(|index| brake.draw(&mut stream(plan.seed, index)).ok());

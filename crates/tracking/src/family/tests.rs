@@ -7,9 +7,10 @@ use crate::onset_search::Onset;
 use nalgebra::{DMatrix, dmatrix};
 use num_complex::Complex;
 
-/// Hoffmann, Fischer, Allgaier, Gaul, Eur. J. Mech. A/Solids 21, 2002: two degrees of freedom of equal mass that friction
+/// Stiffness of the oscillator of Hoffmann, Fischer, Allgaier, Gaul, Eur. J. Mech. A/Solids 21, 2002: two degrees of freedom of equal mass that friction
 /// couples, with damping in proportion to the mass.
 const K: [[f64; 2]; 2] = [[11.0, -5.0], [-5.0, 6.0]];
+/// Stiffness of its contact, by which friction enters K.
 const CONTACT: f64 = 8.0;
 
 fn hoffmann(damping: f64) -> impl FnMut(f64) -> Result<SecondOrder, TrackingError> {

@@ -7,7 +7,7 @@ use super::response::characteristic;
 use super::{Gain, MIDDLE_FREQUENCY, Resolvent};
 use crate::{Spectrum, Workspace};
 
-/// Difference of gains from which derivatives are taken, as a part of the standard deviation of the anchors' gains; chosen.
+/// Step of gain of the differences that derivatives are computed by, as a fraction of the standard deviation of the anchors' gains; chosen.
 const GAIN_DIFFERENCE: f64 = 1e-4;
 /// Largest |Im sigma| / |sigma| at which an eigenvalue counts as real; chosen, above the spread of a cluster by rounding.
 const NEARLY_REAL: f64 = 1e-4;

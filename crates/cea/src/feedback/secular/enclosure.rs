@@ -10,9 +10,10 @@ use super::Gain;
 /// Largest sum of all shares that counts as an enclosure; chosen: in exact arithmetic any sum below 1 does, the difference is
 /// kept for rounding errors of the sum.
 pub(super) const LARGEST_TOTAL_SHARE: f64 = 0.9;
-/// Bound of the rounding error of w, relative to z; chosen. Next to another eigenvalue the bound is larger by the factor
-/// `1 + CLUSTER_DISTANCE` / relative distance.
+/// Bound of the rounding error of w, relative to z, far from other eigenvalues; chosen.
 const CORRECTION_ROUNDING: f64 = 1e-11;
+/// Relative distance of the nearest other eigenvalue at which that bound is twice as large; chosen. It is larger by the factor
+/// `1 + CLUSTER_DISTANCE / distance`.
 const CLUSTER_DISTANCE: f64 = 1e-3;
 /// Safety factor on |w|; chosen. Next to a strongly coupled pole of the structure, large terms of the determinant cancel, and
 /// values were seen with relative errors of 0.004.

@@ -11,14 +11,15 @@ use crate::dense::{NullVector, null_vectors, start};
 use crate::eigenvalue_pair::{EigenvaluePair, eigenvalue_pairs};
 use crate::{Mode, Workspace};
 
-/// Differences from which derivatives are taken, relative to the eigenvalue and to the length of the path; chosen near the square
+/// Steps of the differences that derivatives are computed by, relative to the eigenvalue and to the length of the path; chosen near the square
 /// root of machine epsilon.
 const DIFFERENCE_STEP: f64 = 1e-7;
-/// Largest relative residual of the secular equation's null vector, at an eigenvalue and at an approximation of one on a path;
-/// chosen. The residual is large for an uncontrollable mode, whose shape is no response to feedback forces.
+/// Largest relative residual of the secular equation's null vector at an eigenvalue; chosen. The residual is large for an uncontrollable
+/// mode, whose shape is no response to feedback forces.
 const LARGEST_RESIDUAL: f64 = 1e-8;
+/// Largest such residual at an approximation of an eigenvalue on a path; chosen: larger, as there the equation has no zero to rounding.
 const LARGEST_RESIDUAL_ON_PATH: f64 = 1e-3;
-/// Relative distance at or below which two eigenvalues may share one shape, so that no shapes are given; chosen.
+/// Largest relative distance of two eigenvalues that may share one shape, so that no shapes are given; chosen.
 const LEAST_SEPARATION: f64 = 1e-6;
 /// Largest relative distance at which an eigenvalue counts as that of an uncontrollable mode; chosen, of the size of rounding.
 const UNCONTROLLABLE_DISTANCE: f64 = 1e-13;
@@ -51,8 +52,8 @@ impl GainPath<'_> {
         Point { sigma, mu: mix * from.mu + t * to.mu, slope: from.slope * mix + to.slope * t }
     }
 
-    /// Steps of Newton's method for the secular equation, one from each of some guesses of an eigenvalue, rad/s, at a position t on
-    /// a path. Each step costs three values of the equation, computed in batches per structure. The derivatives are
+    /// Steps of Newton's method for the secular equation, one from each guess of an eigenvalue in `at`, rad/s, which is on a path at a
+    /// position t. Each step costs three values of the equation, computed in batches per structure. The derivatives are
     /// differences, with relative errors of about 1e-7. A step is not finite where the equation has no value or no slope.
     pub fn correct(at: &[(Self, f64, Complex<f64>)], work: &mut Workspace) -> Vec<NewtonStep> {
         let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
@@ -73,7 +74,7 @@ impl GainPath<'_> {
         found
     }
 
-    /// The two eigenvalues next to each of some guesses at a position t on a path: [`eigenvalue_pairs`] of the secular equation.
+    /// The two eigenvalues next to each guess in `at`, which is on a path at a position t: [`eigenvalue_pairs`] of the secular equation.
     pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
         let mut values = Vec::new();
         eigenvalue_pairs(at, |points| {
@@ -89,7 +90,7 @@ impl GainPath<'_> {
         })
     }
 
-    /// The shape (length n, any factor) of the mode at each of some eigenvalues, rad/s, at a position t on a path. Each shape costs
+    /// The shape (length n, any factor) of the mode of each eigenvalue in `at`, rad/s, which is on a path at a position t. Each shape costs
     /// one value of the secular equation. `None` where the equation has no zero, or the mode is uncontrollable.
     pub fn shapes(at: &[(Self, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<DVector<Complex<f64>>>> {
         let mut found = Vec::with_capacity(at.len());

@@ -125,8 +125,8 @@ impl Secular {
         &self.structure
     }
 
-    /// Distance from the axis, rad/s, at or below which rounding leaves the side of an eigenvalue open that [`Secular::growing`]
-    /// finds: it then gives [`LeftOpen::NearAxis`]. Who asks on which side of another line a growing mode is needs as much.
+    /// Largest distance from the axis, rad/s, of an eigenvalue whose side rounding leaves open: [`Secular::growing`] gives [`LeftOpen::NearAxis`] for such an
+    /// eigenvalue. The same holds for the side of another line than the axis.
     #[must_use]
     pub fn least_distance(&self) -> f64 {
         search::LEAST_AXIS_DISTANCE * self.resolvent.unit

@@ -6,7 +6,7 @@ use num_complex::Complex;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoSecular {
-    /// A structure with so many ports that a spectrum costs less than the secular equation.
+    /// A structure with `most` ports or more: a spectrum costs less than the secular equation.
     #[error("{ports} ports; with {order} degrees of freedom spectra cost less from {most} on")]
     ManyPorts {
         /// Number of ports.
@@ -51,7 +51,7 @@ pub enum LeftOpen {
     /// There is no anchor.
     #[error("no anchor to start from")]
     NoAnchor,
-    /// The error bounds of some eigenvalues overlap, and corrections do not change that.
+    /// The error bounds of two or more eigenvalues overlap, and corrections do not change that.
     #[error("the bounds of the eigenvalues do not come apart")]
     NotSeparated,
     /// Error bounds still overlap after the largest number of rounds of corrections.

@@ -23,7 +23,7 @@ const MULTIPLE_SEPARATION: f64 = 1e-7;
 /// `y^T B (p R + lambda v B^T) x`. Chosen: below the error of the sums, [`LARGEST_ERROR`], and far above rounding, which makes
 /// 1e-15 of nothing.
 const UNCONTROLLABLE_PRODUCT: f64 = 1e-12;
-/// Largest relative difference between the sums over modes and a factorisation of Q; chosen.
+/// Largest relative difference between the sums over modes and a factorisation of Q; chosen: with a larger one, a structure is left to spectra.
 const LARGEST_ERROR: f64 = 1e-11;
 
 /// Feedback forces on a structure: `Q(lambda) = Q_0(lambda) + B (p R + lambda v B^T)`, with numbers p and v.
@@ -64,7 +64,7 @@ struct DrivenMode {
     drive: DVector<Complex<f64>>,
 }
 
-/// The norm of what a matrix reads of some shapes, relative to its own.
+/// The norm of what a matrix reads of `shapes`, relative to its own.
 fn motion(reading: &DMatrix<Complex<f64>>, shapes: &DMatrix<Complex<f64>>) -> f64 {
     let norm = reading.norm();
     if norm > 0.0 { (reading * shapes).norm() / norm } else { 0.0 }

@@ -7,14 +7,15 @@ use super::response::{Point, characteristic};
 use super::{Anchors, Gain, Growing, LeftOpen, Resolvent};
 use crate::{Workspace, by_frequency};
 
-/// Most rounds of corrections; chosen.
+/// Most rounds of corrections; chosen: what needs more is left to a spectrum.
 const MOST_ROUNDS: usize = 24;
-/// A guess is corrected while its share of the total is larger than this part of the mean share; chosen.
+/// Largest share of a guess that is not corrected, as a fraction of the mean share that all may have; chosen: with less, more guesses are evaluated again; with
+/// more, it takes more rounds until the shares of all are small enough together.
 const CORRECTED_SHARE: f64 = 0.2;
-/// Relative correction of a wanted mode at or below which it counts as converged; chosen: the next correction of the secant
-/// method would be rounding.
+/// Largest relative correction of a wanted mode that has converged; chosen: the next correction of the secant method would be rounding.
 const CONVERGED_CORRECTION: f64 = 1e-9;
-/// Distance from the axis, in the resolvent's unit, at or below which rounding errors leave an eigenvalue's side open; chosen.
+/// Largest distance from the axis, in the resolvent's unit, of an eigenvalue whose side rounding errors leave open; chosen: such a gain is left to a spectrum,
+/// which brings a bound.
 pub(super) const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 
 /// The search at one gain.
