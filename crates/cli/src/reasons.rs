@@ -19,6 +19,10 @@ const NOTE: &str = "\nholds to: change of the value up to which that of the grow
      it\ngrowth of a family, contact, term or body: the part of the growth that the work of its forces makes; docs/why.md\nmass, \
      damping or stiffness of a term: that matrix alone; a parameter takes along all that depends on it, as the friction that a contact spring brings\n";
 
+/// Words before answers that are of a system with dashpots.
+const OF_DASHPOTS: &str = "\nreasons are of the system that has dashpots in the place of loss factors, where a mode grows by another rate than above: if one of \
+     both rates is negative they do not say why the brake squeals\n";
+
 /// Answers for modes of a scene.
 #[derive(Default)]
 pub(super) struct Whys {
@@ -26,6 +30,8 @@ pub(super) struct Whys {
     pub of_modes: Vec<Why>,
     /// Eigenvalues of the system of which these are, for those of the brake that were asked for, in their order; not a number where there is none.
     pub counterparts: Vec<Complex<f64>>,
+    /// The answers are of a system with dashpots in the place of loss factors.
+    has_dashpots: bool,
     /// The modes surely are unstable; otherwise none is, and there is one answer, of the least damped.
     are_unstable: bool,
 }
@@ -50,7 +56,8 @@ pub(super) fn whys<B: UncertainBrake>(brake: &B, scene: &Scene, among: Option<&[
     if !are_unstable {
         modes.extend(least_damped(all));
     }
-    Ok(Whys { of_modes: explainer.why(&modes, &mut work)?, counterparts, are_unstable })
+    let has_dashpots = brake.mode_source().is_some_and(|source| source.has_dashpots_for_losses(scene));
+    Ok(Whys { of_modes: explainer.why(&modes, &mut work)?, counterparts, has_dashpots, are_unstable })
 }
 
 /// True if an answer is that of the mode with this eigenvalue.
@@ -76,6 +83,7 @@ pub(super) fn reasons(whys: &Whys, name: impl Fn(&Why) -> String) -> String {
     let text: String = whys.of_modes.iter().map(one).collect();
     match text.is_empty() {
         true => text,
+        false if whys.has_dashpots => format!("{OF_DASHPOTS}{text}{NOTE}"),
         false => text + NOTE,
     }
 }

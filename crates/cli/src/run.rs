@@ -181,6 +181,9 @@ impl RunArgs {
                 ("no table".to_owned(), "with --keep-samples or --every-mode, whose tables it is of");
             return Err(Error::Option { option: "--parquet", value, allowed: allowed.into() });
         }
+        if self.every_mode {
+            squeal::check_real(brake, squeal::EVERY_MODE)?;
+        }
         let stick = CycleOptions::default().stick;
         if self.cycles.is_some() {
             check_contacts_of_draws(brake, stick)?;

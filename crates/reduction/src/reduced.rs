@@ -239,6 +239,31 @@ impl Reduced {
         self.rectangle.contains_to_the_right(lambda, part * lambda.norm()) && !grows_too_fast(lambda)
     }
 
+    /// The modes in the rectangle at a point as by [`Reduced::modes`], from the whole spectrum of another system in its place: one that was changed, with the
+    /// losses at the point and without residuals.
+    ///
+    /// # Errors
+    /// A system of another order, or one that the dense solver does not support.
+    pub fn modes_of_changed(
+        &self,
+        point: &OperatingPoint,
+        changed: &SecondOrder,
+    ) -> Result<Vec<(Complex<f64>, DVector<Complex<f64>>)>, ReductionError> {
+        let (found, expected) = (changed.order(), self.system.order());
+        if found != expected {
+            return Err(linsys::LinsysError::Count { what: "rows of a changed system", found, expected }.into());
+        }
+        let spectrum = QrSolver.eigenvalues(changed, &mut Workspace::default());
+        let ReducedModes { lambdas, shapes, .. } = self.by_spectrum(point, changed, spectrum, None, &|_, _| true)?;
+        Ok(lambdas.into_iter().zip(shapes.column_iter().map(|shape| shape.into_owned())).collect())
+    }
+
+    /// True if there are loss factors, so that the [`system`](Self::system) has dashpots in their place.
+    #[must_use]
+    pub fn has_losses(&self) -> bool {
+        self.losses.is_some()
+    }
+
     /// Distance, relative to |lambda|, that is assumed of a mode next to the axis of the [`system`](Self::system), which has dashpots, from one with loss
     /// factors; 0 without any.
     #[must_use]

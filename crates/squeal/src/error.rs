@@ -99,6 +99,16 @@ pub enum Error {
         /// Reason, in words.
         why: &'static str,
     },
+    /// A computation by real systems, of a reduced brake whose loss factors have dashpots in their place there.
+    #[error(
+        "{study}: {needed_by} is by the matrices of the reduced brake, which have dashpots in the place of loss_factor, and so other onsets and growth; allowed: damping by rayleigh, {{ value, at_hz }} or viscoelastic in its place, or what uses the modes of samples: squeal run, influence, screen"
+    )]
+    LossFactors {
+        /// Path of the case file, or name of the study.
+        study: String,
+        /// What was asked for.
+        needed_by: &'static str,
+    },
     /// A capability that a computation needs, and the type of the brake does not give.
     #[error("{needed_by} needs {capability} of the brake, which its type does not give")]
     NotGiven {

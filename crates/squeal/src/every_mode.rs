@@ -10,11 +10,15 @@ use rayon::prelude::*;
 use study::{ModeLabel, SampledMode, SceneLabels, Scratch, Study, UncertainBrake};
 
 use crate::Error;
+use crate::real_system::check_real;
 
 /// Number of samples that are solved together; chosen, so that batched solvers are filled.
 const BLOCK: u64 = 32;
 /// Number of blocks whose rows are in memory at once, for each thread; chosen.
 const BLOCKS_PER_THREAD: usize = 4;
+
+/// What needs whole spectra of real systems, for refusals.
+pub const EVERY_MODE: &str = "every mode of every sample";
 
 /// Columns of a table of the modes of samples.
 pub(crate) fn mode_columns() -> Vec<&'static str> {
@@ -39,6 +43,7 @@ pub fn write_every_mode<B: UncertainBrake>(
     dir: &Path,
     progress: &dyn Progress,
 ) -> Result<(), Error> {
+    check_real(study.brake(), EVERY_MODE)?;
     let plan = study.plan();
     let mut table = LongTable::create(dir, "every_mode", &mode_columns())?;
     progress.begin(plan.scenes.len() as u64 * samples, 0);

@@ -46,13 +46,15 @@ pub mod influence;
 mod part_manifest;
 pub mod parts;
 pub mod rare;
+mod real_system;
 pub mod results;
 mod run;
 pub mod screen;
 pub mod why;
 
 pub use error::Error;
-pub use every_mode::write_every_mode;
+pub use every_mode::{EVERY_MODE, write_every_mode};
+pub use real_system::check_real;
 pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
 pub use study::{estimators, fingerprint, identity, memory};
 pub use {

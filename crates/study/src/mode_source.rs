@@ -86,6 +86,29 @@ pub trait ModeSource: Sync {
     /// Of a sample: an operating point of another scene, a system that is not supported.
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>>;
 
+    /// True if the system of a scene has dashpots where the brake has loss factors, which no real system has: its eigenvalues are then near those of
+    /// [`band_modes`](Self::band_modes) and no more.
+    fn has_dashpots_for_losses(&self, scene: &Scene) -> bool;
+
+    /// The modes as by [`band_modes`](Self::band_modes) with parameters at `values`, as [`Parametrised::system_with`](crate::Parametrised::system_with) takes
+    /// them; nothing is asked of the full model, so that verdicts within the error of the reduction stay open.
+    ///
+    /// # Errors
+    /// As there; a value that is not allowed.
+    fn band_modes_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<Vec<BandMode>, Error>;
+
+    /// The modes as by [`band_modes_with`](Self::band_modes_with) of a `changed` system of a scene: with masses, springs and dashpots attached, or contacts taken
+    /// out. `at` has the coefficients of the terms that the changes leave, which say the losses; its channels have no part in it.
+    ///
+    /// # Errors
+    /// A system of another order, or one that is not supported.
+    fn band_modes_of_changed(
+        &self,
+        scene: &Scene,
+        at: &OperatingPoint,
+        changed: &SecondOrder,
+    ) -> Result<Vec<BandMode>, Error>;
+
     /// The brake of a scene at two operating points in fewer coordinates, in which modes are followed from the one to the other; `None` where there are
     /// none.
     ///

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cea::{CountedSpectrum, Counters, EigenSolver, Threshold, WholeSpectra};
+use cea::{CountedSpectrum, Counters, EigenSolver, Threshold, Verdict, WholeSpectra};
 use linsys::SecondOrder;
 use montecarlo::Progress;
 use num_complex::Complex;
@@ -167,6 +167,21 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     /// True if divergence counts: of a reduced brake nothing is known that does not oscillate.
     pub fn counts_divergence(&self) -> bool {
         self.study.brake().mode_source().is_none()
+    }
+
+    /// Number of modes that are unstable for certain, and of those that may be, at a fraction of the range of the swept parameter, by a brake that has loss factors
+    /// in the place of which its systems have dashpots; `None` of another one.
+    pub fn unstable_with_losses(&self, at: f64) -> Result<Option<[usize; 2]>, Error> {
+        let (source, plan, scene) = (self.study.brake().mode_source(), self.study.plan(), self.scene());
+        let Some(source) = source.filter(|source| source.has_dashpots_for_losses(scene)) else { return Ok(None) };
+        self.progress.go_on()?;
+        let values = self.values(&[at]);
+        let found = source.band_modes_with(scene, &self.placed(&values));
+        let mut modes = found.map_err(|source| self.at_values(source, &values))?;
+        modes.retain(|mode| plan.is_studied(mode.lambda));
+        let count = |is: fn(Verdict) -> bool| modes.iter().filter(|mode| is(mode.verdict(&plan.threshold))).count();
+        let unstable = count(|verdict| verdict == Verdict::Unstable);
+        Ok(Some([unstable, unstable + count(|verdict| matches!(verdict, Verdict::Undecided { .. }))]))
     }
 
     fn scene(&self) -> &Scene {

@@ -25,14 +25,17 @@ impl Sweep {
         let SweptParameter { name, from, to, is_logarithmic, .. } = &self.parameter;
         let steps = self.steps as f64;
         let but = if self.unresolved.is_empty() { "" } else { " but in the ranges that are open" };
-        if *is_logarithmic {
+        let distance = match *is_logarithmic {
+            true => format!("a factor of {:.6}", (to / from).powf(1.0 / steps)),
+            false => format!("{:.3e}", (to - from) / steps),
+        };
+        let whose = self.loss_steps.map_or_else(String::new, |steps| {
             format!(
-                "changes farther apart than a factor of {:.6} of {name} are all found{but}",
-                (to / from).powf(1.0 / steps)
+                ", of the system that has dashpots in the place of loss factors; with loss factors unstable modes were counted at {} places",
+                steps + 1
             )
-        } else {
-            format!("changes farther apart than {:.3e} of {name} are all found{but}", (to - from) / steps)
-        }
+        });
+        format!("changes farther apart than {distance} of {name} are all found{but}{whose}")
     }
 }
 
@@ -126,7 +129,8 @@ impl Sweep {
         let miscount = |&Miscount { at, by_spectrum, by_onsets }: &Miscount| {
             let modes = count(by_spectrum, "unstable mode", "unstable modes");
             format!(
-                "WARNING: at {name} = {at} the spectrum has {modes}, where the onsets up to there say {by_onsets}: some change is not listed, or none is there"
+                "WARNING: at {name} = {} the spectrum has {modes}, where the onsets up to there say {by_onsets}: some change is not listed, or none is there",
+                significant(at, 9)
             )
         };
         let beside = |&GrowingBeside { from, to, modes, omega }: &GrowingBeside| {

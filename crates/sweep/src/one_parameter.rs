@@ -14,6 +14,9 @@ use super::remembered::Remembered;
 use super::results::{Miscount, Sweep};
 use crate::Error;
 
+/// Number of equal steps of the range at whose ends the unstable modes of a brake with loss factors are counted; chosen: as many as those of the largest brakes.
+const LOSS_STEPS: usize = 64;
+
 /// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped, or diverges, ends.
 ///
 /// # Errors
@@ -57,7 +60,16 @@ pub fn sweep<B: UncertainBrake>(
     sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
     sweep.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
     sweep.marginal.sort_by(|a, b| a.from.total_cmp(&b.from));
-    sweep.compare(sweep.parameter.to, sweep.unstable_at_end);
+    let with_losses = |step: usize| {
+        let at = step as f64 / LOSS_STEPS as f64;
+        let counted = family.unstable_with_losses(at).map_err(in_words).transpose()?;
+        Some(counted.map(|count| (sweep.parameter.at(at), count)))
+    };
+    let counts = (0..=LOSS_STEPS).into_par_iter().filter_map(with_losses).collect::<Result<Vec<_>, Error>>()?;
+    match counts.is_empty() {
+        true => sweep.compare(sweep.parameter.to, sweep.unstable_at_end),
+        false => sweep.compare_with_losses(&counts),
+    }
     let mut unstable = sweep.unstable_at_start as i64;
     for onset in &mut sweep.onsets {
         let here = |miscount: &&Miscount| miscount.at <= onset.at;

@@ -70,6 +70,10 @@ pub struct Sweep {
     /// Number of equal steps at which contact points were asked for their state; `None` where the brake has none that open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opening_steps: Option<usize>,
+    /// Number of equal steps at whose ends unstable modes were counted with loss factors, in the place of which branches are followed with dashpots; `None` of a
+    /// brake without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss_steps: Option<usize>,
     /// Ranges in which modes are on the axis, and so neither grow nor decay: without damping, conservative gyroscopic, rigid motions.
     pub marginal: Vec<Marginal>,
     /// Number of equal steps of the range at which unstable modes were counted: changes that are farther apart than one of them are all
@@ -95,6 +99,28 @@ impl Sweep {
         }
     }
 
+    /// Takes the counts of a brake with loss factors, where branches and onsets are of a system with dashpots in their place: at values of the parameter,
+    /// ascending over the range, the number of modes that are unstable for certain and of those that may be. Places where the onsets up to there say
+    /// another number are miscounts.
+    pub(super) fn compare_with_losses(&mut self, counts: &[(f64, [usize; 2])]) {
+        let (Some((_, first)), Some((_, last))) = (counts.first(), counts.last()) else {
+            return;
+        };
+        self.loss_steps = Some(counts.len() - 1);
+        self.unstable_at_start = self.unstable_at_start.clamp(first[0], first[1]);
+        self.unstable_at_end = self.unstable_at_end.clamp(last[0], last[1]);
+        for &(at, [least, most]) in counts {
+            let known = self.miscounts.iter().filter(|miscount| miscount.at <= at);
+            let known: i64 = known.map(|miscount| miscount.by_spectrum as i64 - miscount.by_onsets).sum();
+            let changes: i64 = self.onsets.iter().filter(|onset| onset.at <= at).map(SweepOnset::by).sum();
+            let by_onsets = self.unstable_at_start as i64 + changes + known;
+            let by_spectrum = by_onsets.clamp(least as i64, most as i64);
+            if by_onsets != by_spectrum {
+                self.miscounts.push(Miscount { at, by_spectrum: by_spectrum as usize, by_onsets });
+            }
+        }
+    }
+
     pub(super) fn empty(parameter: SweptParameter, threshold: Threshold) -> Self {
         Self {
             threshold,
@@ -113,6 +139,7 @@ impl Sweep {
             counts_divergence: true,
             openings: Vec::new(),
             opening_steps: None,
+            loss_steps: None,
             marginal: Vec::new(),
             steps: usize::MAX,
             evaluations: Evaluations::default(),
@@ -167,5 +194,44 @@ impl NamedBranch {
         let first = a.lambda * (1.0 + 2.0 * u) + a.rate * (h * u);
         let last = b.lambda * (1.0 + 2.0 * v) - b.rate * (h * v);
         (from + h * u, first * (v * v) + last * (u * u))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::change::ChangeOf;
+
+    /// One mode more from 0.3 on, by the branches; with loss factors another one between 0.5 and 0.7, and at the end one that may be.
+    #[test]
+    fn counts_with_loss_factors_correct_those_of_the_onsets() {
+        let parameter = SweptParameter {
+            name: "mu".into(),
+            unit: "1".into(),
+            from: 0.0,
+            to: 1.0,
+            is_logarithmic: false,
+            median: 0.5,
+            place: 0,
+        };
+        let mut sweep = Sweep::empty(parameter, Threshold::default());
+        sweep.onsets.push(SweepOnset {
+            at: 0.3,
+            error: 0.0,
+            omega: 1.0,
+            growth: 0.0,
+            starts: true,
+            of: ChangeOf::Flutter,
+            mode: "1".into(),
+            unstable: 1,
+            moved: None,
+            is_reduced: false,
+            jump: None,
+        });
+        let counts = [(0.0, [1, 1]), (0.25, [1, 1]), (0.5, [3, 3]), (0.75, [2, 2]), (1.0, [2, 3])];
+        sweep.compare_with_losses(&counts);
+        assert_eq!((sweep.loss_steps, sweep.unstable_at_start), (Some(4), 1));
+        let miscount = |at, by_spectrum, by_onsets| Miscount { at, by_spectrum, by_onsets };
+        assert_eq!(sweep.miscounts, [miscount(0.5, 3, 2), miscount(0.75, 2, 3)]);
     }
 }

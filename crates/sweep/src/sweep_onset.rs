@@ -77,6 +77,8 @@ impl WholeOnset {
     ) -> Result<Self, Error> {
         let whole = |at: f64, near| match part.whole_eigenvalue(&[at], near) {
             Err(Error::Study(study::Error::WholeEigenvalue(_) | study::Error::Cea(_))) => Ok(None),
+            // Beyond the range a parameter may have a value that the brake does not allow.
+            Err(Error::Study(error)) if !error.is_cancelled() && !(0.0..=1.0).contains(&at) => Ok(None),
             found => found.map(Some),
         };
         let Some(first) = whole(onset.at, there)? else {

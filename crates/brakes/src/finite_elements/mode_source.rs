@@ -4,7 +4,7 @@ use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 use cea::Mode;
-use linsys::OperatingPoint;
+use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::{DVector, DVectorView};
 use num_complex::Complex;
 use reduction::{ReducedModes, RouteCounts};
@@ -52,6 +52,19 @@ impl FiniteElementBrake {
     /// # Errors
     /// A point of another brake.
     pub fn judged(&self, scene: &Scene, at: &OperatingPoint, found: &ReducedModes) -> Result<Vec<BandMode>, Error> {
+        let part = self.part(scene);
+        let mut modes = self.with_bounds(scene, at, found);
+        // Where not even which modes there are is known, no verdict of one of them closes anything.
+        let are_known = self.unknown_error(scene).is_none();
+        let most = if are_known { self.case.reduction.full_verdicts } else { 0 };
+        if settled::settle(&mut modes, &self.plan, (part, &self.sets[part.set]), at, most)? {
+            part.settled.fetch_add(1, Ordering::Relaxed);
+        }
+        Ok(modes)
+    }
+
+    /// Modes of the reduced brake of a scene at an operating point of the whole one, with what they may be off by and their residuals.
+    fn with_bounds(&self, scene: &Scene, at: &OperatingPoint, found: &ReducedModes) -> Vec<BandMode> {
         let (part, error) = (self.part(scene), self.error_of_modes(scene));
         let set = &self.sets[part.set];
         let enough = self.case.reduction.residual.max(BEYOND_HELD_OUT * set.held_out_residual);
@@ -64,14 +77,7 @@ impl FiniteElementBrake {
             let residual = Some(ModeResidual { value, is_above: !is_within });
             BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), is_on_axis, residual }
         };
-        let mut modes: Vec<BandMode> = each.map(mode).collect();
-        // Where not even which modes there are is known, no verdict of one of them closes anything.
-        let are_known = self.unknown_error(scene).is_none();
-        let most = if are_known { self.case.reduction.full_verdicts } else { 0 };
-        if settled::settle(&mut modes, &self.plan, (part, set), at, most)? {
-            part.settled.fetch_add(1, Ordering::Relaxed);
-        }
-        Ok(modes)
+        each.map(mode).collect()
     }
 
     /// Flags of eigenvalues at an operating point of the whole brake, rad/s, that are on the imaginary axis because nothing damps the brake.
@@ -111,6 +117,34 @@ impl ModeSource for FiniteElementBrake {
         drop(routes);
         let found = found.into_iter().zip(&points);
         found.map(|(found, at)| Ok(self.judged(scene, at, &found.map_err(Error::from)?)?)).collect()
+    }
+
+    fn has_dashpots_for_losses(&self, scene: &Scene) -> bool {
+        self.part(scene).reduced.has_losses()
+    }
+
+    fn band_modes_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<Vec<BandMode>, study::Error> {
+        let at = parameters::point(&self.scene_of(scene), values)?;
+        let found = self.part(scene).reduced.modes(&at).map_err(Error::from)?;
+        Ok(self.with_bounds(scene, &at, &found))
+    }
+
+    fn band_modes_of_changed(
+        &self,
+        scene: &Scene,
+        at: &OperatingPoint,
+        changed: &SecondOrder,
+    ) -> Result<Vec<BandMode>, study::Error> {
+        let found = self.part(scene).reduced.modes_of_changed(&self.full_point(scene, at), changed);
+        let error = self.error_of_modes(scene);
+        let mode = |(lambda, shape): (Complex<f64>, DVector<Complex<f64>>)| BandMode {
+            lambda,
+            shape,
+            bound: error * lambda.norm(),
+            is_on_axis: false,
+            residual: None,
+        };
+        Ok(found.map_err(Error::from)?.into_iter().map(mode).collect())
     }
 
     fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {

@@ -16,6 +16,7 @@ use num_complex::Complex;
 use study::{Input, ModeLabel, Scene, Study, UncertainBrake};
 
 use crate::Error;
+use crate::real_system::check_real;
 use limit_state::SceneState;
 use modes::{by_mode, named};
 
@@ -104,6 +105,7 @@ pub fn rare<B: UncertainBrake>(
     let of_scene = &plan.scenes[scene];
     let capability = Error::NotGiven { capability: "drawn_inputs()", needed_by: "the probability of rare squeal" };
     let drawn = brake.drawn_inputs().ok_or(capability)?;
+    check_real(brake, "the probability of rare squeal")?;
     if let Some(why) = brake.mode_source().and_then(|source| source.unknown_error(of_scene)) {
         return Err(Error::UnknownError { study: plan.source(), scene: plan.describe(of_scene), why });
     }

@@ -206,6 +206,12 @@ impl ChangedBrake {
         Ok(Self { brake: Brake { system, dofs, bodies, sectors: sectors_of }, channels, kept, has_term, scaled })
     }
 
+    /// True if nothing is changed.
+    pub fn is_unchanged(&self) -> bool {
+        let all_channels = self.channels.iter().enumerate().all(|(at, channel)| at == *channel);
+        all_channels && !self.has_term && self.scaled.is_empty() && self.kept.free().len() == self.kept.total()
+    }
+
     /// The operating point of the brake with changes from that of the one without.
     pub fn point(&self, mut at: OperatingPoint) -> OperatingPoint {
         let scaled: Vec<f64> = self.scaled.iter().map(|&(term, more)| more * at.coefficients[term]).collect();

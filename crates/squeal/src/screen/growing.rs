@@ -8,6 +8,8 @@ use num_complex::Complex;
 
 use study::{ModeLabel, Scene, Study, UncertainBrake};
 
+use crate::Error;
+
 /// A mode that is unstable at the medians, of the brake as it is.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct GrowingMode {
@@ -25,8 +27,15 @@ pub struct GrowingMode {
     pub shape: DVector<Complex<f64>>,
 }
 
-/// The unstable modes of a set of constraints at the medians: for each law and speed those of the scene with most in contact.
-pub(super) fn growing_modes<B: UncertainBrake>(study: &Study<'_, B>, constraints: usize) -> Vec<GrowingMode> {
+/// The unstable modes of a set of constraints at the medians: for each law and speed those of the scene with most in contact. A brake with loss factors finds
+/// its own, each with the names of the nearest mode of the system with dashpots.
+///
+/// # Errors
+/// Modes that a brake with loss factors does not find.
+pub(super) fn growing_modes<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    constraints: usize,
+) -> Result<Vec<GrowingMode>, Error> {
     let plan = study.plan();
     let in_contact = |scene: &Scene| plan.labels.panels[scene.key.panel].in_contact;
     let mut fullest: BTreeMap<(usize, Option<usize>), usize> = BTreeMap::new();
@@ -39,17 +48,30 @@ pub(super) fn growing_modes<B: UncertainBrake>(study: &Study<'_, B>, constraints
     let mut found = Vec::new();
     for place in fullest.into_values() {
         let (scene, reference) = (&plan.scenes[place], &study.references()[place]);
-        for (mode, names) in reference.modes.iter().zip(&reference.names) {
-            if plan.threshold.margin(mode.lambda) > 0.0 && plan.is_studied(mode.lambda) {
-                found.push(GrowingMode {
-                    scene: plan.describe(scene),
-                    mode: ModeLabel::candidates(names),
-                    lambda: mode.lambda,
-                    dofs: plan.brake(scene).dofs.clone(),
-                    shape: mode.shape.clone(),
-                });
+        let growing = |names: &[ModeLabel], lambda, shape: &DVector<Complex<f64>>| GrowingMode {
+            scene: plan.describe(scene),
+            mode: ModeLabel::candidates(names),
+            lambda,
+            dofs: plan.brake(scene).dofs.clone(),
+            shape: shape.clone(),
+        };
+        let is_wanted = |lambda: Complex<f64>| plan.threshold.margin(lambda) > 0.0 && plan.is_studied(lambda);
+        match study.brake().mode_source().filter(|source| source.has_dashpots_for_losses(scene)) {
+            Some(source) => {
+                let at = study.brake().operating_point(scene, &study.brake().median())?;
+                let modes = source.band_modes(scene, &[at]).into_iter().next().transpose()?.unwrap_or_default();
+                for mode in modes.iter().filter(|mode| is_wanted(mode.lambda)) {
+                    let distance = |at: &usize| (reference.modes[*at].lambda - mode.lambda).norm();
+                    let nearest = (0..reference.modes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                    let names = nearest.map_or(&[][..], |at| &reference.names[at]);
+                    found.push(growing(names, mode.lambda, &mode.shape));
+                }
+            }
+            None => {
+                let modes = reference.modes.iter().zip(&reference.names).filter(|(mode, _)| is_wanted(mode.lambda));
+                found.extend(modes.map(|(mode, names)| growing(names, mode.lambda, &mode.shape)));
             }
         }
     }
-    found
+    Ok(found)
 }

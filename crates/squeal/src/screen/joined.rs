@@ -2,13 +2,17 @@
 
 use std::ops::Range;
 
+use cea::Mode;
 use cycle::ContactSystem;
-use linsys::OperatingPoint;
+use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
+use nalgebra::DVector;
+use num_complex::Complex;
 use study::identity::{Identity, of_study};
 use study::{
-    DrawnContacts, DrawnInputs, ModeSource, Modifiable, ModifiablePlan, Parametrised, Place, Plan, Scene, SceneKey,
-    SlidingContacts, Symmetry, UncertainBrake, WholeContact, divergence_doubt,
+    BandMode, Bridge, CoarsePath, DrawnContacts, DrawnInputs, FullChecks, ModeSource, Modifiable, ModifiablePlan,
+    Parametrised, Place, Plan, Scene, SceneKey, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
+    WholeEigenvalue, divergence_doubt,
 };
 
 use super::confirm::analyses;
@@ -225,9 +229,11 @@ impl<B: UncertainBrake> UncertainBrake for Joined<'_, B> {
         self.parts.iter().all(is_given).then_some(self)
     }
 
-    /// `None`: a source knows the scenes of one of the brakes.
+    /// Of brakes that find their modes themselves, one of which at least has loss factors; else `None`, as spectra are what all of them have.
     fn mode_source(&self) -> Option<&dyn ModeSource> {
-        None
+        let are_sources = self.parts.iter().all(|part| part.brake.mode_source().is_some());
+        let has_dashpots = |scene: &Scene| self.has_dashpots_for_losses(scene);
+        (are_sources && self.plan.scenes.iter().any(has_dashpots)).then_some(self)
     }
 
     fn error_of_reduction(&self, scene: &Scene) -> f64 {
@@ -264,6 +270,87 @@ impl<B: UncertainBrake> Modifiable for Joined<'_, B> {
 
     fn scalable_terms(&self, constraints: usize) -> Vec<String> {
         self.of_set(constraints).map_or_else(Vec::new, |(of, own)| of.scalable_terms(own))
+    }
+}
+
+impl<'a, B: UncertainBrake> Joined<'a, B> {
+    /// The source of the modes of the brake that a scene belongs to, and the scene as its own plan has it.
+    fn source(&self, scene: &Scene) -> Result<(&'a dyn ModeSource, Scene), study::Error> {
+        let found = self.own(scene).and_then(|(_, part, own)| Some((part.brake.mode_source()?, own)));
+        found.ok_or(study::Error::OtherSample)
+    }
+}
+
+/// Modes of the brake that a scene belongs to. [`UncertainBrake::mode_source`] hands this out only where all of them find theirs.
+impl<B: UncertainBrake> ModeSource for Joined<'_, B> {
+    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
+        match self.source(scene) {
+            Ok((source, own)) => source.band_modes(&own, at),
+            Err(_) => at.iter().map(|_| Err(study::Error::OtherSample)).collect(),
+        }
+    }
+
+    fn has_dashpots_for_losses(&self, scene: &Scene) -> bool {
+        self.source(scene).is_ok_and(|(source, own)| source.has_dashpots_for_losses(&own))
+    }
+
+    fn band_modes_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<Vec<BandMode>, study::Error> {
+        let (source, own) = self.source(scene)?;
+        source.band_modes_with(&own, values)
+    }
+
+    fn band_modes_of_changed(
+        &self,
+        scene: &Scene,
+        at: &OperatingPoint,
+        changed: &SecondOrder,
+    ) -> Result<Vec<BandMode>, study::Error> {
+        let (source, own) = self.source(scene)?;
+        source.band_modes_of_changed(&own, at, changed)
+    }
+
+    fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {
+        let (source, own) = self.source(scene)?;
+        source.coarse(&own, at)
+    }
+
+    /// `None`: modes are counted, and not followed.
+    fn bridge(&self, _configuration: usize, _modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {
+        Ok(None)
+    }
+
+    fn relative_error(&self, scene: &Scene) -> f64 {
+        self.source(scene).map_or(1.0, |(source, own)| source.relative_error(&own))
+    }
+
+    fn unknown_error(&self, scene: &Scene) -> Option<&'static str> {
+        self.source(scene).ok().and_then(|(source, own)| source.unknown_error(&own))
+    }
+
+    fn whole_eigenvalue(
+        &self,
+        scene: &Scene,
+        values: &[(usize, f64)],
+        near: Complex<f64>,
+    ) -> Result<WholeEigenvalue, study::Error> {
+        let (source, own) = self.source(scene)?;
+        source.whole_eigenvalue(&own, values, near)
+    }
+
+    fn eigenvalue_at_origin(&self, _constraints: usize, lambda: Complex<f64>) -> Complex<f64> {
+        lambda
+    }
+
+    fn whole_shape(&self, _constraints: usize, _shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)> {
+        Vec::new()
+    }
+
+    fn routes(&self) -> Vec<(&'static str, u64)> {
+        Vec::new()
+    }
+
+    fn full_checks(&self) -> Option<&FullChecks> {
+        None
     }
 }
 

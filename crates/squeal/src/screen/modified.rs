@@ -3,13 +3,17 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use cea::Mode;
 use cycle::ContactSystem;
-use linsys::OperatingPoint;
+use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
+use nalgebra::DVector;
+use num_complex::Complex;
 use study::identity::{Identity, Written};
 use study::{
-    Configuration, DrawnContacts, DrawnInputs, ModeIdentity, ModeNaming, ModeSource, Modifiable, ModifiablePlan,
-    Origin, Parametrised, Plan, Scene, SceneKey, SceneLabels, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
+    BandMode, Bridge, CoarsePath, Configuration, DrawnContacts, DrawnInputs, FullChecks, ModeIdentity, ModeNaming,
+    ModeSource, Modifiable, ModifiablePlan, Origin, Parametrised, Plan, Scene, SceneKey, SceneLabels, SlidingContacts,
+    Symmetry, UncertainBrake, WholeContact, WholeEigenvalue,
 };
 
 use super::change::{Attached, Change, ChangedBrake};
@@ -278,9 +282,12 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         None
     }
 
-    /// `None`: modes that the inner brake finds are those without the changes; spectra are taken instead.
+    /// That of an inner brake with loss factors, which no system here has. Of another one `None`: modes that it finds are those without the changes; spectra
+    /// are taken instead.
     fn mode_source(&self) -> Option<&dyn ModeSource> {
-        None
+        let source = self.inner.mode_source()?;
+        let has_dashpots = |scene: &Scene| source.has_dashpots_for_losses(&self.inner_scene(scene));
+        self.plan.scenes.iter().any(has_dashpots).then_some(self)
     }
 
     /// Error of the inner brake: what the changes add to it is not known.
@@ -295,6 +302,91 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
 
     fn drawn_contacts(&self) -> Option<&dyn DrawnContacts<B::Sample>> {
         self.inner.drawn_contacts().map(|_| self as _)
+    }
+}
+
+/// Modes of the inner brake with the changes and its loss factors. [`UncertainBrake::mode_source`] hands this out only where the inner brake has some.
+impl<B: UncertainBrake> ModeSource for Modified<'_, B> {
+    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
+        let Some(source) = self.inner.mode_source() else {
+            return at.iter().map(|_| Err(study::Error::OtherSample)).collect();
+        };
+        let (inner, changed) = (self.inner_scene(scene), &self.from[scene.configuration].changed);
+        if changed.is_unchanged() {
+            return source.band_modes(&inner, at);
+        }
+        let of_inner = &self.inner.plan().brake(&inner).system;
+        let modes = |at: &OperatingPoint| {
+            let system = changed.brake.system.assemble(at)?;
+            let coefficients = at.coefficients[..of_inner.terms().len()].to_vec();
+            let channels = vec![ChannelGain::default(); of_inner.channels().len()];
+            source.band_modes_of_changed(&inner, &OperatingPoint { coefficients, channels }, &system)
+        };
+        at.iter().map(modes).collect()
+    }
+
+    fn has_dashpots_for_losses(&self, scene: &Scene) -> bool {
+        let inner = self.inner_scene(scene);
+        self.inner.mode_source().is_some_and(|source| source.has_dashpots_for_losses(&inner))
+    }
+
+    /// Refused: a set of changes has no parameters.
+    fn band_modes_with(&self, _scene: &Scene, _values: &[(usize, f64)]) -> Result<Vec<BandMode>, study::Error> {
+        Err(study::Error::OtherSample)
+    }
+
+    /// Refused: changes are made once, in [`Modified::new`].
+    fn band_modes_of_changed(
+        &self,
+        _scene: &Scene,
+        _at: &OperatingPoint,
+        _changed: &SecondOrder,
+    ) -> Result<Vec<BandMode>, study::Error> {
+        Err(study::Error::OtherSample)
+    }
+
+    fn coarse(&self, _scene: &Scene, _at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {
+        Ok(None)
+    }
+
+    /// `None`: each configuration is the origin of its own.
+    fn bridge(&self, _configuration: usize, _modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {
+        Ok(None)
+    }
+
+    fn relative_error(&self, scene: &Scene) -> f64 {
+        self.inner.error_of_reduction(&self.inner_scene(scene))
+    }
+
+    fn unknown_error(&self, scene: &Scene) -> Option<&'static str> {
+        let inner = self.inner_scene(scene);
+        self.inner.mode_source().and_then(|source| source.unknown_error(&inner))
+    }
+
+    /// Refused: the full model has none of the changes.
+    fn whole_eigenvalue(
+        &self,
+        _scene: &Scene,
+        _values: &[(usize, f64)],
+        _near: Complex<f64>,
+    ) -> Result<WholeEigenvalue, study::Error> {
+        Err(study::Error::OtherSample)
+    }
+
+    fn eigenvalue_at_origin(&self, _constraints: usize, lambda: Complex<f64>) -> Complex<f64> {
+        lambda
+    }
+
+    fn whole_shape(&self, _constraints: usize, _shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)> {
+        Vec::new()
+    }
+
+    fn routes(&self) -> Vec<(&'static str, u64)> {
+        self.inner.mode_source().map_or_else(Vec::new, ModeSource::routes)
+    }
+
+    fn full_checks(&self) -> Option<&FullChecks> {
+        None
     }
 }
 

@@ -239,9 +239,17 @@ pub fn confirm<B: UncertainBrake>(
         samples: how.samples,
         scenes: plan.scenes.len() as u64,
         failures,
-        growing: growing_modes(&study, 0),
-        doubts: brake.plan().doubts.iter().cloned().chain(divergence_doubt_of(brake)).collect(),
+        growing: growing_modes(&study, 0)?,
+        doubts: doubts_of(brake),
     })
+}
+
+/// Doubts of a brake, each once: of brakes that are joined their plan has that on divergence.
+fn doubts_of<B: UncertainBrake>(brake: &B) -> Vec<String> {
+    let mut doubts = brake.plan().doubts.clone();
+    let more = divergence_doubt_of(brake).filter(|doubt| !doubts.contains(doubt));
+    doubts.extend(more);
+    doubts
 }
 
 /// Sets that a screening has in its tables, all of them; those to be confirmed have their indices.

@@ -201,7 +201,7 @@ fn points_of_friction<B: UncertainBrake>(
     half_width: f64,
 ) -> Result<Option<FrictionPoints>, EstimatorError> {
     let plan = study.plan();
-    // A prediction would have the modes of all frequencies.
+    // A prediction would have the modes of all frequencies, and of dashpots in the place of loss factors.
     if plan.band.is_some() || plain_samples(0.5, half_width) < FEWEST_BY_CONTROL_VARIATE {
         return Ok(None);
     }
@@ -224,6 +224,10 @@ fn by_integral<B: UncertainBrake>(
 ) -> Result<Result<SceneOccurrences, DoesNotApply>, EstimatorError> {
     let of_scene = &study.plan().scenes[scene];
     let does_not_apply = || Ok(Err(DoesNotApply { evaluations: 0 }));
+    // Onsets of a real system are not those of the brake where it has loss factors.
+    if study.brake().mode_source().is_some_and(|source| source.has_dashpots_for_losses(of_scene)) {
+        return does_not_apply();
+    }
     if let Some(single) = single_parameter(study.brake(), of_scene)
         && !is_affine_throughout(study.brake(), of_scene, &single, half_width)
     {
