@@ -6,11 +6,14 @@ use std::path::{Path, PathBuf};
 
 use brakes::case::{CaseFile, FiniteElementCase};
 use brakes::{FiniteElementBrake, check_motion};
-use cycle::{ContactSystem, Motion, state_after};
+use cea::QrSolver;
+use cycle::{BranchEnd, ContactSystem, Measures, Motion, state_after};
 use formats::{Cell, CellKind, Node};
 use nalgebra::DVector;
-use squeal::cycles::{CycleOptions, Cycles, MotionOfMode, cycles};
-use study::{DrawnContacts, Parametrised, SlidingContacts, UncertainBrake, Units};
+use squeal::Error;
+use squeal::cycles::{Branches, CycleOptions, Cycles, MotionOfMode, branches, cycles};
+use squeal::sweep::Over;
+use study::{DrawnContacts, Parametrised, SlidingContacts, Study, UncertainBrake, Units};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
@@ -245,6 +248,63 @@ fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     assert!(in_mm.text().contains(&format!("radiated power: {:.2} % of the outer area", 100.0 * part)));
     assert_eq!(in_mm.table().column("outer_area_without_rows").unwrap().next(), Some(part.to_string().as_str()));
     assert_eq!(in_mm.motions[0].history[0][0].normal_force, motion.history[0][0].normal_force);
+}
+
+/// The disc and the pad under Amontons-Coulomb friction at 20 m/s in a band, at a friction, made for a sweep over it.
+fn over_friction(band: &str, mu: f64, over: &Over) -> FiniteElementBrake {
+    let mu = format!("mu = {{ distribution = \"constant\", value = {mu} }}");
+    let band = format!("frequencies = {band}\ntraining = 3");
+    let changes = [
+        ("laws", "laws = [\"amontons-coulomb\"]"),
+        ("mu =", &mu),
+        ("from =", "from = 20.0"),
+        ("to =", "to = 20.0"),
+        ("frequencies", &band),
+    ];
+    FiniteElementBrake::for_sweep(disc_pad(&changes), std::slice::from_ref(over), &()).unwrap()
+}
+
+/// The branch of cycles over the friction of [`over_friction`].
+fn branches_over(brake: &FiniteElementBrake, over: &Over) -> Result<Branches, Error> {
+    let study = Study::new(brake, &QrSolver).unwrap();
+    let options = CycleOptions { harmonics: 3, samples: 64, ..CycleOptions::default() };
+    branches(&study, 0, over, &options, [&(), &()])
+}
+
+/// The branch starts at the onset of the whole brake, upright to the first contact that opens, and its last point is the motion that the mode grows to there when it is
+/// followed in time on the same basis.
+#[test]
+fn a_branch_over_friction_ends_in_the_motion_that_the_mode_grows_to() {
+    let over = Over { name: "mu".into(), from: 0.385, to: 0.42 };
+    let brake = over_friction("[5900.0, 6100.0]", over.to, &over);
+    let found = branches_over(&brake, &over).unwrap();
+    let [branch] = &found.branches[..] else { panic!("{found:?}") };
+    assert!((branch.onset - 0.392_048_7).abs() < 1e-6 && (branch.onset_hz / 6032.781 - 1.0).abs() < 1e-6, "{branch:?}");
+    assert_eq!(branch.end, BranchEnd::Range);
+    let (first, last) = (&branch.cycles[0], branch.cycles.last().unwrap());
+    assert!((first.at - branch.onset).abs() < 1e-7 && (first.balanced_hz - branch.onset_hz).abs() < 1e-3, "{first:?}");
+    let in_motion = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let [motion] = &in_motion.motions[..] else { panic!() };
+    let (Motion::Cycle(followed), Some((cycle, measures))) = (&motion.motion, &last.in_time) else {
+        panic!("{:?} {last:?}", motion.motion)
+    };
+    println!("{} {} {:?}", cycle.frequency_hz(), followed.frequency_hz(), last.loudness);
+    assert!((last.at - over.to).abs() < 1e-12 && cycle.is_stable());
+    assert!((cycle.frequency_hz() / followed.frequency_hz() - 1.0).abs() < 1e-8);
+    assert!((last.loudness.unwrap() / motion.loudness.unwrap() - 1.0).abs() < 1e-6);
+    assert!((cycle.largest_multiplier() - followed.largest_multiplier()).abs() < 1e-5);
+    let open = |of: &Measures| of.contacts.iter().map(|shares| shares.open).fold(0.0, f64::max);
+    assert!((open(measures) - open(motion.measures.as_ref().unwrap())).abs() < 1e-6 && open(measures) > 0.2);
+}
+
+/// In a band that has the mode of 2,781 Hz alone that of 6,033 Hz grows too, at a frequency that the basis makes up.
+#[test]
+fn a_branch_of_a_brake_that_grows_outside_its_band_is_refused_with_the_value() {
+    let over = Over { name: "mu".into(), from: 0.505, to: 0.512 };
+    let brake = over_friction("[2500.0, 3000.0]", over.to, &over);
+    let error = branches_over(&brake, &over).unwrap_err().to_string();
+    assert!(error.contains(", mu = 0.5107") && error.contains("grows outside its band too"), "{error}");
+    assert!(!error.contains('\n'));
 }
 
 /// Outer area of the disc, a polygon of 54 sides, and of the pad above eight of them, m^2.
