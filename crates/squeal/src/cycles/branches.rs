@@ -9,9 +9,9 @@ use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
 
-use super::growing::grows_in_band;
 use super::{
-    CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, harmonics_in_si, in_si, when_cancelled,
+    CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, grows_in_band, harmonics_in_si, in_si,
+    when_cancelled,
 };
 use crate::Error;
 use crate::sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
@@ -105,7 +105,9 @@ pub fn branches<B: UncertainBrake>(
         found.onsets.iter().filter(|onset| onset.of == ChangeOf::Flutter && onset.jump.is_none()).collect();
     // A motion in time has all of the spectrum of a reduced brake.
     let check_band = |at: f64| -> Result<(), Error> {
-        let Some(source) = brake.mode_source() else { return Ok(()) };
+        if brake.mode_source().is_none() {
+            return Ok(());
+        }
         let spectrum = QrSolver.eigenvalues(&of_cea(at)?, &mut Workspace::default()).map_err(study::Error::from)?;
         let with_value = |error| match error {
             Error::GrowsOutside { scene, hz, growth } => {
@@ -113,7 +115,7 @@ pub fn branches<B: UncertainBrake>(
             }
             other => other,
         };
-        grows_in_band(plan, key, source, &spectrum.eigenvalues).map_err(with_value)
+        grows_in_band(plan, key, brake.error_of_reduction(key), &spectrum.eigenvalues).map_err(with_value)
     };
     onsets.iter().try_for_each(|onset| check_band(onset.at))?;
     let branch = |onset: &SweepOnset, stop: &Arc<AtomicBool>| -> Result<Branch, Error> {
