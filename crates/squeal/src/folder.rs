@@ -100,8 +100,8 @@ impl RunFolder {
         Ok(())
     }
 
-    /// Gives a folder back that holds nothing but its marks and the file `own`, as it was before it was taken: for a question that has no answer, so that
-    /// another one may be asked there. One that holds more stays as it is.
+    /// Gives a folder back that holds nothing but its marks and the file `own`, which are removed, and the folder with them: for a question that has no answer, so
+    /// that another one may be asked there. One that holds more stays as it is.
     pub fn give_back(self, own: &str) {
         let is_mark = |entry: io::Result<fs::DirEntry>| {
             entry.is_ok_and(|entry| [LOCK, MARKER, own].iter().any(|mark| entry.file_name() == *mark))
