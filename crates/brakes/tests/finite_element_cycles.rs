@@ -413,7 +413,10 @@ fn draws_that_grow_outside_the_band_are_counted_as_not_followed() {
     let (_, screen) = screened("[2500.0, 3000.0]", 0.512);
     assert_eq!(screen.unchanged.loudness_quantile, Some(f64::INFINITY));
     assert_eq!(screen.sets[0].confirmed.as_ref().unwrap().not_followed, Some(2));
-    assert!(screen.text().contains("motions of 2 of 2 draws could NOT BE FOLLOWED"), "{}", screen.text());
+    let text = screen.text();
+    assert!(text.contains("motions of 2 of 2 draws could NOT BE FOLLOWED") && !text.contains("NaN"), "{text}");
+    // Neither the predicted nor the confirmed drop of the one that is confirmed.
+    assert!(text.lines().any(|line| line.matches("not known").count() == 2), "{text}");
 }
 
 /// Outer area of the disc, a polygon of 54 sides, and of the pad above eight of them, m^2.
