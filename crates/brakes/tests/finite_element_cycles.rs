@@ -5,12 +5,19 @@
 use std::path::{Path, PathBuf};
 
 use brakes::case::{CaseFile, FiniteElementCase};
-use brakes::{FiniteElementBrake, check_motion};
-use cycle::{ContactSystem, Motion, state_after};
+use brakes::{Bases, FiniteElementBrake, check_motion};
+use cea::QrSolver;
+use cycle::{BranchEnd, ContactSystem, Measures, Motion, state_after};
 use formats::{Cell, CellKind, Node};
 use nalgebra::DVector;
-use squeal::cycles::{CycleOptions, Cycles, MotionOfMode, cycles};
-use study::{DrawnContacts, Parametrised, SlidingContacts, UncertainBrake, Units};
+use squeal::Error;
+use squeal::cycles::{Branches, CycleOptions, Cycles, MotionOfMode, branches, cycles};
+use squeal::screen::{
+    Attached, Change, ChangeKind, ChangeSet, Confirmation, Criterion, Modified, Prediction, Screen, ScreenOptions,
+    confirm, rank,
+};
+use squeal::sweep::Over;
+use study::{DrawnContacts, Parametrised, SlidingContacts, Study, UncertainBrake, Units};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
@@ -181,14 +188,7 @@ fn motions_grow_with_loads_and_speeds() {
 /// The first harmonic radiates 0.158667 W by a sum of NumPy over the mesh of the page, whose displacements have four to five digits.
 #[test]
 fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
-    let changes = [
-        ("laws", "laws = [\"amontons-coulomb\"]"),
-        ("mu =", "mu = { distribution = \"constant\", value = 0.45 }"),
-        ("from =", "from = 20.0"),
-        ("to =", "to = 20.0"),
-        ("frequencies", "frequencies = [5800.0, 6300.0]\ntraining = 3"),
-    ];
-    let mut brake = FiniteElementBrake::new(disc_pad(&changes), &()).unwrap();
+    let mut brake = FiniteElementBrake::new(at_friction("[5800.0, 6300.0]", 0.45), &()).unwrap();
     let found = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
     assert!(found.tangent_deviation < 1e-13);
     let [motion] = &found.motions[..] else { panic!() };
@@ -247,6 +247,178 @@ fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     assert_eq!(in_mm.motions[0].history[0][0].normal_force, motion.history[0][0].normal_force);
 }
 
+/// The disc and the pad under Amontons-Coulomb friction at 20 m/s in a band.
+fn at_friction(band: &str, mu: f64) -> FiniteElementCase {
+    let mu = format!("mu = {{ distribution = \"constant\", value = {mu} }}");
+    let band = format!("frequencies = {band}\ntraining = 3");
+    let changes = [
+        ("laws", "laws = [\"amontons-coulomb\"]"),
+        ("mu =", &mu),
+        ("from =", "from = 20.0"),
+        ("to =", "to = 20.0"),
+        ("frequencies", &band),
+    ];
+    disc_pad(&changes)
+}
+
+/// The disc and the pad with the friction of the end of a range, made for a sweep over it, and its branches of cycles.
+fn branches_over(band: &str, over: &Over) -> (FiniteElementBrake, Result<Branches, Error>) {
+    let case = at_friction(band, over.to);
+    let brake = FiniteElementBrake::for_sweep(case, std::slice::from_ref(over), &()).unwrap();
+    let options = CycleOptions { harmonics: 3, samples: 64, ..CycleOptions::default() };
+    let found = branches(&Study::new(&brake, &QrSolver).unwrap(), 0, over, &options, [&(), &()]);
+    (brake, found)
+}
+
+/// The branch starts at the onset of the whole brake, upright to the first contact that opens, and its last point is the motion that the mode grows to there when it is
+/// followed in time on the same basis.
+#[test]
+fn a_branch_over_friction_ends_in_the_motion_that_the_mode_grows_to() {
+    let over = Over { name: "mu".into(), from: 0.385, to: 0.42 };
+    let (brake, found) = branches_over("[5900.0, 6100.0]", &over);
+    let found = found.unwrap();
+    let [branch] = &found.branches[..] else { panic!("{found:?}") };
+    assert!((branch.onset - 0.392_048_7).abs() < 1e-6 && (branch.onset_hz / 6032.781 - 1.0).abs() < 1e-6, "{branch:?}");
+    assert_eq!(branch.end, BranchEnd::Range);
+    let (first, last) = (&branch.cycles[0], branch.cycles.last().unwrap());
+    assert!((first.at - branch.onset).abs() < 1e-7 && (first.balanced_hz - branch.onset_hz).abs() < 1e-3, "{first:?}");
+    let in_motion = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let [motion] = &in_motion.motions[..] else { panic!() };
+    let (Motion::Cycle(followed), Some((cycle, measures))) = (&motion.motion, &last.in_time) else {
+        panic!("{:?} {last:?}", motion.motion)
+    };
+    println!("{} {} {:?}", cycle.frequency_hz(), followed.frequency_hz(), last.loudness);
+    assert!((last.at - over.to).abs() < 1e-12 && cycle.is_stable());
+    assert!((cycle.frequency_hz() / followed.frequency_hz() - 1.0).abs() < 1e-8);
+    assert!((last.loudness.unwrap() / motion.loudness.unwrap() - 1.0).abs() < 1e-6);
+    assert!((cycle.largest_multiplier() - followed.largest_multiplier()).abs() < 1e-5);
+    let open = |of: &Measures| of.contacts.iter().map(|shares| shares.open).fold(0.0, f64::max);
+    assert!((open(measures) - open(motion.measures.as_ref().unwrap())).abs() < 1e-6 && open(measures) > 0.2);
+}
+
+/// In a band that has the mode of 2,781 Hz alone that of 6,033 Hz grows too, at a frequency that the basis makes up.
+#[test]
+fn a_branch_of_a_brake_that_grows_outside_its_band_is_refused_with_the_value() {
+    let over = Over { name: "mu".into(), from: 0.505, to: 0.512 };
+    let error = branches_over("[2500.0, 3000.0]", &over).1.unwrap_err().to_string();
+    assert!(error.contains(", mu = 0.5107") && error.contains("grows outside its band too"), "{error}");
+    assert!(!error.contains('\n'));
+}
+
+/// A set of changes of the first set of constraints.
+fn changed(name: &str, changes: Vec<Change>) -> ChangeSet {
+    ChangeSet { name: name.into(), of: 0, changes }
+}
+
+/// A spring of 1e6 N/m to ground along some coordinates of a basis.
+fn grounded(order: usize) -> Change {
+    let mut random = noise(5);
+    let along = vec![(0..order).map(|at| (at, random())).collect()];
+    Change::Attach { what: Attached::Spring, size: 1e6, along }
+}
+
+/// The motion of a changed brake has the changed analysis as its tangent, at medians and in draws, also where springs differ from patch to patch. Without a patch its contacts
+/// and its matrices are those of the arrangement that lacks it.
+#[test]
+fn the_motion_of_a_changed_brake_is_that_of_the_analysis_with_the_changes() {
+    let own = [("laws", "laws = [\"velocity-dependent\"]"), ("in_contact", "in_contact = [9, 8]")];
+    let factors = "stiffness_factor = \"kc\"\nlateral = \"none\"\nload = 468.0";
+    let draws =
+        "[parameters.kc]\ndistribution = \"log-normal\"\nmedian = 1.1\nsigma = 0.2\nover = \"patches\"\n[reduction]";
+    let drawn = [&own[..], &[("load =", factors), ("[reduction]", draws)]].concat();
+    for (is_drawn, changes) in [(false, &own[..]), (true, &drawn)] {
+        let brake = FiniteElementBrake::on(disc_pad(changes), Bases::OfEachSet, &()).unwrap();
+        let order = brake.plan.brake(&brake.plan.scenes[0]).system.order();
+        let sets = [
+            changed("none", Vec::new()),
+            changed("spring", vec![grounded(order)]),
+            changed("without 7", vec![Change::TakeOut { contact: 6 }]),
+            changed("both", vec![Change::TakeOut { contact: 6 }, grounded(order)]),
+        ];
+        let modified = Modified::new(&brake, &sets).unwrap();
+        let samples = [brake.median(), brake.draw(&mut montecarlo::stream(7, 3)).unwrap()];
+        for (sample, at) in samples.iter().zip(0..) {
+            let motion = |constraints: usize, arrangement: usize| {
+                let scenes = || modified.plan().scenes.iter().filter(|scene| scene.key.constraints == constraints);
+                let scene = scenes().nth(arrangement).unwrap();
+                let motion = modified.drawn_contacts().unwrap().contact_system_of(scene, sample, 0.01).unwrap();
+                let of_cea = modified.system(scene, sample).unwrap();
+                let deviation = motion.check_tangent(&of_cea, 1e4).unwrap();
+                assert!(deviation < 1e-12, "{deviation} of {constraints} in {at}");
+                motion
+            };
+            let [none, spring, without, both] = [0, 1, 2, 3].map(|set| motion(set, 0));
+            assert_eq!([&none, &spring, &without, &both].map(|of| of.contacts().len()), [27, 27, 24, 24]);
+            assert!(spring.structure().k != none.structure().k && both.structure().k != without.structure().k);
+            // Nine in contact, then the arrangements of eight, one of which lacks the seventh.
+            let seventh = (1..=9).find(|at| motion(0, *at).contacts().iter().all(|of| of.family != "friction PATCH7"));
+            let lacking = motion(0, seventh.unwrap());
+            assert_eq!(lacking.contacts().len(), 24);
+            for (one, two) in lacking.contacts().iter().zip(without.contacts()) {
+                assert!(
+                    one.name == two.name && one.load == two.load && one.stiffness == two.stiffness,
+                    "{one:?} {two:?}"
+                );
+                assert!(one.sliding == two.sliding && one.normal == two.normal);
+            }
+            let apart = (&lacking.structure().k - &without.structure().k).norm() / lacking.structure().k.norm();
+            // A spring that is drawn stays, because nothing says which it is.
+            assert!(if is_drawn { apart > 1e-6 } else { apart < 1e-12 }, "{apart}");
+        }
+    }
+}
+
+/// A screen by loudness of the contacts of the disc and the pad, under Amontons-Coulomb friction at 20 m/s in a band, all draws of which have one friction.
+fn screened(band: &str, mu: f64) -> (FiniteElementBrake, Screen) {
+    let brake = FiniteElementBrake::on(at_friction(band, mu), Bases::OfEachSet, &()).unwrap();
+    let mut options = ScreenOptions::default();
+    (options.kinds, options.draws, options.up_to) = (vec![ChangeKind::Contact], 1, 1);
+    options.criterion = Criterion::Loudness;
+    let ranking = rank(&brake, &options, &()).unwrap();
+    let screen = confirm(&brake, ranking, &options, &Confirmation::new(2)).unwrap();
+    (brake, screen)
+}
+
+/// Changes are ranked by the motion of the changed brake, of which nothing is left where nothing is unstable.
+#[test]
+fn a_screen_by_loudness_ranks_by_the_motions_of_the_changed_brake() {
+    let (brake, screen) = screened("[5900.0, 6100.0]", 0.45);
+    let followed = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let loudness = followed.motions[0].loudness.unwrap();
+    let unchanged = screen.unchanged.loudness_quantile.unwrap();
+    println!("{unchanged} {loudness}");
+    // Of fewer periods, at the end of which it still changes a little.
+    assert!((unchanged / loudness - 1.0).abs() < 0.01);
+    let now = screen.sets[0].confirmed.as_ref().unwrap();
+    assert!((now.loudness_quantile.unwrap().value / unchanged - 1.0).abs() < 1e-3 && now.not_followed == Some(0));
+    let predicted: Vec<(&str, Prediction)> =
+        screen.sets.iter().filter_map(|set| Some((set.places.as_str(), set.prediction?))).collect();
+    let of = |name: &str| predicted.iter().find(|(places, _)| *places == name).unwrap().1;
+    println!("{predicted:?}");
+    // Without patch 7 nothing is unstable, as by SciPy, and without patch 1 the motion is another one.
+    assert_eq!((of("PATCH7").unstable, of("PATCH7").loudness_quantile), (0.0, Some(0.0)));
+    assert!(of("PATCH1").loudness_quantile.unwrap() > 1.5 * unchanged);
+    let mut quiet = 0;
+    for (places, of) in &predicted {
+        let loudness = of.loudness_quantile.unwrap();
+        assert!(loudness.is_finite() && (loudness == 0.0) == (of.unstable == 0.0), "{places} {of:?}");
+        quiet += usize::from(loudness == 0.0);
+    }
+    assert!(quiet > 0 && quiet < 9 && screen.failed.is_empty());
+}
+
+/// In a band that has the mode of 2,781 Hz alone another grows outside: no motion is followed, and all draws are counted as not followed.
+#[test]
+fn draws_that_grow_outside_the_band_are_counted_as_not_followed() {
+    let (_, screen) = screened("[2500.0, 3000.0]", 0.512);
+    assert_eq!(screen.unchanged.loudness_quantile, Some(f64::INFINITY));
+    assert_eq!(screen.sets[0].confirmed.as_ref().unwrap().not_followed, Some(2));
+    let text = screen.text();
+    assert!(text.contains("motions of 2 of 2 draws could NOT BE FOLLOWED") && !text.contains("NaN"), "{text}");
+    // Neither the predicted nor the confirmed drop of the one that is confirmed.
+    assert!(text.lines().any(|line| line.matches("not known").count() == 2), "{text}");
+}
+
 /// Outer area of the disc, a polygon of 54 sides, and of the pad above eight of them, m^2.
 fn area_of_disc_and_pad() -> f64 {
     let of_body = |sides: f64, inner: f64, outer: f64, height: f64| {
@@ -295,6 +467,15 @@ fn points_that_are_open_in_equilibrium_have_their_gaps() {
     for (one, two) in once.contacts().iter().zip(twice.contacts()) {
         assert!((two.load - 2.0 * one.load).abs() < 1e-9 * twice.contacts()[0].load.abs(), "{one:?} {two:?}");
     }
+    // A spring to ground leaves the points as they are, the open ones too.
+    let order = brake.plan.brake(scene).system.order();
+    let modified = Modified::new(&brake, &[changed("spring", vec![grounded(order)])]).unwrap();
+    let of_scene = &modified.plan().scenes[0];
+    let sample = brake.draw(&mut montecarlo::stream(7, 3)).unwrap();
+    let motion = modified.drawn_contacts().unwrap().contact_system_of(of_scene, &sample, 0.01).unwrap();
+    let deviation = motion.check_tangent(&modified.system(of_scene, &sample).unwrap(), 1.3e4).unwrap();
+    let open = motion.contacts().iter().filter(|of| of.load < 0.0).count();
+    assert!(deviation < 1e-12 && motion.contacts().len() == 144 && open > 0, "{deviation} {open}");
     // It flutters far above the band, which a motion in time would follow.
     let error = cycles(&brake, scene, &CycleOptions::default(), &()).unwrap_err().to_string();
     assert!(error.contains("grows outside its band too") && !error.contains('\n'), "{error}");

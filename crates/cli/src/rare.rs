@@ -42,7 +42,7 @@ pub struct RareArgs {
     /// Random directions from which the likeliest squealing brakes are looked for, beside both of each input
     #[arg(long, value_name = "N", default_value_t = Options::default().directions as u64, allow_negative_numbers = true, value_parser = whole_number)]
     pub directions: u64,
-    /// Folder for tables, a figure and the likeliest squealing brake as a case: new, empty, or that of the same question
+    /// Folder for tables, a figure and the likeliest squealing brake as a case: new, empty, or that of the same question, which goes on if it was killed
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// JSON for machines: the rows of rare.csv and design_points.csv
@@ -50,6 +50,8 @@ pub struct RareArgs {
     pub json: bool,
 }
 
+/// Name of the file in which answers at points are kept until there are results, so that a run that was stopped goes on.
+const KEPT: &str = "rare_points.json";
 /// Most directions; chosen: more are a study of their own.
 const MOST_DIRECTIONS: u64 = 100_000;
 
@@ -92,16 +94,25 @@ impl RareArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let found = workers(self.drawn.machine.threads)?.install(|| {
-            let study = Study::with_progress(brake, &BatchSolver, &Bar::of(PREPARED))?;
-            rare(&study, 0, &options, &BatchSolver, &Bar::of("spectra"))
-        })?;
+        let workers = workers(self.drawn.machine.threads)?;
+        let study = workers.install(|| Study::with_progress(brake, &BatchSolver, &Bar::of(PREPARED)))?;
+        let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
+        let kept = self.out.as_ref().map(|dir| dir.join(KEPT));
+        let found = workers.install(|| rare(&study, 0, &options, &BatchSolver, kept.as_deref(), &Bar::of("spectra")));
+        let found = match found {
+            Ok(found) => found,
+            Err(error) => {
+                if let Some(folder) = folder.filter(|_| is_final(&error)) {
+                    folder.give_back(KEPT);
+                }
+                return Err(error.into());
+            }
+        };
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];
         let heading = format!("{}: {}; seed {}", plan.name, plan.describe(scene), plan.seed);
         let answer = found.text(plan);
-        if let Some(dir) = &self.out {
-            let folder = RunFolder::take(dir, &identity)?;
+        if let Some(folder) = folder {
             folder.publish(|stage| -> Result<(), Error> {
                 rare_table(plan, [(scene, &found)]).write(stage)?;
                 design_points_table(plan, [(scene, &found)]).write(stage)?;
@@ -128,6 +139,7 @@ impl RareArgs {
                 "spectra": found.spectra,
             });
             results_folder::write_manifest(&folder, plan, self.drawn.machine.threads, seconds, own)?;
+            folder.remove(KEPT)?;
         }
         if self.json {
             let (rows, points) =
@@ -166,4 +178,10 @@ impl RareArgs {
             path.display()
         )))
     }
+}
+
+/// True of an error that the same command ends with whenever it is given: none of work that was cancelled, or of a file.
+fn is_final(error: &squeal::Error) -> bool {
+    use squeal::Error::{FolderLost, Output, Read};
+    !(error.is_cancelled() || matches!(error, Output(_) | Read { .. } | FolderLost { .. }))
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use brakes::case::{CaseFile, Variant};
+use brakes::case::Variant;
 use brakes::{AnyBrake, CaseBrake, Purpose};
 use output::printable;
 use report::{screen_figure, write_screen_page};
@@ -105,10 +105,6 @@ impl ScreenArgs {
             override_run(case.header_mut(), self.samples, self.seed, self.machine.threads)?;
             if self.criterion.as_deref() == Some(Criterion::Loudness.name()) {
                 let (option, value) = ("--criterion", Criterion::Loudness.name());
-                if let CaseFile::FiniteElements(_) = case {
-                    let allowed = "another criterion for finite elements: a screen by loudness follows hundreds of motions, each of which takes long";
-                    return Err(Error::Option { option, value: value.into(), allowed: allowed.into() });
-                }
                 has_motion(case, option, value)?;
             }
         }

@@ -6,7 +6,7 @@ use crate::Error;
 use crate::vector::{norm, unit};
 
 /// A mode of failure at a point.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mode {
     /// Margin by which the mode fails: above zero it fails, below it does not. Any unit, continuous in u where the mode lives.
     pub margin: f64,
@@ -14,6 +14,14 @@ pub struct Mode {
     pub growth: f64,
     /// Angular frequency of the mode, rad/s.
     pub omega: f64,
+}
+
+impl Mode {
+    /// The mode of the largest margin, the last of several; of some whose margin is no number one of these, and `None` of no mode.
+    pub fn worst(modes: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let order = |a: &Self, b: &Self| a.margin.is_nan().cmp(&b.margin.is_nan()).then(a.margin.total_cmp(&b.margin));
+        modes.into_iter().max_by(order)
+    }
 }
 
 /// A system of d independent standard normal inputs u that fails where one of its modes has a margin above zero.
@@ -24,7 +32,7 @@ pub trait LimitState: Sync {
     /// Number d of inputs, >= 1.
     fn dimensions(&self) -> usize;
 
-    /// The modes at `u`, of length d, in any order: those that fail, and those that are nearest to it at least.
+    /// The modes at `u`, of length d, in any order: that of the largest margin at least.
     ///
     /// # Errors
     /// A point that cannot be evaluated.
@@ -99,9 +107,9 @@ impl<'a, L: LimitState> Counted<'a, L> {
 
 /// The mode of the largest margin; one that is infinitely far from failure where there is none.
 fn worst(modes: Vec<Mode>) -> Result<Mode, Error> {
-    if let Some(mode) = modes.iter().find(|mode| mode.margin.is_nan()) {
-        return Err(Error::NoMargin { omega: mode.omega });
+    match Mode::worst(modes) {
+        Some(mode) if mode.margin.is_nan() => Err(Error::NoMargin { omega: mode.omega }),
+        Some(mode) => Ok(mode),
+        None => Ok(Mode { margin: f64::NEG_INFINITY, growth: f64::NEG_INFINITY, omega: 0.0 }),
     }
-    let none = Mode { margin: f64::NEG_INFINITY, growth: f64::NEG_INFINITY, omega: 0.0 };
-    Ok(modes.into_iter().max_by(|a, b| a.margin.total_cmp(&b.margin)).unwrap_or(none))
 }

@@ -240,7 +240,7 @@ impl Reduced {
     }
 
     /// The modes in the rectangle at a point as by [`Reduced::modes`], from the whole spectrum of another system in its place: one that was changed, with the
-    /// losses at the point and without residuals.
+    /// losses at the point and without residuals, which are of the unchanged brake.
     ///
     /// # Errors
     /// A system of another order, or one that the dense solver does not support.
@@ -248,14 +248,14 @@ impl Reduced {
         &self,
         point: &OperatingPoint,
         changed: &SecondOrder,
-    ) -> Result<Vec<(Complex<f64>, DVector<Complex<f64>>)>, ReductionError> {
+    ) -> Result<ReducedModes, ReductionError> {
         let (found, expected) = (changed.order(), self.system.order());
         if found != expected {
             return Err(linsys::LinsysError::Count { what: "rows of a changed system", found, expected }.into());
         }
         let spectrum = QrSolver.eigenvalues(changed, &mut Workspace::default());
-        let ReducedModes { lambdas, shapes, .. } = self.by_spectrum(point, changed, spectrum, None, &|_, _| true)?;
-        Ok(lambdas.into_iter().zip(shapes.column_iter().map(|shape| shape.into_owned())).collect())
+        let found = self.by_spectrum(point, changed, spectrum, None, &|_, _| true)?;
+        Ok(ReducedModes { residuals: Vec::new(), ..found })
     }
 
     /// True if there are loss factors, so that the [`system`](Self::system) has dashpots in their place.

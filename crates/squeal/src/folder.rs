@@ -70,6 +70,16 @@ impl RunFolder {
         Ok(write(&self.path.join(name), contents)?)
     }
 
+    /// Removes a file, if the folder still belongs to this run and has it.
+    pub fn remove(&self, name: &str) -> Result<(), Error> {
+        self.check_ours()?;
+        let path = self.path.join(name);
+        match fs::remove_file(&path) {
+            Err(source) if source.kind() != ErrorKind::NotFound => Err(OutputError::Write { path, source }.into()),
+            _ => Ok(()),
+        }
+    }
+
     /// Publishes the files that `make` writes into the folder it is given. When it has succeeded they are renamed into this folder, one after
     /// the other, each only if this folder still belongs to this run; where that fails, those before are published already.
     ///
@@ -88,6 +98,23 @@ impl RunFolder {
             fs::rename(entry.path(), &to).map_err(|source| Error::from(OutputError::Write { path: to, source }))?;
         }
         Ok(())
+    }
+
+    /// Gives a folder back that holds nothing but its marks and the file `own`, which are removed, and the folder with them: for a question that has no answer, so
+    /// that another one may be asked there. One that holds more stays as it is.
+    pub fn give_back(self, own: &str) {
+        let is_mark = |entry: io::Result<fs::DirEntry>| {
+            entry.is_ok_and(|entry| [LOCK, MARKER, own].iter().any(|mark| entry.file_name() == *mark))
+        };
+        let holds_more = fs::read_dir(&self.path).map_or(true, |mut entries| !entries.all(is_mark));
+        if holds_more || self.check_ours().is_err() {
+            return;
+        }
+        // What cannot be removed is found by whoever takes the folder next.
+        for name in [own, MARKER, LOCK] {
+            let _ = fs::remove_file(self.path.join(name));
+        }
+        let _ = fs::remove_dir(&self.path);
     }
 }
 

@@ -136,15 +136,16 @@ impl ModeSource for FiniteElementBrake {
         changed: &SecondOrder,
     ) -> Result<Vec<BandMode>, study::Error> {
         let found = self.part(scene).reduced.modes_of_changed(&self.full_point(scene, at), changed);
+        let ReducedModes { lambdas, shapes, .. } = found.map_err(Error::from)?;
         let error = self.error_of_modes(scene);
-        let mode = |(lambda, shape): (Complex<f64>, DVector<Complex<f64>>)| BandMode {
+        let mode = |(lambda, shape): (Complex<f64>, DVectorView<'_, Complex<f64>>)| BandMode {
             lambda,
-            shape,
+            shape: shape.into_owned(),
             bound: error * lambda.norm(),
             is_on_axis: false,
             residual: None,
         };
-        Ok(found.map_err(Error::from)?.into_iter().map(mode).collect())
+        Ok(lambdas.into_iter().zip(shapes.column_iter()).map(mode).collect())
     }
 
     fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, study::Error> {

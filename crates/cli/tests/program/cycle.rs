@@ -111,12 +111,9 @@ fn what_has_no_motion_is_refused_in_a_line() {
     refusal(&asked("cycle", &pad, &[]), &across);
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let loudness = ["--criterion = loudness", "allowed: another criterion for finite elements"];
-    for (command, options, expected) in
-        [("run", ["--cycles", "3"], across), ("screen", ["--criterion", "loudness"], loudness)]
-    {
+    for (command, options) in [("run", ["--cycles", "3"]), ("screen", ["--criterion", "loudness"])] {
         let options = [&options[..], &["--out", out.to_str().unwrap()]].concat();
-        refusal(&asked(command, &pad, &options), &expected);
+        refusal(&asked(command, &pad, &options), &across);
         assert!(!out.exists());
     }
     let out = out.to_str().unwrap();

@@ -1,5 +1,8 @@
 //! `squeal rare` as a user sees it: its files, the likeliest squealing brake as a case, the same bytes on any number of threads, and what it refuses.
 
+use std::path::Path;
+use std::time::Duration;
+
 use crate::common::{assert_same, refusal, results, squeal};
 use crate::tables::columns;
 
@@ -94,6 +97,36 @@ fn rare_squeal_has_its_tables_and_its_likeliest_brake_as_a_case_on_any_number_of
 }
 
 #[test]
+fn a_killed_answer_ends_in_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, RARE).unwrap();
+    let ask = |dir: &Path| {
+        let mut command = squeal();
+        command.arg("rare").arg(&case).args(["--relative", "0.02", "--budget", "100000"]).arg("--out").arg(dir);
+        command
+    };
+    let [killed, whole] = ["killed", "whole"].map(|name| folder.path().join(name));
+    let length = || std::fs::metadata(killed.join("rare_points.json")).map_or(0, |file| file.len());
+    for least in [1, 100_000, 400_000] {
+        let mut child = ask(&killed).spawn().unwrap();
+        while length() < least {
+            assert!(child.try_wait().unwrap().is_none(), "the answer is there before {least} bytes are kept");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(!killed.join("rare.csv").exists());
+    }
+    for dir in [&killed, &whole] {
+        let output = ask(dir).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+    }
+    assert_same(&results(&killed), &results(&whole));
+    assert!(!killed.join("rare_points.json").exists());
+}
+
+#[test]
 fn what_rare_squeal_cannot_be_asked_of_is_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("brake.toml");
@@ -107,7 +140,11 @@ fn what_rare_squeal_cannot_be_asked_of_is_refused_in_one_line() {
     ask(RARE, &["--budget", "0"], &["--budget = 0", "100 to 10000000"]);
     ask(RARE, &["--budget", "18446744073709551615"], &["--budget", "100 to 10000000"]);
     ask(RARE, &["--directions", "1000000000"], &["--directions"]);
-    ask(&RARE.replace("mean = 0.5", "mean = 0.9"), &[], &["is unstable with all inputs at their medians"]);
+    // The folder is free for another question.
+    let dir = folder.path().join("out");
+    let out = ["--out", dir.to_str().unwrap()];
+    ask(&RARE.replace("mean = 0.5", "mean = 0.9"), &out, &["is unstable with all inputs at their medians"]);
+    assert!(!dir.exists());
     let discrete = "distribution = \"discrete\"\nvalues = [0.4, 0.5, 0.6]";
     let normal = "distribution = \"normal\"\nmean = 0.5\ndeviation = 0.076";
     ask(&RARE.replace(normal, discrete), &[], &["\"mu\"", "discrete", "continuous"]);

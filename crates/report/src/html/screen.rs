@@ -111,11 +111,18 @@ fn answer(screen: &Screen) -> String {
             ": no sure difference"
         };
         let Form { times, decimals, unit, fewer, .. } = screen.criterion.form();
-        let [value, lower, upper, left] =
-            [drop.value, drop.lower, drop.upper, left].map(|number| format!("{:.decimals$}", times * number));
+        let number = |value: f64| format!("{:.decimals$}", times * value);
+        let [value, lower, upper] = [drop.value, drop.lower, drop.upper].map(number);
+        let dropped = match drop.value.is_finite() {
+            true => format!("{value} ({lower} to {upper}) {fewer}{sure}"),
+            false => "the drop is not known".into(),
+        };
+        let left = match left.is_finite() {
+            true => format!("{}{unit} are left", number(left)),
+            false => "what is left is not known".into(),
+        };
         text += &format!(
-            "<li>{action} <strong>{}</strong>: {value} ({lower} to {upper}) {fewer}{sure}; {left}{unit} are left, and {:.1}&nbsp;% of the analyses have \
-             any unstable mode.</li>\n",
+            "<li>{action} <strong>{}</strong>: {dropped}; {left}, and {:.1}&nbsp;% of the analyses have any unstable mode.</li>\n",
             escaped(&set.name()),
             100.0 * found.squealing.value
         );

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use cea::{QrSolver, Workspace, right_vector};
+use cea::{EigenSolver as _, QrSolver, Workspace, right_vector};
 use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Harmonics, Measures, NearMode, Reach, measure, states};
 use montecarlo::Progress;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
 
 use super::{
-    CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, harmonics_in_si, in_si, when_cancelled,
+    CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, grows_in_band, harmonics_in_si, in_si,
+    when_cancelled,
 };
 use crate::Error;
 use crate::sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
@@ -79,7 +80,8 @@ pub struct BranchCycle {
 /// parts, that of the cycles two for each branch: its balance, and its motions in time.
 ///
 /// # Errors
-/// As [`cycles`](super::cycles()) and [`sweep`](fn@sweep); a range without an onset.
+/// As [`cycles`](super::cycles()) and [`sweep`](fn@sweep); a range without an onset; a reduced brake that grows outside its band at an onset or at a point of a
+/// branch.
 pub fn branches<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -101,6 +103,21 @@ pub fn branches<B: UncertainBrake>(
     // A mode that jumps over the threshold at an opening has no motion of small amplitude there.
     let onsets: Vec<_> =
         found.onsets.iter().filter(|onset| onset.of == ChangeOf::Flutter && onset.jump.is_none()).collect();
+    // A motion in time has all of the spectrum of a reduced brake.
+    let check_band = |at: f64| -> Result<(), Error> {
+        if brake.mode_source().is_none() {
+            return Ok(());
+        }
+        let spectrum = QrSolver.eigenvalues(&of_cea(at)?, &mut Workspace::default()).map_err(study::Error::from)?;
+        let with_value = |error| match error {
+            Error::GrowsOutside { scene, hz, growth } => {
+                Error::GrowsOutside { scene: format!("{scene}, {} = {at}", parameter.name), hz, growth }
+            }
+            other => other,
+        };
+        grows_in_band(plan, key, brake.error_of_reduction(key), &spectrum.eigenvalues).map_err(with_value)
+    };
+    onsets.iter().try_for_each(|onset| check_band(onset.at))?;
     let branch = |onset: &SweepOnset, stop: &Arc<AtomicBool>| -> Result<Branch, Error> {
         let system_at = |at: f64| -> Result<ContactSystem, Error> {
             Ok(contacts.contact_system(key, &[(parameter.place, at)], options.stick)?.until(Arc::clone(stop)))
@@ -115,6 +132,7 @@ pub fn branches<B: UncertainBrake>(
         let (points, end) = balance.branch_from_onset(&system_at, mode, onset.at, &reach)?;
         let cycle = |point: &cycle::BranchPoint| -> Result<BranchCycle, Error> {
             let at = point.cycle.parameter;
+            check_band(at)?;
             let in_time = in_time(&balance, &system_at(at)?, &point.cycle, mode)
                 .map(|(cycle, measures)| (cycle, in_si(measures, plan.units)));
             Ok(BranchCycle {

@@ -29,7 +29,7 @@ pub(super) fn growing_modes<B: UncertainBrake>(brake: &B, scene: &Scene) -> Resu
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(&system, &mut work).map_err(study::Error::from)?;
     if let Some(source) = brake.mode_source() {
-        grows_in_band(brake.plan(), scene, source, &spectrum.eigenvalues)?;
+        grows_in_band(brake.plan(), scene, brake.error_of_reduction(scene), &spectrum.eigenvalues)?;
         return in_band(brake, scene, source, &spectrum.eigenvalues);
     }
     let modes = Modes::classify(&system, &spectrum, &mut work).map_err(study::Error::from)?;
@@ -45,21 +45,13 @@ pub(super) fn growing_modes<B: UncertainBrake>(brake: &B, scene: &Scene) -> Resu
     growing.map(mode).collect()
 }
 
-/// Checks that a reduced brake grows in its band alone: a motion in time has all of its spectrum, and its basis was made for the band.
+/// Checks that a reduced brake whose eigenvalues have this relative error grows in its band alone: a motion in time has all of its spectrum, and its basis was made for
+/// the band.
 ///
 /// # Errors
 /// [`Error::GrowsOutside`].
-pub(super) fn grows_in_band(
-    plan: &Plan,
-    scene: &Scene,
-    source: &dyn ModeSource,
-    spectrum: &[Complex<f64>],
-) -> Result<(), Error> {
-    let error = source.relative_error(scene);
-    let grows_outside = |lambda: &&Complex<f64>| {
-        lambda.im >= 0.0 && plan.threshold.margin(**lambda) > error * lambda.norm() && !is_in_band(plan, **lambda)
-    };
-    match spectrum.iter().filter(grows_outside).max_by(|a, b| a.re.total_cmp(&b.re)) {
+pub(crate) fn grows_in_band(plan: &Plan, scene: &Scene, error: f64, spectrum: &[Complex<f64>]) -> Result<(), Error> {
+    match growth_outside(plan, error, spectrum) {
         None => Ok(()),
         Some(lambda) => Err(Error::GrowsOutside {
             scene: plan.describe(scene),
@@ -67,6 +59,14 @@ pub(super) fn grows_in_band(
             growth: lambda.re,
         }),
     }
+}
+
+/// Eigenvalue of a reduced brake that grows fastest of those outside its band.
+pub(crate) fn growth_outside(plan: &Plan, error: f64, spectrum: &[Complex<f64>]) -> Option<Complex<f64>> {
+    let grows_outside = |lambda: &Complex<f64>| {
+        lambda.im >= 0.0 && plan.threshold.margin(*lambda) > error * lambda.norm() && !is_in_band(plan, *lambda)
+    };
+    spectrum.iter().copied().filter(grows_outside).max_by(|a, b| a.re.total_cmp(&b.re))
 }
 
 /// True of an eigenvalue in the band of a reduced brake that does not grow faster than it oscillates.

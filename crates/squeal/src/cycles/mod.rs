@@ -17,6 +17,7 @@ pub use branches::{Branch, BranchCycle, Branches, branches};
 pub use drawn::{DrawnFate, MeasuredMotion};
 pub(crate) use drawn::{Following, displacements, loudest, motions};
 use growing::{GrowingMode, growing_modes};
+pub(crate) use growing::{grows_in_band, growth_outside};
 pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
 pub(crate) use stopped::{UntilStopped, when_cancelled};

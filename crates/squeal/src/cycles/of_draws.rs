@@ -15,8 +15,7 @@ use study::identity::of_study;
 use study::{DrawnContacts, ModeLabel, Scratch, Study, UncertainBrake};
 
 use super::drawn::{DrawnFate, Following, motions};
-use super::growing::grows_in_band;
-use super::{MOTION, digest, when_cancelled};
+use super::{MOTION, digest, grows_in_band, when_cancelled};
 use crate::Error;
 use crate::results::Results;
 
@@ -251,9 +250,9 @@ fn of_one_draw<B: UncertainBrake>(
     let of_cea = brake.system(of_scene, &sample)?;
     let system = drawn_contacts_of(brake)?.contact_system_of(of_scene, &sample, following.stick);
     let mut system = system.map(|system| system.until(Arc::clone(stop))).map_err(Error::from);
-    if let Some(source) = brake.mode_source() {
+    if brake.mode_source().is_some() {
         let spectrum = QrSolver.eigenvalues(&of_cea, &mut Workspace::default()).map_err(study::Error::from)?;
-        let in_band = grows_in_band(plan, of_scene, source, &spectrum.eigenvalues);
+        let in_band = grows_in_band(plan, of_scene, brake.error_of_reduction(of_scene), &spectrum.eigenvalues);
         system = system.and_then(|system| in_band.map(|()| system));
     }
     let lambdas: Vec<Complex<f64>> =

@@ -10,6 +10,7 @@ use montecarlo::Progress;
 use num_complex::Complex;
 use study::{DrawnInputs, Scene, Study, UncertainBrake};
 
+use super::kept::{Kept, Question};
 use crate::Error;
 
 /// Half of the difference in standard deviations from which the change of a system with an input is taken; chosen: its square is far below what
@@ -25,6 +26,8 @@ pub(super) struct SceneState<'a, B: UncertainBrake> {
     pub coordinates: Vec<u32>,
     pub solver: &'a dyn EigenSolver,
     pub progress: &'a dyn Progress,
+    /// What is known of points already.
+    pub kept: &'a Kept,
     /// Ranges of the only coordinate, in standard deviations, in which nothing grows for certain.
     pub proven: Vec<[f64; 2]>,
 }
@@ -35,7 +38,7 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         scene: &'a Scene,
         drawn: &'a dyn DrawnInputs<B::Sample>,
         solver: &'a dyn EigenSolver,
-        progress: &'a dyn Progress,
+        (progress, kept): (&'a dyn Progress, &'a Kept),
     ) -> Self {
         let asked = RefCell::new(BTreeSet::new());
         drawn.quantile_sample(scene, &|coordinate| {
@@ -46,7 +49,7 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         let inputs = drawn.inputs(scene);
         let is_drawn = |coordinate: &u32| inputs.iter().any(|input| input.coordinate == *coordinate);
         let coordinates = asked.into_inner().into_iter().filter(is_drawn).collect();
-        Self { study, scene, drawn, coordinates, solver, progress, proven: Vec::new() }
+        Self { study, scene, drawn, coordinates, solver, progress, kept, proven: Vec::new() }
     }
 
     /// The sample at a point.
@@ -63,8 +66,8 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         Ok(self.study.brake().system(self.scene, &self.sample(u))?)
     }
 
-    /// The modes of a spectrum that are studied.
-    fn judged(&self, counted: CountedSpectrum) -> Vec<Mode> {
+    /// The mode of the largest margin of those of a spectrum that are studied.
+    fn judged(&self, counted: CountedSpectrum) -> Option<Mode> {
         let plan = self.study.plan();
         // A reduced brake shows no divergence.
         let has_divergence = self.study.brake().mode_source().is_none();
@@ -77,23 +80,11 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         let CountedSpectrum { flutter, divergence, marginal, below, .. } = counted;
         let sided = flutter.into_iter().chain(divergence.into_iter().map(Complex::from)).chain(below);
         let sided = sided.filter(is_studied).map(|lambda| mode(lambda, false));
-        sided.chain(marginal.into_iter().filter(is_studied).map(|lambda| mode(lambda, true))).collect()
-    }
-}
-
-impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
-    type Error = Error;
-
-    fn dimensions(&self) -> usize {
-        self.coordinates.len()
+        Mode::worst(sided.chain(marginal.into_iter().filter(is_studied).map(|lambda| mode(lambda, true))))
     }
 
-    fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Error> {
-        Ok(self.modes_of_all(&[u.to_vec()])?.pop().unwrap_or_default())
-    }
-
-    fn modes_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Vec<Mode>>, Error> {
-        self.progress.go_on()?;
+    /// The mode of the largest margin at each point.
+    fn solved(&self, points: &[&[f64]]) -> Result<Vec<Option<Mode>>, Error> {
         let mut work = Workspace::default();
         let systems = points.iter().map(|u| self.system(u)).collect::<Result<Vec<_>, _>>()?;
         let mut spectra = Vec::with_capacity(systems.len());
@@ -111,12 +102,8 @@ impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
         modes
     }
 
-    fn proven(&self) -> Vec<[f64; 2]> {
-        self.proven.clone()
-    }
-
-    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {
-        let lambda = Complex::new(mode.growth, mode.omega);
+    /// The gradient of the margin of a mode with this eigenvalue.
+    fn rates(&self, u: &[f64], lambda: Complex<f64>) -> Result<Vec<f64>, Error> {
         let triple = match Eigentriple::new(&self.system(u)?, lambda, &mut Workspace::default()) {
             // Of an eigenvalue that has no vector to working precision there is no direction to go.
             Err(CeaError::Certified(CertifiedError::NoEigenvector { .. })) => return Ok(vec![0.0; u.len()]),
@@ -133,5 +120,34 @@ impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
             Ok(self.study.plan().threshold.margin_rate(lambda, rate))
         };
         (0..u.len()).map(rate).collect()
+    }
+}
+
+impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
+    type Error = Error;
+
+    fn dimensions(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Error> {
+        Ok(self.modes_of_all(&[u.to_vec()])?.pop().unwrap_or_default())
+    }
+
+    fn modes_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Vec<Mode>>, Error> {
+        self.progress.go_on()?;
+        let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+        let worst = self.kept.answers(Question::Worst, &points, |open| self.solved(open))?;
+        Ok(worst.into_iter().map(|worst| worst.into_iter().collect()).collect())
+    }
+
+    fn proven(&self) -> Vec<[f64; 2]> {
+        self.proven.clone()
+    }
+
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {
+        let asked = [u, &[mode.growth, mode.omega]].concat();
+        let find = |_: &[&[f64]]| Ok(vec![self.rates(u, Complex::new(mode.growth, mode.omega))?]);
+        Ok(self.kept.answers(Question::Gradient, &[&asked], find)?.into_iter().flatten().collect())
     }
 }

@@ -5,18 +5,24 @@
 //! docs/rare.md.
 
 mod bound;
+mod kept;
 mod limit_state;
 mod modes;
 mod report;
+
+use std::path::Path;
 
 use ::rare::{DesignPoint, Estimate, Probability, estimate};
 use cea::{EigenSolver, WholeSpectra};
 use montecarlo::Progress;
 use num_complex::Complex;
+use study::identity::{of_study, rounding_class};
 use study::{Input, ModeLabel, Scene, Study, UncertainBrake};
 
 use crate::Error;
 use crate::real_system::check_real;
+use crate::results::VERSION;
+use kept::{Kept, Question};
 use limit_state::SceneState;
 use modes::{by_mode, named};
 
@@ -89,15 +95,18 @@ pub struct Rare {
     pub is_reached: bool,
 }
 
-/// The probability of squeal of a scene of a study.
+/// The probability of squeal of a scene of a study. What is found of points is kept in the file `kept`, and taken from there where an earlier run of this
+/// program has come so far: the results are the same. A file of another brake, scene, program or kind of processor is begun anew.
 ///
 /// # Errors
-/// A scene without inputs, or with one that is discrete; those of [`::rare::estimate`]; a certificate that says otherwise.
+/// A scene without inputs, or with one that is discrete; those of [`::rare::estimate`]; a certificate that says otherwise; a file that cannot be read or
+/// written.
 pub fn rare<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     options: &Options,
     solver: &dyn EigenSolver,
+    kept: Option<&Path>,
     progress: &dyn Progress,
 ) -> Result<Rare, Error> {
     options.check()?;
@@ -118,8 +127,9 @@ pub fn rare<B: UncertainBrake>(
         return Err(Error::Input { input: discrete.name.clone(), value, allowed });
     }
     let solver = WholeSpectra(solver);
-    let mut state = SceneState::new(study, of_scene, drawn, &solver, progress);
-    progress.begin(options.budget, 0);
+    let kept = kept.map_or_else(|| Ok(Kept::default()), |path| Kept::open(path, &identity(brake, scene)))?;
+    let mut state = SceneState::new(study, of_scene, drawn, &solver, (progress, &kept));
+    progress.begin(options.budget, kept.spectra());
     let bound = bound::certified(brake, of_scene, drawn, &study.certificates()[of_scene.configuration]);
     let single = drawn.single_parameter(of_scene);
     if let (Some(bound), Some(single), 1) = (&bound, single, state.coordinates.len()) {
@@ -170,6 +180,12 @@ pub fn rare<B: UncertainBrake>(
     })
 }
 
+/// What answers at points depend on: the program, how the processor rounds, the brake and the scene, in a line.
+fn identity<B: UncertainBrake>(brake: &B, scene: usize) -> String {
+    let commit = brake.plan().commit.unwrap_or("unknown commit");
+    format!("{VERSION} ({commit}) on {}: {}", rounding_class(), of_study(brake).given("scene", scene).into_line())
+}
+
 fn wider(probability: Probability, factor: f64) -> Probability {
     let (lower, upper) = (probability.lower / factor, (probability.upper * factor).min(1.0));
     Probability { lower, upper, ..probability }
@@ -195,10 +211,22 @@ fn likely_squeal<B: UncertainBrake>(
         squealing: values(&beyond),
         deviations: inputs.iter().map(|input| of_input(&point.point, input)).collect(),
         parts: inputs.iter().map(|input| of_input(&point.direction, input).powi(2)).collect(),
-        moved: moved(state, state.scene, inputs, &values(&point.point), point)?,
+        moved: kept_moved(state, inputs, &values(&point.point), point)?,
         values: values(&point.point),
         is_settled: point.is_settled,
     })
+}
+
+/// [`moved`], which is known of a point that an earlier run has come to.
+fn kept_moved<B: UncertainBrake>(
+    state: &SceneState<'_, B>,
+    inputs: &[Input],
+    values: &[f64],
+    point: &DesignPoint,
+) -> Result<Option<f64>, Error> {
+    let asked = [&point.point[..], &[point.slope, point.mode.growth, point.mode.omega]].concat();
+    let find = |_: &[&[f64]]| Ok(vec![moved(state, state.scene, inputs, values, point)?]);
+    Ok(state.kept.answers(Question::Moved, &[&asked], find)?.into_iter().flatten().next())
 }
 
 /// Distance of the onset of the full model from that of a reduced brake, in standard deviations to first order.

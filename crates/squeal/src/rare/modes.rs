@@ -7,6 +7,7 @@ use montecarlo::{Confidence, Experiment as _};
 use rayon::prelude::*;
 use study::{KeptSample, ModeLabel, Scratch, UncertainBrake};
 
+use super::kept::Question;
 use super::limit_state::SceneState;
 use crate::Error;
 
@@ -41,6 +42,7 @@ pub(super) fn named<B: UncertainBrake>(
         };
         outcomes.into_iter().map(|outcome| Ok(names(outcome?))).collect()
     };
+    let of_block = |points: &[&[f64]]| state.kept.answers(Question::Names, points, of_block);
     let blocks = points.par_chunks(AT_ONCE).map(of_block).collect::<Result<Vec<_>, Error>>()?;
     Ok(blocks.into_iter().flatten().collect())
 }

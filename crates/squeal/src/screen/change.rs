@@ -1,7 +1,7 @@
 //! Changes of a brake, and the brake with them.
 
 use cycle::{ContactSystem, Part, SlidingContact};
-use linsys::{AffineSystem, DofMap, OperatingPoint, SecondOrder, Term};
+use linsys::{AffineSystem, Channel, DofMap, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;
 use osc_model::{Body, Brake, Sectors};
 use serde::Serialize;
@@ -223,19 +223,45 @@ impl ChangedBrake {
         at
     }
 
-    /// The equations of motion of the brake with changes at an operating point of its own, from those of the one without: a contact keeps its load,
-    /// speed, spring and law. One that is taken out opens no more, and its spring stays where nothing says which is its own.
+    /// The equations of motion of the brake with changes at an operating point of its own, from those of the one without, `of` and `unchanged`: a contact keeps its
+    /// load, speed, spring and law. One that is taken out opens no more, and its spring stays where nothing says which is its own. A channel without a contact,
+    /// which is what the spring of one has beyond the term of all, is structure.
     ///
     /// # Errors
-    /// A brake whose contacts are all taken out.
-    pub fn motion(&self, unchanged: &ContactSystem, at: &OperatingPoint) -> Result<ContactSystem, cycle::Error> {
+    /// A brake whose contacts are all taken out; a contact without a channel.
+    pub fn motion(
+        &self,
+        (of, unchanged): (&Brake, &ContactSystem),
+        at: &OperatingPoint,
+    ) -> Result<ContactSystem, cycle::Error> {
+        // Contacts have the order of their channels.
+        let mut contacts = unchanged.contacts().iter().peekable();
+        let own = |channel: &Channel| contacts.next_if(|of| of.name == channel.name && of.family == channel.family);
+        let own: Vec<Option<&SlidingContact>> = of.system.channels().iter().map(own).collect();
+        if contacts.next().is_some() {
+            return Err(cycle::Error::Structure("a contact has no channel of the analysis"));
+        }
         let free = |vector: &[(usize, f64)]| -> Vec<(usize, f64)> {
             vector.iter().filter_map(|&(dof, value)| Some((self.kept.position(dof)?, value))).collect()
         };
-        let contacts = self.channels.iter().filter_map(|&channel| unchanged.contacts().get(channel));
-        let contacts =
-            contacts.map(|of| SlidingContact { sliding: free(&of.sliding), normal: free(&of.normal), ..of.clone() });
-        ContactSystem::new(Part::of_terms(&self.brake.system, &at.coefficients), contacts.collect())
+        let system = &self.brake.system;
+        let mut parts = Part::of_terms(system, &at.coefficients);
+        let mut springs = SecondOrder::zeros(system.order(), 0);
+        let mut contacts = Vec::with_capacity(unchanged.contacts().len());
+        for ((channel, gain), place) in system.channels().iter().zip(&at.channels).zip(&self.channels) {
+            if let Some(of) = own[*place] {
+                contacts.push(SlidingContact { sliding: free(&of.sliding), normal: free(&of.normal), ..of.clone() });
+                continue;
+            }
+            for &(row, b) in &channel.force {
+                channel.reading.iter().for_each(|&(column, r)| springs.k[(row, column)] += gain.mu * b * r);
+                channel.force.iter().for_each(|&(column, other)| springs.c[(row, column)] += gain.slope * b * other);
+            }
+        }
+        if springs != SecondOrder::zeros(system.order(), 0) {
+            parts.push(Part { family: TERM.into(), matrices: springs });
+        }
+        ContactSystem::new(parts, contacts)
     }
 }
 

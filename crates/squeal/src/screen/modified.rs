@@ -394,9 +394,12 @@ impl<B: UncertainBrake> ModeSource for Modified<'_, B> {
 impl<B: UncertainBrake> DrawnContacts<B::Sample> for Modified<'_, B> {
     fn contact_system_of(&self, scene: &Scene, sample: &B::Sample, stick: f64) -> Result<ContactSystem, study::Error> {
         let contacts = self.inner.drawn_contacts().ok_or(study::Error::OtherSample)?;
-        let unchanged = contacts.contact_system_of(&self.inner_scene(scene), sample, stick)?;
+        let inner = self.inner_scene(scene);
+        let unchanged = contacts.contact_system_of(&inner, sample, stick)?;
         let changed = &self.from[scene.configuration].changed;
         let at = self.operating_point(scene, sample)?;
-        changed.motion(&unchanged, &at).map_err(|error| study::Error::Brake(Box::new(error)))
+        changed
+            .motion((self.inner.plan().brake(&inner), &unchanged), &at)
+            .map_err(|error| study::Error::Brake(Box::new(error)))
     }
 }

@@ -15,7 +15,7 @@ use super::change::{Change, ChangedBrake};
 use super::confirm::QUANTILE;
 use super::modified::{inverse, modifiable_of};
 use crate::Error;
-use crate::cycles::{Following, UntilStopped, drawn_contacts_of, loudest, motions};
+use crate::cycles::{Following, UntilStopped, drawn_contacts_of, growth_outside, loudest, motions};
 
 /// Number of arrangements of a panel that are analysed; chosen: the prediction only ranks.
 const ARRANGEMENTS_PER_PANEL: usize = 2;
@@ -62,8 +62,10 @@ struct Probe<'a> {
     /// Symmetry that maps changes of the arrangement to those of the configuration that is computed.
     symmetry: Option<Symmetry>,
     points: Vec<OperatingPoint>,
-    /// Equations of motion of all draws, without changes, where loudness is asked for.
-    motions: Vec<ContactSystem>,
+    /// Equations of motion of all draws, without changes, where loudness is asked for; `None` of a draw whose contacts have none.
+    motions: Vec<Option<ContactSystem>>,
+    /// Error of the eigenvalues, relative, where the brake is reduced.
+    error: f64,
     /// Fraction of all analyses of the plan that the probe stands for.
     weight: f64,
 }
@@ -103,8 +105,7 @@ impl<'a> Probes<'a> {
                 let motions = match &following {
                     Some((Following { stick, .. }, _)) => {
                         let contacts = drawn_contacts_of(brake)?;
-                        let motion = |sample| contacts.contact_system_of(scene, sample, *stick);
-                        samples.iter().map(motion).collect::<Result<_, study::Error>>()?
+                        samples.iter().map(|sample| contacts.contact_system_of(scene, sample, *stick).ok()).collect()
                     }
                     None => Vec::new(),
                 };
@@ -115,6 +116,7 @@ impl<'a> Probes<'a> {
                     symmetry: symmetries.get(modifiable.symmetry_of_member(scene, at)).map(inverse),
                     points: points.into_iter().collect::<Result<_, study::Error>>()?,
                     motions,
+                    error: brake.error_of_reduction(scene),
                     weight: (plan.speeds_of(*key) * members.len()) as f64 / taken as f64,
                 });
             }
@@ -181,12 +183,14 @@ impl Probe<'_> {
         }
         let (mut unstable, mut growth, mut fastest) = (0, 0.0, vec![0.0; self.points.len()]);
         let mut growing_of_draws: Vec<Vec<Complex<f64>>> = vec![Vec::new(); self.points.len()];
+        let mut grows_outside = vec![false; self.points.len()];
         for of_sector in &systems {
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
-            let of_draws = fastest.iter_mut().zip(&mut growing_of_draws);
-            for ((system, spectrum), (fastest, of_draw)) in of_sector.iter().zip(spectra).zip(of_draws) {
+            let of_draws = fastest.iter_mut().zip(&mut growing_of_draws).zip(&mut grows_outside);
+            for ((system, spectrum), ((fastest, of_draw), outside)) in of_sector.iter().zip(spectra).zip(of_draws) {
                 let spectrum = spectrum?;
+                *outside |= plan.band.is_some() && growth_outside(plan, self.error, &spectrum.eigenvalues).is_some();
                 // A sign alone says nothing near the axis.
                 let may_count = |lambda: &Complex<f64>| {
                     lambda.im >= 0.0 && plan.threshold.margin(*lambda) > 0.0 && plan.is_studied(*lambda)
@@ -205,27 +209,30 @@ impl Probe<'_> {
         let (draws, squealing) = (self.points.len() as f64, fastest.iter().filter(|&&growth| growth > 0.0).count());
         let [unstable, squealing] = [unstable, squealing].map(|count| count as f64 / draws);
         let loudest = match following {
-            Some(following) => self.loudest(&changed, &growing_of_draws, plan, following)?,
+            Some(following) => self.loudest(&changed, (&growing_of_draws, &grows_outside), plan, following)?,
             None => vec![0.0; self.points.len()],
         };
         Ok(Answer { unstable, growth: growth / draws, squealing, fastest, loudest })
     }
 
-    /// Loudness of the loudest motion of each draw, from its growing eigenvalues, m/s.
+    /// Loudness of the loudest motion of each draw, from its growing eigenvalues, m/s; one that grows outside the band of a reduced brake too is not followed.
     fn loudest(
         &self,
         changed: &ChangedBrake,
-        growing_of_draws: &[Vec<Complex<f64>>],
+        (growing_of_draws, grows_outside): (&[Vec<Complex<f64>>], &[bool]),
         plan: &Plan,
         (following, stop): &UntilStopped,
     ) -> Result<Vec<f64>, Error> {
         let of_draw = |(at, growing): (usize, &Vec<Complex<f64>>)| -> Result<f64, Error> {
-            // What diverges has no mode to be followed from.
-            if growing.iter().any(|lambda| lambda.im == 0.0) {
-                return Ok(f64::INFINITY);
+            if growing.is_empty() {
+                return Ok(0.0);
             }
+            // What diverges has no mode to be followed from.
+            let unchanged = self.motions[at].as_ref();
+            let unchanged = unchanged.filter(|_| !grows_outside[at] && growing.iter().all(|lambda| lambda.im != 0.0));
+            let Some(unchanged) = unchanged else { return Ok(f64::INFINITY) };
             let point = changed.point(self.points[at].clone());
-            let system = changed.motion(&self.motions[at], &point).map_err(Error::from);
+            let system = changed.motion((&self.configuration.brake, unchanged), &point).map_err(Error::from);
             let system = system.map(|system| system.until(Arc::clone(stop)));
             let of_cea = changed.brake.system.assemble(&point)?;
             Ok(loudest(&motions(system, &of_cea, growing, (plan, &changed.brake), following)?))

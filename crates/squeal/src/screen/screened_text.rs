@@ -74,7 +74,7 @@ impl Screen {
                 Estimate { upper, .. } if upper < 0.0 => "harms",
                 _ => "not sure",
             };
-            text += &format!("{:<width$}  {:>25}  {says}\n", name(set), within(&drop, decimals, times));
+            text += &format!("{:<width$}  {:>25}  {says}\n", name(set), drop_within(&drop, decimals, times));
         }
         text
     }
@@ -190,11 +190,15 @@ impl Screen {
     fn line(&self, set: &ScreenedSet) -> String {
         let Form { times, decimals, .. } = self.criterion.form();
         let number = |value: f64| format!("{:.decimals$}", times * value);
-        let predicted = set.predicted_drop(&self.unchanged, self.criterion).map_or_else(|| "-".into(), number);
+        let predicted = match set.predicted_drop(&self.unchanged, self.criterion) {
+            None => "-".into(),
+            Some(drop) if drop.is_finite() => number(drop),
+            Some(_) => NOT_KNOWN.into(),
+        };
         let confirmed = set.confirmed.as_ref().map_or_else(String::new, |confirmed| {
             format!(
                 "  {:>25}  {:>7}  {:>7.1} %",
-                within(&self.criterion.drop(confirmed), decimals, times),
+                drop_within(&self.criterion.drop(confirmed), decimals, times),
                 number(self.criterion.left(confirmed).value),
                 100.0 * confirmed.squealing.value
             )
@@ -212,6 +216,14 @@ impl Screen {
         let confirmed = self.sets.iter().filter(|set| set.confirmed.is_some());
         confirmed.map(|set| name(set).chars().count()).max().unwrap_or(0).max(38)
     }
+}
+
+/// A drop where the value before or after it is that of motions that could not be followed.
+const NOT_KNOWN: &str = "not known";
+
+/// A drop times `times` with its 95 % limits.
+fn drop_within(drop: &Estimate, decimals: usize, times: f64) -> String {
+    if drop.value.is_finite() { within(drop, decimals, times) } else { NOT_KNOWN.into() }
 }
 
 /// A value times `times` with its 95 % limits, to `decimals` digits after the point.

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use cea::{EigenSolver as _, QrSolver, Workspace};
 use montecarlo::{Experiment, StreamRng};
 use num_complex::Complex;
 use study::{Outcome, Scratch, Study, UncertainBrake};
 
 use super::modified::Modified;
 use crate::Error;
-use crate::cycles::{UntilStopped, drawn_contacts_of, loudest, motions};
+use crate::cycles::{UntilStopped, drawn_contacts_of, grows_in_band, loudest, motions};
 
 /// A study of a changed brake whose outcomes have the loudness of the loudest motion, m/s: 0 where nothing is unstable, infinite where a motion cannot be
 /// followed; `None` where it is not asked for.
@@ -33,6 +34,10 @@ impl<B: UncertainBrake> Sounded<'_, '_, B> {
             let system = drawn_contacts_of(brake)?.contact_system_of(of_scene, sample, following.stick);
             let system = system.map(|system| system.until(Arc::clone(stop))).map_err(Error::from);
             let of_cea = brake.system(of_scene, sample)?;
+            if plan.band.is_some() {
+                let spectrum = QrSolver.eigenvalues(&of_cea, &mut Workspace::default()).map_err(study::Error::from)?;
+                grows_in_band(plan, of_scene, brake.error_of_reduction(of_scene), &spectrum.eigenvalues)?;
+            }
             let lambdas: Vec<Complex<f64>> = outcome.unstable.iter().map(|mode| mode.lambda).collect();
             let of_brake = (plan, plan.brake(of_scene));
             Ok(loudest(&motions(system, &of_cea, &lambdas, of_brake, following)?))

@@ -3,12 +3,13 @@
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use brakes::case::{CaseFile, ChosenSpeed, LatticeCase, MatricesCase, SceneChoice};
 use brakes::{LatticeBrake, MatricesBrake, Purpose};
 use cea::BatchSolver;
 use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
-use montecarlo::{Distribution, Experiment as _, stream};
+use montecarlo::{Distribution, Experiment as _, Progress, stream};
 use osc_model::{Brake, ContactArrangement, LatticeParameters};
 use squeal::Error;
 use squeal::rare::{Options, Rare, rare};
@@ -71,7 +72,7 @@ fn by_quadrature(deviation: f64, correlation: f64) -> f64 {
 
 fn found<B: UncertainBrake>(brake: &B, options: &Options) -> Result<Rare, Error> {
     let study = Study::new(brake, &BatchSolver)?;
-    rare(&study, 0, options, &BatchSolver, &())
+    rare(&study, 0, options, &BatchSolver, None, &())
 }
 
 /// Standard errors by which the mean over some seeds is from the exact probability.
@@ -166,7 +167,8 @@ fn lines_and_plain_samples_agree_where_plain_samples_suffice() {
     let unstable = outcomes.iter().filter(|outcome| outcome.as_ref().unwrap().is_unstable()).count();
     let plain = unstable as f64 / samples as f64;
     let error = (plain * (1.0 - plain) / samples as f64).sqrt();
-    let found = rare(&study, 0, &Options { budget: 6_000, relative: 0.05, ..Options::default() }, &BatchSolver, &());
+    let found =
+        rare(&study, 0, &Options { budget: 6_000, relative: 0.05, ..Options::default() }, &BatchSolver, None, &());
     let found = found.unwrap();
     let apart = (found.probability.value - plain).abs() / error.hypot(found.probability.standard_error);
     println!("plain {plain} +- {error}, lines {:?}, {} spectra", found.probability, found.spectra);
@@ -182,7 +184,7 @@ fn one_input_has_the_probability_beyond_the_onset_of_a_sweep_and_a_certified_bou
     let study = Study::new(&brake, &BatchSolver).unwrap();
     let over = Over { name: "mu".into(), from: 0.1, to: 0.35 };
     let onset = sweep(&study, 0, &over, &BatchSolver, &()).unwrap().onsets[0].at;
-    let found = rare(&study, 0, &Options::default(), &BatchSolver, &()).unwrap();
+    let found = rare(&study, 0, &Options::default(), &BatchSolver, None, &()).unwrap();
     let exact = ::rare::tail((onset - 0.15) / 0.03);
     assert!(holds(&found, exact) && (found.probability.value / exact - 1.0).abs() < 5e-3, "{exact:e} {found:?}");
     assert!((found.design_points[0].values[0] - onset).abs() < 1e-4);
@@ -255,6 +257,106 @@ fn results_do_not_depend_on_the_threads() {
     let brake = hoffmann(DEVIATIONS[1], 2, 0.0);
     let on = |threads| squeal::workers(Some(threads)).unwrap().install(|| found(&brake, &Options::default()).unwrap());
     assert_eq!(on(1), on(2));
+}
+
+/// Whoever counts the spectra that are solved, and has enough after some.
+struct Solved {
+    most: u64,
+    kept: AtomicU64,
+    solved: AtomicU64,
+}
+
+impl Progress for Solved {
+    fn begin(&self, _: u64, done: u64) {
+        self.kept.store(done, Ordering::Relaxed);
+    }
+    fn advance(&self, spectra: u64) {
+        self.solved.fetch_add(spectra, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+    fn is_cancelled(&self) -> bool {
+        self.solved.load(Ordering::Relaxed) >= self.most
+    }
+}
+
+/// The answer with answers at points kept in a file, until so many spectra are solved; with it the number that was kept before, and that was solved.
+fn asked<B: UncertainBrake>(brake: &B, kept: &Path, most: u64) -> (Result<Rare, Error>, u64, u64) {
+    let study = Study::new(brake, &BatchSolver).unwrap();
+    let progress = Solved { most, kept: AtomicU64::new(0), solved: AtomicU64::new(0) };
+    let options = Options { budget: 1_000, ..Options::default() };
+    let found = rare(&study, 0, &options, &BatchSolver, Some(kept), &progress);
+    (found, progress.kept.into_inner(), progress.solved.into_inner())
+}
+
+#[test]
+fn a_run_that_was_stopped_anywhere_goes_on_to_the_same_answer_and_solves_for_the_rest() {
+    let several = hoffmann(DEVIATIONS[1], 2, 0.0);
+    let mu = Distribution::Normal { mean: 0.15, deviation: 0.03, at_least: 0.0, at_most: None };
+    let one = lattice("amontons-coulomb", "none", |case| case.friction.mu = mu);
+    stopped_anywhere(&several, &[0, 1, 300, 900, 1_400]);
+    stopped_anywhere(&one, &[40, 700]);
+}
+
+fn stopped_anywhere<B: UncertainBrake>(brake: &B, stops: &[u64]) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let (whole, _, of_whole) = asked(brake, &file("whole"), u64::MAX);
+    let whole = whole.unwrap();
+    assert_eq!(whole.spectra, of_whole);
+    assert!(stops.iter().all(|stop| *stop < of_whole), "{of_whole}");
+    let on = |threads| squeal::workers(Some(threads)).unwrap();
+    for (threads, stop) in [1, 2].into_iter().cycle().zip(stops) {
+        let kept = file(&stop.to_string());
+        let (stopped, _, before) = on(threads).install(|| asked(brake, &kept, *stop));
+        assert!(stopped.is_err_and(|error| error.is_cancelled()) && before >= *stop);
+        let (found, known, after) = on(3 - threads).install(|| asked(brake, &kept, u64::MAX));
+        assert_eq!(found.unwrap(), whole, "after {stop}");
+        // Some points are asked for twice.
+        assert!(known <= before && known > before / 2 || before == 0, "{known} of {before} are known");
+        assert!(before + after <= of_whole, "{before} and {after} of {of_whole}");
+        // All is known now.
+        let (again, _, none) = asked(brake, &kept, u64::MAX);
+        assert!(again.unwrap() == whole && none == 0);
+    }
+    // Stopped again and again.
+    let kept = file("often");
+    let mut times = 0;
+    while asked(brake, &kept, of_whole / 5).0.is_err() {
+        times += 1;
+    }
+    assert!((3..=5).contains(&times), "{times}");
+    assert_eq!(asked(brake, &kept, 1).0.unwrap(), whole);
+}
+
+#[test]
+fn answers_that_are_torn_damaged_or_of_another_brake_are_solved_for() {
+    let (brake, other) = (hoffmann(DEVIATIONS[1], 1, 0.0), hoffmann(DEVIATIONS[0], 1, 0.0));
+    let folder = tempfile::tempdir().unwrap();
+    let kept = folder.path().join("kept");
+    let whole = asked(&brake, &kept, u64::MAX).0.unwrap();
+    let bytes = std::fs::read(&kept).unwrap();
+    let identity = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).unwrap().0 + 1;
+    let last = bytes[..bytes.len() - 1].iter().rposition(|byte| *byte == b'\n').unwrap();
+    for cut in
+        [0, 10, identity - 1, identity, bytes.len() / 3, bytes.len() / 2, last, last + 1, last + 20, bytes.len() - 1]
+    {
+        std::fs::write(&kept, &bytes[..cut]).unwrap();
+        let (found, known, solved) = asked(&brake, &kept, u64::MAX);
+        assert_eq!(found.unwrap(), whole, "cut at {cut}");
+        assert!((known > 0) == (cut > bytes.len() / 4) && (solved > 0 || cut >= last), "{known} and {solved} at {cut}");
+        assert_eq!(asked(&brake, &kept, u64::MAX).2, 0, "what is torn is cut off before more is appended");
+    }
+    // A digit that is another one: all before it is known.
+    let mut altered = bytes.clone();
+    let digit = (bytes.len() / 2..bytes.len()).find(|at| bytes[*at].is_ascii_digit()).unwrap();
+    altered[digit] = if altered[digit] == b'9' { b'8' } else { b'9' };
+    std::fs::write(&kept, altered).unwrap();
+    let (found, known, solved) = asked(&brake, &kept, u64::MAX);
+    assert!(found.unwrap() == whole && known > 0 && solved > 0, "{known} {solved}");
+    // Another brake begins the file anew.
+    let of_other = asked(&other, &folder.path().join("other"), u64::MAX).0.unwrap();
+    let (found, known, _) = asked(&other, &kept, u64::MAX);
+    assert!(found.unwrap() == of_other && known == 0);
 }
 
 #[test]
