@@ -221,13 +221,14 @@ impl FiniteElementBrake {
     /// Memory and processor time of the bases of a case for a purpose in a memory of `budget` bytes, roughly, before any of them is made.
     pub fn expected_cost(case: &FiniteElementCase, purpose: Purpose<'_>, budget: u64) -> Cost {
         if purpose == Purpose::Point {
-            return Cost::of_bases(case.dofs.len(), &[]).with_solutions(SOLUTIONS_OF_POINT, budget);
+            return Cost::of_bases(case.dofs.len(), 0, &[]).with_solutions(SOLUTIONS_OF_POINT, budget);
         }
         let arrangements =
             case.contact.as_ref().map_or(1, |contact| contact.panels.iter().map(|(_, all)| all.len()).sum());
         let columns = vec![EXPECTED_COLUMNS; arrangements];
         let solutions = case.constraints.len() * set_basis::SOLUTIONS;
-        Cost::of_bases(case.dofs.len(), &columns.repeat(case.constraints.len())).with_solutions(solutions, budget)
+        let sets = case.constraints.len();
+        Cost::of_bases(case.dofs.len(), sets, &columns.repeat(sets)).with_solutions(solutions, budget)
     }
 
     /// Memory and processor time of its bases and of the draws that a study solves with the whole brake in a memory of `budget` bytes, roughly.
@@ -235,7 +236,7 @@ impl FiniteElementBrake {
         let columns: Vec<usize> = self.parts.iter().map(|part| part.within.basis.ncols()).collect();
         let checks = self.case.reduction.full_checks as usize;
         let solutions = self.case.constraints.len() * set_basis::SOLUTIONS + SOLUTIONS_OF_CHECK * checks;
-        let bases = Cost::of_bases(self.case.dofs.len(), &columns);
+        let bases = Cost::of_bases(self.case.dofs.len(), self.sets.len(), &columns);
         let spectra = checks.div_ceil(CHECKS_OF_SPECTRUM);
         bases.with_solutions(solutions, budget).with_spectra(spectra, divergence::expected_columns(&self.case))
     }
