@@ -218,7 +218,10 @@ mod tests {
         };
         // What fits does not take more than there is.
         let of_parts = 20.0 * BYTES_BY_BASIS * 100_f64.powi(2);
-        let half = refused((Cost::of_bases(100_000, 2, &[100; 20]).with_solutions(1, 1).bytes - 0.5 * of_parts) as u64);
+        let half = refused(
+            (Cost::of_bases(100_000, 2, &[100; 20]).with_solutions(1, 1).bytes - 0.5 * (of_parts - BYTES_ALWAYS))
+                as u64,
+        );
         assert!(half.contains("50 % of its arrangements") || half.contains("49 % of its arrangements"), "{half}");
         let coarser = refused(1_000_000_000);
         let order: f64 = coarser.split("a mesh with ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
