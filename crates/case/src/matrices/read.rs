@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::elsewhere::Places;
-use super::loss::add_losses;
+use super::loss::add_dashpots;
 use super::relaxing::branches_of_terms;
 use super::schema::{self, MatricesFile};
 use super::terms::{Terms, read_terms};
@@ -62,8 +62,7 @@ impl MatricesCase {
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let tables = check.tables(tables, parameters.iter().map(|parameter| &parameter.name))?;
         let mut formulas = Formulas::new(&check, &parameters, &tables);
-        let Terms { mut terms, coefficients, losses, branches, taken, rows } =
-            read_terms(&check, &mut formulas, terms)?;
+        let Terms { terms, coefficients, losses, branches, taken, rows } = read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (mut channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
@@ -71,11 +70,11 @@ impl MatricesCase {
             branches_of_terms(&check, &mut formulas, &terms, &losses, branches)?;
         channels.extend(relaxing);
         let all_used = formulas.all_used();
-        let constraints = constraint_sets(&check, &dofs, constraints)?;
+        let mut constraints = constraint_sets(&check, &dofs, constraints)?;
         refuse_held(&check, &dofs, &terms, &constraints)?;
         if losses.iter().any(Option::is_some) {
             let places = Places::new(&check, &parameters, &terms, &coefficients)?;
-            add_losses(&check, &mut terms, &places, &losses, &constraints)?;
+            add_dashpots(&check, &mut constraints, &places, &terms, &losses)?;
         }
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
@@ -240,7 +239,7 @@ fn constraint_sets(
     given: Vec<schema::ConstraintsTable>,
 ) -> Result<Vec<FixedDofs>, CaseError> {
     if given.is_empty() {
-        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
+        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new(), dashpots: Vec::new() }]);
     }
     check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
     given.into_iter().map(|set| fixed_dofs(check, dofs, set)).collect()
@@ -254,5 +253,5 @@ fn fixed_dofs(check: &Check<'_>, dofs: &DofNames<'_>, given: schema::Constraints
     if fixed.len() == dofs.order() {
         return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
     }
-    Ok(FixedDofs { name, fixed })
+    Ok(FixedDofs { name, fixed, dashpots: Vec::new() })
 }

@@ -66,7 +66,7 @@ fn a_brake_is_what_its_file_says() {
     assert_eq!(case.medians(), [0.4, 2.0]);
     assert_eq!(case.system.families(), ["friction", "structure", "gyroscopic"]);
     assert_eq!(case.bodies, [BodyDofs { name: "mass".into(), dofs: vec![0, 1] }]);
-    assert_eq!(case.constraints[1], FixedDofs { name: "y".into(), fixed: vec![1] });
+    assert_eq!(case.constraints[1], FixedDofs { name: "y".into(), fixed: vec![1], dashpots: vec![] });
     let at = case.operating_point(&[0.5, 2.0]).unwrap();
     let system = case.system.assemble(&at).unwrap();
     assert_eq!(system.m, dmatrix![1.0, 0.0; 0.0, 1.5]);
@@ -99,7 +99,7 @@ fn what_is_left_out_has_its_default() {
     let case = parse(text).unwrap();
     assert_eq!(case.dofs, ["1"]);
     assert_eq!(case.bodies, [BodyDofs { name: "brake".into(), dofs: vec![0] }]);
-    assert_eq!(case.constraints, [FixedDofs { name: "none".into(), fixed: vec![] }]);
+    assert_eq!(case.constraints, [FixedDofs { name: "none".into(), fixed: vec![], dashpots: vec![] }]);
     assert_eq!(case.operating_point(&[]).unwrap().coefficients, [1.0]);
     assert_eq!(case.system.terms()[0].family, "all");
 }

@@ -226,6 +226,8 @@ pub fn confirm<B: UncertainBrake>(
     let effect = |set: &ScreenedSet| set.confirmed.as_ref().map_or(-1.0, |found| options.criterion.effect(found));
     let first = sets.iter().position(ScreenedSet::is_variant).unwrap_or(0);
     sets[first..first + options.variants].sort_by(|a, b| effect(b).total_cmp(&effect(a)));
+    let of = brake.plan();
+    let of_holds = of.doubt_of_holds.iter().filter(|_| options.kinds.contains(&ChangeKind::Constraint));
     Ok(Screen {
         criterion: options.criterion,
         sets,
@@ -240,7 +242,7 @@ pub fn confirm<B: UncertainBrake>(
         scenes: plan.scenes.len() as u64,
         failures,
         growing: growing_modes(&study, 0),
-        doubts: brake.plan().doubts.iter().cloned().chain(divergence_doubt_of(brake)).collect(),
+        doubts: of.doubts.iter().chain(of_holds).cloned().chain(divergence_doubt_of(brake)).collect(),
     })
 }
 
