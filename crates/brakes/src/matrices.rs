@@ -37,6 +37,12 @@ impl MatricesBrake {
         for set in &case.constraints {
             plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
         }
+        let has_losses = case.constraints.iter().any(|set| !set.dashpots.is_empty());
+        plan.doubt_of_holds = has_losses.then(|| {
+            "loss factors are dashpots of the brake without what a change holds, which are not those of the brake with it: \
+             hold it by a set of [[constraints]], which has its own"
+                .to_owned()
+        });
         plan.labels.dofs.clone_from(&case.dofs);
         plan.labels.moves.clone_from(&case.moves);
         Ok(Self { case, plan })

@@ -28,6 +28,9 @@ pub(super) struct Accuracy {
     half_width: f64,
 }
 
+/// Largest coefficient of friction of which nothing is said; chosen: twice what brake linings have and above rubber on a dry road, far below any percentage.
+const LARGEST_FRICTION: f64 = 2.0;
+
 /// A matrix of a term, and how it was taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TakenMatrix {
@@ -190,6 +193,15 @@ impl Check<'_> {
     /// Collects a sentence.
     pub fn note(&self, text: String) {
         self.notes.borrow_mut().push(format!("{}: {text}", self.path.display()));
+    }
+
+    /// Collects a sentence on a median coefficient of friction that no material has.
+    pub fn note_large_friction(&self, field: &str, median: f64) {
+        if median > LARGEST_FRICTION {
+            self.note(format!(
+                "{field} = {median}: a coefficient of friction is rarely above {LARGEST_FRICTION}; a percentage?"
+            ));
+        }
     }
 
     /// The sentences that were collected.

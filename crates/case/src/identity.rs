@@ -316,9 +316,11 @@ fn gain(to: &mut Written, GainExpressions { mu, slope, lag, .. }: &GainExpressio
     });
 }
 
-fn fixed_dofs(to: &mut Written, FixedDofs { name, fixed }: &FixedDofs) {
+fn fixed_dofs(to: &mut Written, FixedDofs { name, fixed, dashpots }: &FixedDofs) {
     to.text(name);
     to.list(fixed, |to, &dof| to.count(dof));
+    // Only where there are any, as branches.
+    dashpots.iter().flatten().for_each(|dashpot| to.list(dashpot.as_slice(), |to, &entry| to.number(entry)));
 }
 
 fn of_term(to: &mut Written, SparseTerm { name, family, matrices, loss }: &SparseTerm) {

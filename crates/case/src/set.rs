@@ -1,14 +1,18 @@
 //! Fields of a case file set from outside, as by `--set mu=0.3`.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 
 use super::CaseError;
 use super::check::Check;
 
 /// Tables whose entries are distributions, which their names alone are enough for.
 const DRAWN: [&str; 2] = ["parameters", "friction"];
+
+/// The distribution that draws nothing.
+const CONSTANT: &str = "constant";
 
 /// Tables of a case whose fields are parameters that can be swept.
 const OF_PARAMETERS: [&str; 3] = ["parameters", "friction", "lattice"];
@@ -35,6 +39,7 @@ pub fn parameter_of(field: &str) -> &str {
 /// [`CaseError::Value`] for a name that the case does not have. Whether a value is allowed is for its reader to say.
 pub(super) fn edited(path: &Path, text: &str, set: &[String]) -> Result<String, CaseError> {
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text.to_owned()) };
+    let drawn = names_of(&document, |distribution| distribution != CONSTANT);
     for setting in set {
         let refused = |allowed: String| Check::new(path).value("set", setting, &allowed);
         let (name, value) = setting.split_once('=').ok_or_else(|| refused("NAME=VALUE".into()))?;
@@ -52,6 +57,8 @@ pub(super) fn edited(path: &Path, text: &str, set: &[String]) -> Result<String, 
         };
         put(document.as_table_mut(), &keys, value).map_err(refused)?;
     }
+    let constant = names_of(&document, |distribution| distribution == CONSTANT);
+    uncorrelate(document.as_table_mut(), &drawn.intersection(&constant).cloned().collect());
     Ok(document.to_string())
 }
 
@@ -110,6 +117,54 @@ fn put(document: &mut Table, keys: &[Key], value: Value) -> Result<(), String> {
             table.insert(key.get(), Item::Value(value));
             Ok(())
         }
+    }
+}
+
+/// Tables and names of parameters whose kind of distribution is so.
+fn names_of(document: &Table, is: impl Fn(&str) -> bool) -> BTreeSet<(&'static str, String)> {
+    let of_table = |table: &'static str| {
+        let entries = document.get(table).and_then(Item::as_table_like);
+        let entries = entries.into_iter().flat_map(|entries| entries.iter());
+        let so = entries.filter(|(_, item)| item.get("distribution").and_then(Item::as_str).is_some_and(&is));
+        so.map(move |(name, _)| (table, name.to_owned()))
+    };
+    DRAWN.into_iter().flat_map(of_table).collect()
+}
+
+/// Takes parameters out of the correlation, their values for contacts and patches (`mu@1`) too: names, rows and columns. Of a field nothing is left without a
+/// friction parameter that it is named for, and of the table nothing without a name.
+fn uncorrelate(document: &mut Table, constant: &BTreeSet<(&'static str, String)>) {
+    let own_name = |name: &str| name.split_once('@').map_or(name, |(own, _)| own).to_owned();
+    let friction: BTreeSet<String> = names_of(document, |_| true)
+        .into_iter()
+        .filter(|(table, _)| *table == "friction")
+        .map(|(_, name)| name)
+        .collect();
+    let Some(table) = document.get_mut("correlation").and_then(Item::as_table_like_mut) else { return };
+    let Some(names) = table.get_mut("parameters").and_then(Item::as_array_mut) else { return };
+    let all: Vec<Option<String>> = names.iter().map(|name| name.as_str().map(own_name)).collect();
+    let is_constant = |name: &Option<String>| constant.iter().any(|(_, of)| Some(of) == name.as_ref());
+    let gone: Vec<usize> = (0..all.len()).filter(|&at| is_constant(&all[at])).collect();
+    if gone.is_empty() {
+        return;
+    }
+    let take_out = |of: &mut Array| {
+        gone.iter().rev().for_each(|&at| drop(of.remove(at)));
+    };
+    // Another number of rows its reader refuses.
+    let has_all = |of: &Array| of.len() == all.len();
+    take_out(names);
+    if let Some(matrix) = table.get_mut("matrix").and_then(Item::as_array_mut).filter(|of| has_all(of)) {
+        take_out(matrix);
+        matrix.iter_mut().filter_map(Value::as_array_mut).filter(|row| has_all(row)).for_each(take_out);
+    }
+    let left: Vec<&String> =
+        all.iter().enumerate().filter(|(at, _)| !gone.contains(at)).filter_map(|(_, of)| of.as_ref()).collect();
+    if !left.iter().any(|name| friction.contains(*name)) {
+        table.remove("field");
+    }
+    if left.is_empty() || !(table.contains_key("matrix") || table.contains_key("field")) {
+        document.remove("correlation");
     }
 }
 
@@ -214,7 +269,7 @@ fn distribution(item: &mut Item, value: Value) -> Result<(), String> {
     let new = match value {
         Value::InlineTable(table) => table,
         Value::Integer(_) | Value::Float(_) => {
-            InlineTable::from_iter([("distribution", Value::from("constant")), ("value", value)])
+            InlineTable::from_iter([("distribution", Value::from(CONSTANT)), ("value", value)])
         }
         _ => return Err("a number, or a distribution as { distribution = \"uniform\", from = 0.0, to = 1.0 }".into()),
     };
@@ -235,7 +290,7 @@ mod tests {
     use std::path::Path;
 
     use super::{edited, parameter_of};
-    use crate::CaseFile;
+    use crate::{CaseFile, Correlation};
 
     const CASE: &str = r#"
 # A brake.
@@ -364,5 +419,114 @@ coefficient = 1.0
         for set in [&[][..], &["study.samples=5"], &["parameters.k.unit=N/m"], &["k=1.5"]] {
             assert!(refused(&wrong, set).contains("brake.toml: line 14: stifness"), "{set:?} {}", refused(&wrong, set));
         }
+    }
+
+    const NAMES: [&str; 3] = ["a", "b", "c"];
+    const SCORES: [[f64; 3]; 3] = [[1.0, -0.6, 0.3], [-0.6, 1.0, 0.2], [0.3, 0.2, 1.0]];
+
+    fn of_text(text: &str, set: &[String]) -> Result<CaseFile, String> {
+        let path = Path::new("brake.toml");
+        edited(path, text, set).and_then(|text| CaseFile::parse(path, text)).map_err(|error| error.to_string())
+    }
+
+    fn correlation(text: &str, set: &[String]) -> Option<Correlation> {
+        match of_text(text, set).unwrap_or_else(|error| panic!("{set:?}: {error}")) {
+            CaseFile::Matrices(case) => case.correlation,
+            CaseFile::Lattice(case) => case.correlation,
+            CaseFile::FiniteElements(case) => case.correlation,
+        }
+    }
+
+    /// A matrix of correlations over some of three parameters; `constant` are constants in the file.
+    fn three(correlated: &[usize], constant: &[usize]) -> String {
+        let parameter = |(at, name): (usize, &&str)| match constant.contains(&at) {
+            true => format!("[parameters.{name}]\ndistribution = \"constant\"\nvalue = 0.2\n"),
+            false => format!("[parameters.{name}]\ndistribution = \"uniform\"\nfrom = 0.1\nto = 0.3\n"),
+        };
+        let parameters: String = NAMES.iter().enumerate().map(parameter).collect();
+        let names: Vec<&str> = correlated.iter().map(|&at| NAMES[at]).collect();
+        let rows: Vec<Vec<f64>> =
+            correlated.iter().map(|&i| correlated.iter().map(|&j| SCORES[i][j]).collect()).collect();
+        let table = match names.is_empty() {
+            true => String::new(),
+            false => format!("[correlation]\nparameters = {names:?} # of scores\nmatrix = {rows:?}\n"),
+        };
+        format!(
+            "[study]\nname = \"n\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n{parameters}{table}\
+             [[terms]]\nname = \"all\"\nmass = [[1.0]]\nstiffness = [[1.0]]\ncoefficient = \"a + b + c\"\n"
+        )
+    }
+
+    /// Every part of what a matrix correlates set to constants, in any order of its names: what is left is correlated as the rest of the matrix says.
+    #[test]
+    fn what_is_set_to_a_constant_leaves_a_matrix_of_correlations() {
+        for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
+            for which in 0..8_u32 {
+                let (gone, left): (Vec<usize>, Vec<usize>) = order.iter().partition(|&&at| which >> at & 1 == 1);
+                for form in ["NAME=0.2", "parameters.NAME={ distribution = \"constant\", value = 0.2 }"] {
+                    let set: Vec<String> = gone.iter().map(|&at| form.replace("NAME", NAMES[at])).collect();
+                    let found = correlation(&three(&order, &[]), &set);
+                    assert_eq!(found, correlation(&three(&left, &gone), &[]), "{order:?} {set:?}");
+                    assert_eq!(found.is_some(), left.len() > 1, "{order:?} {set:?}");
+                }
+                // In a file it is a contradiction.
+                assert_eq!(of_text(&three(&order, &gone), &[]).is_err(), !gone.is_empty());
+            }
+        }
+        // What is set to another distribution stays.
+        let set = ["a={ distribution = \"uniform\", from = 1.0, to = 2.0 }".to_owned()];
+        assert_eq!(correlation(&three(&[0, 1, 2], &[]), &set), correlation(&three(&[0, 1, 2], &[]), &[]));
+        // A fault of the matrix is still one.
+        let short = three(&[0, 1, 2], &[]).replace("matrix = [[1.0, -0.6, 0.3], ", "matrix = [");
+        assert!(of_text(&short, &["a=0.2".to_owned()]).unwrap_err().contains("correlation.matrix"));
+    }
+
+    /// The same of a field over contacts, for named parameters, for all, and for single values of contacts.
+    #[test]
+    fn what_is_set_to_a_constant_leaves_a_field() {
+        let text =
+            std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/two-by-two.toml")).unwrap();
+        let case = |table: &str| {
+            let text = text.replace("draws = \"shared\"", "draws = \"each\"");
+            match table.is_empty() {
+                true => text,
+                false => text.replacen("[lattice]\n", &format!("[correlation]\n{table}\n[lattice]\n"), 1),
+            }
+        };
+        let field = "field = { kernel = \"exponential\", length = 1.5 }";
+        let named = |names: &str| format!("parameters = {names}\n{field}");
+        let both = "parameters = [\"mu_s\", \"mu_k\"]\nmatrix = [[1.0, 0.5], [0.5, 1.0]]";
+        let values = "parameters = [\"mu_s@1\", \"mu_k@1\", \"mu_k@3\"]\nmatrix = [[1.0, 0.5, 0.2], [0.5, 1.0, 0.0], [0.2, 0.0, 1.0]]";
+        for (whole, set, left) in [
+            (named("[\"mu_s\", \"mu_k\"]"), &["mu_s=0.6"][..], named("[\"mu_k\"]")),
+            (named("[\"mu_s\", \"mu_k\"]"), &["mu_s=0.6", "mu_k=0.4"], String::new()),
+            (named("[\"mu_s\"]"), &["friction.mu_s=0.6"], String::new()),
+            (format!("{both}\n{field}"), &["mu_s=0.6"], format!("parameters = [\"mu_k\"]\nmatrix = [[1.0]]\n{field}")),
+            (both.to_owned(), &["mu_k=0.4"], "parameters = [\"mu_s\"]\nmatrix = [[1.0]]".to_owned()),
+            (both.to_owned(), &["mu_k=0.4", "mu_s=0.6"], String::new()),
+            (
+                values.to_owned(),
+                &["mu_s=0.6"],
+                "parameters = [\"mu_k@1\", \"mu_k@3\"]\nmatrix = [[1.0, 0.0], [0.0, 1.0]]".to_owned(),
+            ),
+            (values.to_owned(), &["mu_k=0.4"], "parameters = [\"mu_s@1\"]\nmatrix = [[1.0]]".to_owned()),
+            (
+                format!("{values}\n{field}"),
+                &["mu_k=0.4"],
+                format!("parameters = [\"mu_s@1\"]\nmatrix = [[1.0]]\n{field}"),
+            ),
+            (format!("{values}\n{field}"), &["mu_k=0.4", "mu_s=0.6"], String::new()),
+            // One that no correlation names.
+            (named("[\"mu_s\"]"), &["mu=0.4"], named("[\"mu_s\"]")),
+        ] {
+            let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
+            assert_eq!(correlation(&case(&whole), &set), correlation(&case(&left), &[]), "{whole} {set:?}");
+        }
+        // All that is drawn: no name to be taken out, and none left at the end.
+        let of_all =
+            |set: &[&str]| correlation(&case(field), &set.iter().map(|name| format!("{name}=0.4")).collect::<Vec<_>>());
+        let (all, one) = (of_all(&[]).unwrap(), of_all(&["v_s"]).unwrap());
+        assert!(one.named().len() + 1 == all.named().len(), "{all:?} {one:?}");
+        assert_eq!(of_all(&["mu", "mu_s", "mu_k", "alpha", "v_s", "sigma0", "sigma1", "sigma2"]), None);
     }
 }

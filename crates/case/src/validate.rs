@@ -81,7 +81,7 @@ impl LatticeCase {
             has_numbers: readings.draws == Draws::Each && alternatives.draws.is_empty(),
             others: Vec::new(),
         };
-        Ok(Self {
+        let mut case = Self {
             header,
             laws,
             readings,
@@ -93,7 +93,9 @@ impl LatticeCase {
             friction,
             alternatives: all_alternatives(&check, &alternatives)?,
             paper,
-        })
+        };
+        case.header.notes = check.notes();
+        Ok(case)
     }
 }
 
@@ -300,6 +302,9 @@ pub(super) fn distributions(
             let allowed = if positive { "a number > 0" } else { "a number >= 0" };
             return Err(check.value(&format!("friction.{name}.{key}"), least, allowed));
         }
+    }
+    for (name, distribution) in [("mu", mu), ("mu_s", mu_s), ("mu_k", mu_k)] {
+        check.note_large_friction(&format!("friction.{name}"), distribution.median());
     }
     if mu_s.median() < mu_k.median() {
         let allowed = format!("a median of at least that of mu_k, {}", mu_k.median());

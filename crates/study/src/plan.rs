@@ -90,6 +90,8 @@ pub struct Plan {
     pub measured: Option<Measured>,
     /// Sentences that a brake says against its own results, which stand before all others; no number depends on them.
     pub doubts: Vec<String>,
+    /// Sentence against results in which a change holds a degree of freedom, where a brake has one; no number depends on it.
+    pub doubt_of_holds: Option<String>,
     /// Labels for the keys of the scenes.
     pub labels: SceneLabels,
     /// Origins of the names of modes.
@@ -127,6 +129,7 @@ impl Plan {
             units: Units::Si,
             measured: None,
             doubts: Vec::new(),
+            doubt_of_holds: None,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),

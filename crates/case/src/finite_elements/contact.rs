@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
-use super::entries::{LateralEntry, SlidingEntry};
+use super::entries::{AxisTable, LateralEntry, SlidingEntry};
 use super::missing::MissingRows;
 use super::nodes::Model;
 use super::schema::ContactTable;
@@ -17,6 +17,8 @@ use crate::CaseError;
 const TRANSLATIONS: [u32; 3] = [1, 2, 3];
 /// Least speed of a pair as a part of the mean; chosen: nearer to the axis rounding would say where the disc slides.
 const LEAST_SPEED: f64 = 1e-6;
+/// Least part of the sliding that lies in the plane of the contact; chosen: below it rounding would say where to.
+const IN_PLANE: f64 = 1e-9;
 
 /// The patches with their terms (one spring normal to the contact in each pair) and channels (friction in each pair).
 pub(super) struct Patches {
@@ -214,17 +216,21 @@ fn matched(model: &Model<'_>, contact: &ContactTable) -> Result<Vec<Pair>, CaseE
             }
         };
         // Friction acts in the plane of the contact.
-        let velocity = velocity - normal * normal.dot(&velocity);
-        let sliding = unit("contact.sliding", velocity.into())?;
+        let (whole, velocity) = (velocity.norm(), velocity - normal * normal.dot(&velocity));
+        let speed = velocity.norm();
+        if !speed.is_finite() || speed <= IN_PLANE * whole {
+            let (found, what) = match contact.sliding {
+                SlidingEntry::Direction(direction) => (format!("{direction:?}"), "a direction"),
+                SlidingEntry::About(AxisTable { axis, through }) => {
+                    (format!("{{ axis = {axis:?}, through = {through:?} }}"), "an axis about which the disc moves")
+                }
+            };
+            let allowed = format!("{what} across contact.normal = {:?} at node {node} of contact.pad", contact.normal);
+            return Err(check.value("contact.sliding", found, &allowed));
+        }
+        let sliding = velocity / speed;
         let gap = normal.dot(&(place - positions[nearest]));
-        pairs.push(Pair {
-            nodes: [node, disc[nearest]],
-            position: place,
-            gap,
-            normal,
-            sliding,
-            speed: velocity.norm(),
-        });
+        pairs.push(Pair { nodes: [node, disc[nearest]], position: place, gap, normal, sliding, speed });
     }
     // A direction has one speed, up to rounding.
     let is_direction = matches!(contact.sliding, SlidingEntry::Direction(_));

@@ -219,7 +219,7 @@ fn constraint_sets(
 ) -> Result<Vec<FixedDofs>, CaseError> {
     let check = model.check;
     if given.is_empty() {
-        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
+        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new(), dashpots: Vec::new() }]);
     }
     check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
     let mut set = |ConstraintsTable { name, fixed }: ConstraintsTable| {
@@ -229,7 +229,7 @@ fn constraint_sets(
         missing.extend(held);
         match fixed.len() == model.dofs.len() {
             true => Err(check.value(&field, "all", "at most all degrees of freedom but one")),
-            false => Ok(FixedDofs { name, fixed }),
+            false => Ok(FixedDofs { name, fixed, dashpots: Vec::new() }),
         }
     };
     given.into_iter().map(&mut set).collect()

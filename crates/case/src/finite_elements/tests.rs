@@ -149,6 +149,28 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
     }
 }
 
+/// Nothing slides along the normal of its contact, however long the vectors are and wherever it points: what is quoted is what was written.
+#[test]
+fn a_sliding_along_the_normal_is_refused_as_it_was_written() {
+    for normal in [[0.0, 0.0, 1.0], [0.01, 0.02, 0.97], [0.3, -0.1, 2.7]] {
+        for length in [1.0, -0.1, 3.0, 1e-9] {
+            let sliding = normal.map(|x| length * x);
+            let text = text()
+                .replace("normal = [0.0, 0.0, 1.0]", &format!("normal = {normal:?}"))
+                .replace("sliding = { axis = [0.0, 0.0, 1.0] }", &format!("sliding = {sliding:?}"));
+            let found = parse(text).unwrap_err();
+            let expected = format!(
+                "contact.sliding = {sliding:?}; allowed: a direction across contact.normal = {normal:?} at node "
+            );
+            assert!(found.contains(&expected) && !found.contains('\n'), "{found}");
+        }
+    }
+    let across = text().replace("sliding = { axis = [0.0, 0.0, 1.0] }", "sliding = [1.0, 0.0, 0.2]");
+    assert!(parse(across).is_ok());
+    let about = text().replace("sliding = { axis = [0.0, 0.0, 1.0] }", "sliding = { axis = [0.0, 0.0, 0.0] }");
+    assert!(parse(about).unwrap_err().contains("contact.sliding.axis = [0.0, 0.0, 0.0]; allowed"));
+}
+
 /// Identities of what is prepared differ where something changes the reduced brake, and are the same where nothing can: samples, accuracy, what was measured, comments.
 #[test]
 fn all_that_bases_depend_on_is_in_the_identity_of_what_is_prepared() {

@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
+use nalgebra::DMatrix;
 use study::Moves;
 
 use super::check::{Check, field};
@@ -39,7 +40,8 @@ pub struct MatricesCase {
     pub dofs: Vec<String>,
     /// Kinds of their motions, as far as the files of the matrices say them.
     pub moves: Vec<Moves>,
-    /// Terms and channels over all degrees of freedom: those of contacts, then those of branches.
+    /// Terms and channels over all degrees of freedom: those of contacts, then those of branches. The dashpots of loss factors are not in it, as they
+    /// are others with each set of constraints.
     pub system: AffineSystem,
     /// How each matrix was taken.
     pub taken: Vec<TakenMatrix>,
@@ -94,12 +96,15 @@ pub struct BodyDofs {
 }
 
 /// A set of constraints.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FixedDofs {
     /// Name of the set.
     pub name: String,
     /// Indices of the constrained degrees of freedom, from 0.
     pub fixed: Vec<usize>,
+    /// Dashpots in the place of the loss factor of each term, at a coefficient of 1 and on the rows that the set leaves free; empty where no term of given
+    /// matrices has one.
+    pub dashpots: Vec<Option<DMatrix<f64>>>,
 }
 
 impl MatricesCase {

@@ -1,16 +1,17 @@
 //! Reading of a case with matrices: from the fields of its file to a checked case.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
-use cea::{CeaError, check_mass};
+use cea::{CeaError, RealModes, check_mass};
 use formats::{Entry, Kind};
-use linsys::{AffineSystem, Term};
+use linsys::{AffineSystem, SecondOrder, Term};
 use nalgebra::DMatrix;
 
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::elsewhere::Places;
-use super::loss::add_losses;
+use super::loss::add_dashpots;
 use super::relaxing::branches_of_terms;
 use super::schema::{self, MatricesFile};
 use super::terms::{Terms, read_terms};
@@ -22,6 +23,10 @@ use crate::expression::formulas::Formulas;
 use crate::held::HeldRows;
 use crate::parameter::{CUT, Parameter, parameter};
 use crate::relaxing::Relaxing;
+
+/// Frequency, Hz, below which all of a brake are where it has its mass and its stiffness in each other's places: `omega` becomes `1 / omega`, and the lowest
+/// frequency `f` of a brake the highest, `1 / (4 pi^2 f)`. Of 1 Hz and more it comes to less than this; chosen.
+const SWAPPED: f64 = 0.03;
 
 impl MatricesCase {
     /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
@@ -62,8 +67,7 @@ impl MatricesCase {
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let tables = check.tables(tables, parameters.iter().map(|parameter| &parameter.name))?;
         let mut formulas = Formulas::new(&check, &parameters, &tables);
-        let Terms { mut terms, coefficients, losses, branches, taken, rows } =
-            read_terms(&check, &mut formulas, terms)?;
+        let Terms { terms, coefficients, losses, branches, taken, rows } = read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (mut channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
@@ -71,11 +75,11 @@ impl MatricesCase {
             branches_of_terms(&check, &mut formulas, &terms, &losses, branches)?;
         channels.extend(relaxing);
         let all_used = formulas.all_used();
-        let constraints = constraint_sets(&check, &dofs, constraints)?;
+        let mut constraints = constraint_sets(&check, &dofs, constraints)?;
         refuse_held(&check, &dofs, &terms, &constraints)?;
         if losses.iter().any(Option::is_some) {
             let places = Places::new(&check, &parameters, &terms, &coefficients)?;
-            add_losses(&check, &mut terms, &places, &losses, &constraints)?;
+            add_dashpots(&check, &mut constraints, &places, &terms, &losses)?;
         }
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
@@ -97,6 +101,7 @@ impl MatricesCase {
             tables,
         };
         case.check_contacts(&check)?;
+        case.note_swapped(&check)?;
         case.header.notes = check.notes();
         // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;
@@ -105,8 +110,8 @@ impl MatricesCase {
 }
 
 impl MatricesCase {
-    /// An error where a load, speed or stiffness of a contact is no number > 0 at the medians; a note of each coefficient of friction that is negative
-    /// there, or where one parameter is at an end of what it is drawn from.
+    /// An error where a load, speed or stiffness of a contact is no number > 0 at the medians; a note of each coefficient of friction that no material has,
+    /// that is negative there, or where one parameter is at an end of what it is drawn from.
     fn check_contacts(&self, check: &Check<'_>) -> Result<(), CaseError> {
         let medians = self.medians();
         let ends = self.parameters.iter().enumerate().flat_map(|(at, parameter)| {
@@ -124,6 +129,11 @@ impl MatricesCase {
                 }
             }
             let key = field("contacts", &channel.name, "mu");
+            // A product may have a part of the reading in it.
+            let own = gain.mu.text().trim();
+            if own.parse::<f64>().is_ok() || self.parameters.iter().any(|parameter| parameter.name == own) {
+                check.note_large_friction(&key, gain.mu.value(&medians).unwrap_or(0.0));
+            }
             let at = |changed: Option<&(usize, f64)>| {
                 let mut values = medians.clone();
                 changed.into_iter().for_each(|&(at, value)| values[at] = value);
@@ -137,6 +147,26 @@ impl MatricesCase {
             };
             check.note(format!(
                 "{key} is {place}: negative friction drives the sliding; the other direction turns the sign of force"
+            ));
+        }
+        Ok(())
+    }
+
+    /// A note where all frequencies at the medians are so low that each term may have its mass in the place of its stiffness.
+    fn note_swapped(&self, check: &Check<'_>) -> Result<(), CaseError> {
+        let medians = self.medians();
+        // Where a coefficient has no value the operating point says so.
+        let coefficients: Result<Vec<f64>, _> = self.coefficients.iter().map(|own| own.value(&medians)).collect();
+        let Ok(coefficients) = coefficients else { return Ok(()) };
+        let SecondOrder { m, k, .. } = self.system.structure(&coefficients).map_err(check.system("terms"))?;
+        if !(k.amax() > 0.0 && k.amax() < m.amax()) {
+            return Ok(());
+        }
+        let modes = RealModes::new(&m, &k).ok();
+        let largest = modes.and_then(|modes| modes.omega_squared.last().map(|square| square.max(0.0).sqrt() / TAU));
+        if largest.is_some_and(|largest| largest < SWAPPED) {
+            check.note(format!(
+                "terms: all frequencies of the structure are below {SWAPPED} Hz at the medians: are mass and stiffness swapped?"
             ));
         }
         Ok(())
@@ -240,7 +270,7 @@ fn constraint_sets(
     given: Vec<schema::ConstraintsTable>,
 ) -> Result<Vec<FixedDofs>, CaseError> {
     if given.is_empty() {
-        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
+        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new(), dashpots: Vec::new() }]);
     }
     check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
     given.into_iter().map(|set| fixed_dofs(check, dofs, set)).collect()
@@ -254,5 +284,5 @@ fn fixed_dofs(check: &Check<'_>, dofs: &DofNames<'_>, given: schema::Constraints
     if fixed.len() == dofs.order() {
         return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
     }
-    Ok(FixedDofs { name, fixed })
+    Ok(FixedDofs { name, fixed, dashpots: Vec::new() })
 }

@@ -1,8 +1,8 @@
 use std::path::Path;
 
 use cea::{EigenSolver, QrSolver, Workspace};
-use nalgebra::dmatrix;
-use rand::SeedableRng;
+use nalgebra::{DMatrix, dmatrix};
+use rand::{RngExt, SeedableRng};
 
 use super::*;
 use crate::CaseFile;
@@ -66,7 +66,7 @@ fn a_brake_is_what_its_file_says() {
     assert_eq!(case.medians(), [0.4, 2.0]);
     assert_eq!(case.system.families(), ["friction", "structure", "gyroscopic"]);
     assert_eq!(case.bodies, [BodyDofs { name: "mass".into(), dofs: vec![0, 1] }]);
-    assert_eq!(case.constraints[1], FixedDofs { name: "y".into(), fixed: vec![1] });
+    assert_eq!(case.constraints[1], FixedDofs { name: "y".into(), fixed: vec![1], dashpots: vec![] });
     let at = case.operating_point(&[0.5, 2.0]).unwrap();
     let system = case.system.assemble(&at).unwrap();
     assert_eq!(system.m, dmatrix![1.0, 0.0; 0.0, 1.5]);
@@ -99,7 +99,7 @@ fn what_is_left_out_has_its_default() {
     let case = parse(text).unwrap();
     assert_eq!(case.dofs, ["1"]);
     assert_eq!(case.bodies, [BodyDofs { name: "brake".into(), dofs: vec![0] }]);
-    assert_eq!(case.constraints, [FixedDofs { name: "none".into(), fixed: vec![] }]);
+    assert_eq!(case.constraints, [FixedDofs { name: "none".into(), fixed: vec![], dashpots: vec![] }]);
     assert_eq!(case.operating_point(&[]).unwrap().coefficients, [1.0]);
     assert_eq!(case.system.terms()[0].family, "all");
 }
@@ -433,4 +433,98 @@ fn loads_speeds_and_springs_of_contacts_are_positive() {
             assert!(error.contains(&format!("contacts \"pad\".{key} = ")) && error.contains("a number > 0"), "{error}");
         }
     }
+}
+
+/// Notes of a case that ask whether it means what it says.
+fn questions(case: &CaseFile) -> Vec<&String> {
+    case.header().notes.iter().filter(|note| note.ends_with('?')).collect()
+}
+
+#[test]
+fn a_coefficient_of_friction_that_no_material_has_is_asked_about() {
+    let path = Path::new("/nowhere/pad.toml");
+    let two_by_two =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/two-by-two.toml")).unwrap();
+    for (scale, is_asked) in [(1.0, false), (2.0, false), (6.0, true), (100.0, true), (1e6, true)] {
+        // Medians 0.4 and 0.5, by a parameter, by a number, and in a product with what may be a part of the reading.
+        let drawn = PAD.replace("from = 0.2\nto = 0.6", &format!("from = {:?}\nto = {:?}", 0.2 * scale, 0.6 * scale));
+        let drawn = drawn.replace("mu = \"mu\"", "mu = \" mu \"");
+        let number =
+            PAD.replace("[parameters.mu]\nunit = \"1\"\ndistribution = \"uniform\"\nfrom = 0.2\nto = 0.6\n", "");
+        let number = number.replace("mu = \"mu\"", &format!("mu = {:?}", 0.5 * scale));
+        let friction = ["mu = {", "mu_s = {", "mu_k = {"].map(|key| {
+            let median = match key {
+                "mu_s = {" => 0.55,
+                _ => 0.5,
+            } * scale;
+            let line = two_by_two.lines().find(|line| line.starts_with(key)).unwrap();
+            two_by_two.replace(line, &format!("{key} distribution = \"constant\", value = {median:?} }}"))
+        });
+        for (text, field) in [
+            (&drawn, "contacts \"pad\".mu"),
+            (&number, "contacts \"pad\".mu"),
+            (&friction[0], "friction.mu"),
+            (&friction[1], "friction.mu_s"),
+        ] {
+            let case = CaseFile::parse(path, text.clone()).unwrap();
+            let asked = questions(&case);
+            assert_eq!(asked.len(), usize::from(is_asked), "{scale} {field}: {asked:?}");
+            let expected = format!("{field} = ");
+            assert!(
+                asked.iter().all(|note| note.contains(&expected) && note.ends_with("rarely above 2; a percentage?")),
+                "{asked:?}"
+            );
+        }
+        let product = drawn.replace("mu = \" mu \"", "mu = \"mu*w\"");
+        assert!(questions(&CaseFile::parse(path, product).unwrap()).is_empty());
+    }
+}
+
+/// Springs and masses in each other's places, of structures whose frequencies are those of machines; not so structures without units.
+#[test]
+fn mass_and_stiffness_in_each_other_s_places_are_asked_about() {
+    let rng = &mut montecarlo::stream(3, 0);
+    for (lowest, is_asked) in [(1.0, true), (30.0, true), (1e3, true), (1e5, true), (0.1, false)] {
+        for n in 1..6_usize {
+            let random = DMatrix::<f64>::from_fn(n, n, |_, _| rng.random_range(-1.0..1.0));
+            let spread = &random * random.transpose() + DMatrix::identity(n, n);
+            let least = spread.symmetric_eigenvalues().min();
+            let hertz = std::f64::consts::TAU * lowest;
+            let (mass, stiffness) = (DMatrix::identity(n, n) * 0.7, spread * (1.01 * 0.7 * hertz * hertz / least));
+            let rows = |of: &DMatrix<f64>| {
+                format!("{:?}", of.row_iter().map(|row| row.iter().copied().collect::<Vec<_>>()).collect::<Vec<_>>())
+            };
+            let case = |mass: &DMatrix<f64>, stiffness: &DMatrix<f64>| {
+                CaseFile::parse(Path::new("swap.toml"), format!(
+                    "[study]\nname = \"swap\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n[[terms]]\nname = \"m\"\nmass = {}\n\
+                     [[terms]]\nname = \"k\"\nstiffness = {}\n", rows(mass), rows(stiffness)
+                )).unwrap()
+            };
+            let (right, swapped) = (case(&mass, &stiffness), case(&stiffness, &mass));
+            assert!(questions(&right).is_empty(), "{:?}", questions(&right));
+            let asked = questions(&swapped);
+            assert_eq!(asked.len(), usize::from(is_asked), "{lowest} Hz, n = {n}: {asked:?}");
+            assert!(
+                asked
+                    .iter()
+                    .all(|note| note.ends_with("below 0.03 Hz at the medians: are mass and stiffness swapped?"))
+            );
+        }
+    }
+}
+
+#[test]
+fn no_shipped_case_is_asked_about() {
+    let mut read = 0;
+    for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases")).unwrap() {
+        let path = entry.unwrap().path();
+        // A list of variants is no case.
+        if path.extension().is_some_and(|of| of == "toml")
+            && let Ok(case) = CaseFile::read(&path)
+        {
+            assert!(questions(&case).is_empty(), "{}: {:?}", path.display(), questions(&case));
+            read += 1;
+        }
+    }
+    assert!(read >= 4, "{read}");
 }

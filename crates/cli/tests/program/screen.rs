@@ -143,6 +143,41 @@ fn screenings_that_are_refused() {
     refusal(&asked("screen", &folder.path().join("none.toml"), &[]), &["none.toml"]);
 }
 
+/// A hold leaves the dashpots of loss factors as they were: that is said where a screening holds something, and nowhere else.
+#[test]
+fn a_hold_beside_loss_factors_is_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    let text = std::fs::read_to_string(hoffmann()).unwrap();
+    let lossy = text.replacen("[[terms]]\n", "[[terms]]\nloss_factor = 0.02\n", 1);
+    assert_ne!(text, lossy);
+    // What dashpots leave of loss factors is on the other stream.
+    let printed = |command: &str, options: &[&str]| {
+        let output = asked(command, &case, options);
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    for (text, kinds, is_doubted) in [
+        (&lossy, "constraint", true),
+        (&lossy, "mass,constraint", true),
+        (&lossy, "mass,dashpot", false),
+        (&text, "constraint", false),
+    ] {
+        std::fs::write(&case, text).unwrap();
+        let options = ["--kinds", kinds, "--samples", "20", "--draws", "2"];
+        let said = printed("screen", &options);
+        assert_eq!(
+            said.contains("WARNING: loss factors are dashpots of the brake without what a change holds"),
+            is_doubted,
+            "{kinds}: {said}"
+        );
+        let json: Value = serde_json::from_str(&printed("screen", &[&options[..], &["--json"]].concat())).unwrap();
+        assert_eq!(json["warnings"].as_array().unwrap().len(), usize::from(is_doubted), "{kinds}");
+    }
+    std::fs::write(&case, &lossy).unwrap();
+    assert!(!printed("cea", &[]).contains("WARNING"));
+}
+
 /// Exact occurrences stand in the file of the variants.
 #[test]
 fn variants_are_ranked_with_what_a_search_makes() {

@@ -63,6 +63,26 @@ fn every_command_finds_what_it_finds_of_the_edited_file() {
     same_as_edited(SMALL, &edited, &["mu=0.9"], &[("run", &[])]);
 }
 
+/// What is set to a constant leaves the correlation, in every command: the study is that of the file without its row and column.
+#[test]
+fn what_is_set_to_a_constant_is_correlated_with_nothing() {
+    let text = std::fs::read_to_string(hoffmann()).unwrap();
+    let drawn = "distribution = \"uniform\"\nfrom = 0.9\nto = 1.1\n";
+    let correlation = |names: &str, rows: &str| format!("[correlation]\nparameters = {names}\nmatrix = {rows}\n");
+    let three = correlation("[\"s\", \"mu\", \"t\"]", "[[1.0, -0.6, 0.3], [-0.6, 1.0, 0.2], [0.3, 0.2, 1.0]]");
+    let case = |t: &str, correlation: &str| {
+        let text = replaced(&text, "mu = \"mu\"", "mu = \"mu*s*t\"");
+        format!("{text}\n[parameters.s]\n{drawn}[parameters.t]\n{t}{correlation}")
+    };
+    let two = correlation("[\"s\", \"mu\"]", "[[1.0, -0.6], [-0.6, 1.0]]");
+    same_as_edited(
+        &case(drawn, &three),
+        &case("distribution = \"constant\"\nvalue = 0.8\n", &two),
+        &["t=0.8"],
+        &[("run", &["--samples", "200"]), ("sweep", &["--over", "mu=0.5:1.1"])],
+    );
+}
+
 #[test]
 fn a_study_is_continued_only_with_what_was_set() {
     let dir = tempfile::tempdir().unwrap();

@@ -240,13 +240,15 @@ pub fn confirm<B: UncertainBrake>(
         scenes: plan.scenes.len() as u64,
         failures,
         growing: growing_modes(&study, 0)?,
-        doubts: doubts_of(brake),
+        doubts: doubts_of(brake, options),
     })
 }
 
 /// Doubts of a brake, each once: of brakes that are joined their plan has that on divergence.
-fn doubts_of<B: UncertainBrake>(brake: &B) -> Vec<String> {
-    let mut doubts = brake.plan().doubts.clone();
+fn doubts_of<B: UncertainBrake>(brake: &B, options: &ScreenOptions) -> Vec<String> {
+    let plan = brake.plan();
+    let of_holds = plan.doubt_of_holds.iter().filter(|_| options.kinds.contains(&ChangeKind::Constraint));
+    let mut doubts: Vec<String> = plan.doubts.iter().chain(of_holds).cloned().collect();
     let more = divergence_doubt_of(brake).filter(|doubt| !doubts.contains(doubt));
     doubts.extend(more);
     doubts
