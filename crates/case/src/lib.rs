@@ -18,6 +18,7 @@ mod correlation;
 mod draft;
 mod error;
 mod expression;
+mod feeding;
 mod file;
 mod finite_elements;
 mod header;

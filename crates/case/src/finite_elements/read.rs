@@ -22,7 +22,8 @@ use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
 use crate::draft::waiting;
 use crate::expression::formulas::Formulas;
-use crate::parameter::parameter;
+use crate::feeding::note_feeding;
+use crate::parameter::{Parameter, parameter};
 use crate::relaxing::{Relaxing, gains_of};
 use crate::validate::friction_parameters;
 use crate::{CaseError, Draws, FixedDofs};
@@ -91,6 +92,10 @@ impl FiniteElementCase {
         let mut formulas = Formulas::new(&check, &parameters, &tables).with_local(local);
         let (terms, coefficients) =
             terms_with_coefficients(&check, &mut formulas, read, model.dofs.len(), reduction.frequencies)?;
+        let all_parameters: Vec<&Parameter> =
+            parameters.iter().chain(spread.iter().map(|local| &local.parameter)).collect();
+        let lossy = terms.iter().zip(&coefficients).filter(|(term, _)| term.loss > 0.0);
+        note_feeding(&check, &all_parameters, lossy.map(|(term, coefficient)| (term.name.as_str(), coefficient)));
         let names = NamesOnMesh::new(&model)?;
         let mut missing_rows = Vec::new();
         let holders = holders_term(&model, &holders, &mut missing_rows)?;

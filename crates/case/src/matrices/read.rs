@@ -20,6 +20,7 @@ use crate::CaseError;
 use crate::check::{Check, field, syntax};
 use crate::correlation::Correlated;
 use crate::expression::formulas::Formulas;
+use crate::feeding::note_feeding;
 use crate::held::HeldRows;
 use crate::parameter::{CUT, Parameter, parameter};
 use crate::relaxing::Relaxing;
@@ -78,6 +79,10 @@ impl MatricesCase {
         let mut constraints = constraint_sets(&check, &dofs, constraints)?;
         refuse_held(&check, &dofs, &terms, &constraints)?;
         if losses.iter().any(Option::is_some) {
+            let with_loss =
+                terms.iter().zip(&coefficients).zip(&losses).filter(|(_, loss)| loss.is_some_and(|loss| loss > 0.0));
+            let lossy = with_loss.map(|((term, coefficient), _)| (term.name.as_str(), coefficient));
+            note_feeding(&check, &parameters.iter().collect::<Vec<_>>(), lossy);
             let places = Places::new(&check, &parameters, &terms, &coefficients)?;
             add_dashpots(&check, &mut constraints, &places, &terms, &losses)?;
         }
