@@ -106,7 +106,7 @@ pub enum Error {
     LossFactors {
         /// Path of the case file, or name of the study.
         study: String,
-        /// What was asked for.
+        /// Name of the computation.
         needed_by: &'static str,
     },
     /// A capability that a computation needs, and the type of the brake does not give.

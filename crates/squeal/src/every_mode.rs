@@ -17,7 +17,7 @@ const BLOCK: u64 = 32;
 /// Number of blocks whose rows are in memory at once, for each thread; chosen.
 const BLOCKS_PER_THREAD: usize = 4;
 
-/// What needs whole spectra of real systems, for refusals.
+/// Name of the table of every mode, for refusals: it needs whole spectra of real systems.
 pub const EVERY_MODE: &str = "every mode of every sample";
 
 /// Columns of a table of the modes of samples.

@@ -65,7 +65,7 @@ pub(super) struct HeldOut {
     pub modes: Vec<Complex<f64>>,
 }
 
-/// Where complete solutions of the whole brake are kept until it is made.
+/// Place of complete solutions of the whole brake until it is made.
 pub(super) struct KeptSolutions<'a> {
     pub pieces: &'a Pieces<'a>,
     /// Rows that the set of constraints fixes.

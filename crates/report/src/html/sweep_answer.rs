@@ -76,7 +76,8 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
         let does = onset.event(&sweep.threshold);
         sentences.push(format!("At {name} = {} {does} (mode {}); both are instability.", short(onset.at), onset.mode));
     }
-    if modes.is_empty() && exchanges.is_empty() && sweep.unresolved.is_empty() {
+    let is_open = !(sweep.unresolved.is_empty() && sweep.miscounts.is_empty());
+    if modes.is_empty() && exchanges.is_empty() && !is_open {
         sentences.push(format!("That stays so up to {name} = {}: no mode crosses.", sweep.parameter.to));
     }
     if !sweep.openings.is_empty() {

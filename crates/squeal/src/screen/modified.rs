@@ -282,7 +282,7 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         None
     }
 
-    /// That of an inner brake with loss factors, which no system here has. Of another one `None`: modes that it finds are those without the changes; spectra
+    /// Source of an inner brake with loss factors, which no system here has. Of another one `None`: modes that it finds are those without the changes; spectra
     /// are taken instead.
     fn mode_source(&self) -> Option<&dyn ModeSource> {
         let source = self.inner.mode_source()?;
