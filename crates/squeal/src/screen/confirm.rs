@@ -17,14 +17,10 @@ pub(super) const QUANTILE: f64 = 0.95;
 /// Sums over all scenes of each set of changes, sample by sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ScreenTally {
-    /// Sums, by set, of unstable modes and divergences in all analyses of a sample.
-    unstable: Vec<BoundedMean>,
-    /// Sums, by set, of the analyses of a sample with an unstable mode or divergence.
-    squealing: Vec<BoundedMean>,
-    /// Sums, by set and other set, of how many more unstable modes the first has.
-    drops: Vec<Vec<BoundedMean>>,
-    /// Sums, by set and other set, of how many more analyses with an unstable mode or divergence the first has.
-    squeal_drops: Vec<Vec<BoundedMean>>,
+    /// Counts of unstable modes and divergences in all analyses of a sample.
+    unstable: CountsOfSets,
+    /// Counts of the analyses of a sample with an unstable mode or divergence.
+    squealing: CountsOfSets,
     /// Largest growth rates in all analyses of a sample, 1/s, by set.
     growth: Vec<QuantileSketch>,
     /// Loudness of the loudest motion in all analyses of a sample, m/s, by set; infinite where a motion cannot be followed. Nothing where it is not asked
@@ -36,6 +32,73 @@ pub(super) struct ScreenTally {
     pub divergent: Vec<u64>,
     #[serde(skip)]
     layout: Layout,
+}
+
+/// Counts of a sample by set, of what is unstable for certain and of what may be, where verdicts are open.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct CountsOfSets {
+    /// Sums of what is for certain, by set.
+    sure: Vec<BoundedMean>,
+    /// Sums of what is or may be, by set.
+    at_most: Vec<BoundedMean>,
+    /// Sums, by set and other set, of how many more the first has, for certain each.
+    drops: Vec<Vec<BoundedMean>>,
+    /// Sums, by set and other set, of how many more the first may have than the other has for certain.
+    most_drops: Vec<Vec<BoundedMean>>,
+}
+
+impl CountsOfSets {
+    fn empty(sets: usize) -> Self {
+        let (means, drops) = (vec![BoundedMean::default(); sets], vec![vec![BoundedMean::default(); sets]; sets]);
+        Self { sure: means.clone(), at_most: means, drops: drops.clone(), most_drops: drops }
+    }
+
+    /// Enters the counts of a sample in each set, for certain and at most; `None` of a set in which a scene failed.
+    fn record(&mut self, counts: &[Option<[i32; 2]>]) {
+        for (set, count) in counts.iter().enumerate() {
+            let Some([sure, at_most]) = *count else { continue };
+            self.sure[set].record(sure);
+            self.at_most[set].record(at_most);
+            for (other, less) in counts.iter().enumerate() {
+                if let Some([less, _]) = *less {
+                    self.drops[set][other].record(sure - less);
+                    self.most_drops[set][other].record(at_most - less);
+                }
+            }
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        let add = |mine: &mut Vec<BoundedMean>, later: Vec<BoundedMean>| {
+            mine.iter_mut().zip(later).for_each(|(mine, later)| mine.merge(later));
+        };
+        add(&mut self.sure, later.sure);
+        add(&mut self.at_most, later.at_most);
+        self.drops.iter_mut().zip(later.drops).for_each(|(mine, later)| add(mine, later));
+        self.most_drops.iter_mut().zip(later.most_drops).for_each(|(mine, later)| add(mine, later));
+    }
+
+    /// Mean of a set in one of `by` analyses, of counts of at most `greatest` in one; in `failed` samples it may be anything, and what may be unstable is in the upper
+    /// limit.
+    fn estimate(&self, set: usize, by: f64, greatest: f64, failed: u64) -> Option<Estimate> {
+        let [sure, at_most] = [&self.sure, &self.at_most].map(|of| estimate(&of[set], by, greatest, failed));
+        let (sure, at_most) = (sure?, at_most?);
+        Some(Estimate { upper: sure.upper.max(at_most.upper), ..sure })
+    }
+
+    /// Mean difference of a set to another one, `less`, in one of `by` analyses, of counts of at most `greatest` in each; what may be unstable in either is in the
+    /// limits.
+    fn difference(&self, (set, less): (usize, usize), greatest: [f64; 2], by: f64, samples: u64) -> Option<Estimate> {
+        let Self { sure, at_most, drops, most_drops } = self;
+        let [of_set, of_less] = greatest;
+        let value = difference(&drops[set][less], [(&sure[set], of_set), (&sure[less], of_less)], by, samples)?;
+        if [set, less].iter().all(|&of| sure[of] == at_most[of]) {
+            return Some(value);
+        }
+        let most = difference(&most_drops[set][less], [(&at_most[set], of_set), (&sure[less], of_less)], by, samples)?;
+        let least = difference(&most_drops[less][set], [(&at_most[less], of_less), (&sure[set], of_set)], by, samples)?;
+        Some(Estimate { lower: value.lower.min(-least.upper), upper: value.upper.max(most.upper), ..value })
+    }
 }
 
 /// Layout of a tally: the set of each scene, and how many analyses it stands for.
@@ -54,12 +117,10 @@ impl ScreenTally {
     pub fn empty(plan: &Plan) -> Self {
         let sets = plan.labels.constraints.len();
         let scenes = plan.scenes.iter().map(|scene| (scene.key.constraints, analyses(plan, scene) as i32)).collect();
-        let (means, counts) = (vec![BoundedMean::default(); sets], vec![0; sets]);
+        let counts = vec![0; sets];
         Self {
-            unstable: means.clone(),
-            squealing: means.clone(),
-            drops: vec![means.clone(); sets],
-            squeal_drops: vec![means; sets],
+            unstable: CountsOfSets::empty(sets),
+            squealing: CountsOfSets::empty(sets),
             growth: vec![QuantileSketch::default(); sets],
             loudness: vec![QuantileSketch::default(); sets],
             undecided: counts.clone(),
@@ -71,16 +132,11 @@ impl ScreenTally {
 
 impl Merge for ScreenTally {
     fn merge(&mut self, later: Self) {
-        let add = |mine: &mut Vec<BoundedMean>, later: Vec<BoundedMean>| {
-            mine.iter_mut().zip(later).for_each(|(mine, later)| mine.merge(later));
-        };
         let count = |mine: &mut Vec<u64>, later: Vec<u64>| {
             mine.iter_mut().zip(later).for_each(|(mine, later)| *mine += later);
         };
-        add(&mut self.unstable, later.unstable);
-        add(&mut self.squealing, later.squealing);
-        self.drops.iter_mut().zip(later.drops).for_each(|(mine, later)| add(mine, later));
-        self.squeal_drops.iter_mut().zip(later.squeal_drops).for_each(|(mine, later)| add(mine, later));
+        self.unstable.merge(later.unstable);
+        self.squealing.merge(later.squealing);
         self.growth.iter_mut().zip(later.growth).for_each(|(mine, later)| mine.merge(later));
         self.loudness.iter_mut().zip(later.loudness).for_each(|(mine, later)| mine.merge(later));
         count(&mut self.undecided, later.undecided);
@@ -91,43 +147,41 @@ impl Merge for ScreenTally {
 impl<B: UncertainBrake> Tally<Sounded<'_, '_, B>> for ScreenTally {
     fn record(&mut self, runs: &Runs<'_, Sounded<'_, '_, B>>) {
         // Of a set in which a scene failed nothing is known of this sample.
-        let mut sums: Vec<Option<[i32; 2]>> = vec![Some([0; 2]); self.unstable.len()];
-        let mut growth = vec![0.0_f64; sums.len()];
-        let mut loudness: Vec<Option<f64>> = vec![None; sums.len()];
+        let sets = self.undecided.len();
+        let (mut unstable, mut squealing) = (vec![Some([0; 2]); sets], vec![Some([0; 2]); sets]);
+        let mut growth = vec![0.0_f64; sets];
+        let mut loudness: Vec<Option<f64>> = vec![None; sets];
         for (&(set, weight), result) in self.layout.scenes.iter().zip(runs.results) {
-            match (result, &mut sums[set]) {
-                (Ok((outcome, of_scene)), Some([unstable, squealing])) => {
-                    *unstable += weight * outcome.instabilities() as i32;
-                    *squealing += weight * i32::from(outcome.is_unstable());
+            match (result, &mut unstable[set], &mut squealing[set]) {
+                (Ok((outcome, of_scene)), Some(unstable), Some(squealing)) => {
+                    let (modes, open) = (outcome.instabilities() as i32, outcome.undecided as i32);
+                    let (squeals, may_squeal) = (outcome.is_unstable(), outcome.may_be_unstable());
+                    unstable[0] += weight * modes;
+                    unstable[1] += weight * (modes + open);
+                    squealing[0] += weight * i32::from(squeals);
+                    squealing[1] += weight * i32::from(squeals || may_squeal);
                     growth[set] = growth[set].max(outcome.growth);
                     loudness[set] = of_scene.map(|of_scene| loudness[set].unwrap_or(0.0).max(of_scene));
                     self.undecided[set] += weight as u64 * u64::from(outcome.undecided);
                     self.divergent[set] += weight as u64 * u64::from(outcome.divergent);
                 }
-                (Err(_), sum) => *sum = None,
-                (Ok(_), None) => {}
+                (Err(_), ..) => (unstable[set], squealing[set]) = (None, None),
+                (Ok(_), ..) => {}
             }
         }
-        for (set, sum) in sums.iter().enumerate() {
-            let Some([unstable, squealing]) = *sum else { continue };
-            self.unstable[set].record(unstable);
-            self.squealing[set].record(squealing);
+        self.unstable.record(&unstable);
+        self.squealing.record(&squealing);
+        for set in (0..sets).filter(|&set| unstable[set].is_some()) {
             self.growth[set].record(growth[set]);
             if let Some(loudness) = loudness[set] {
                 self.loudness[set].record(loudness);
-            }
-            for (other, less) in sums.iter().enumerate() {
-                if let Some([less, less_squealing]) = *less {
-                    self.drops[set][other].record(unstable - less);
-                    self.squeal_drops[set][other].record(squealing - less_squealing);
-                }
             }
         }
     }
 
     fn may_be_of(&self, samples: Range<u64>, _: &Failures) -> bool {
         let count = samples.end - samples.start;
-        self.unstable.iter().chain(&self.squealing).all(|mean| mean.count() <= count)
+        self.unstable.sure.iter().chain(&self.squealing.sure).all(|mean| mean.count() <= count)
     }
 }
 
@@ -154,7 +208,7 @@ pub struct Confirmed {
     pub loudness_quantile_drop: Option<Estimate>,
     /// Number of samples with a motion that could not be followed, among them those that diverge; `None` where none was to be.
     pub not_followed: Option<u64>,
-    /// Number of verdicts that the error bound leaves open; they count as stable.
+    /// Number of verdicts that the error bound leaves open: they count as stable in values, and as either in limits.
     pub undecided: u64,
     /// Number of real eigenvalues beyond the threshold.
     pub divergent: u64,
@@ -166,16 +220,16 @@ impl ScreenTally {
     /// Results on a set after `samples` samples, in each of which those that failed may be anything; `None` where all failed.
     pub fn confirmed(&self, plan: &Plan, set: usize, samples: u64) -> Option<Confirmed> {
         let (by, most) = size(plan, set);
-        let squealing = &self.squealing[set];
+        let [squealing, perhaps] = [&self.squealing.sure[set], &self.squealing.at_most[set]];
         let failed = samples.saturating_sub(squealing.count());
         // One analysis of each sample squeals or not.
         let squealing = match by == 1.0 {
             true => {
                 let (hits, value) = (squealing.nonzero(), squealing.mean()?);
                 let limits = |hits: u64| wilson(hits, samples, Confidence::P95).ok();
-                Estimate { value, lower: limits(hits)?.lower, upper: limits(hits + failed)?.upper }
+                Estimate { value, lower: limits(hits)?.lower, upper: limits(perhaps.nonzero() + failed)?.upper }
             }
-            false => estimate(squealing, by, 1.0, failed)?,
+            false => self.squealing.estimate(set, by, 1.0, failed)?,
         };
         let is_heard = self.loudness[set].count() + self.loudness[set].not_finite() > 0;
         let loudness = quantile(&self.loudness[set], Confidence::P95, samples);
@@ -183,15 +237,10 @@ impl ScreenTally {
         let nothing = Estimate { value: f64::INFINITY, lower: 0.0, upper: f64::INFINITY };
         let unknown = Estimate { value: f64::NAN, lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         Some(Confirmed {
-            unstable: estimate(&self.unstable[set], by, most, failed)?,
+            unstable: self.unstable.estimate(set, by, most, failed)?,
             drop: self.difference(plan, 0, set, samples)?,
             squealing,
-            squealing_drop: difference(
-                &self.squeal_drops[0][set],
-                [(&self.squealing[0], 1.0), (&self.squealing[set], 1.0)],
-                by,
-                samples,
-            )?,
+            squealing_drop: self.squealing.difference((0, set), [1.0; 2], by, samples)?,
             growth_quantile: quantile(&self.growth[set], Confidence::P95, samples)?,
             growth_quantile_drop: quantile_drop(&self.growth, set, samples)?,
             loudness_quantile: is_heard.then(|| loudness.unwrap_or(nothing)),
@@ -199,7 +248,7 @@ impl ScreenTally {
             not_followed: is_heard.then(|| self.loudness[set].not_finite()),
             undecided: self.undecided[set],
             divergent: self.divergent[set],
-            samples: self.unstable[set].count(),
+            samples: self.unstable.sure[set].count(),
         })
     }
 
@@ -207,10 +256,11 @@ impl ScreenTally {
     pub fn difference(&self, plan: &Plan, set: usize, less: usize, samples: u64) -> Option<Estimate> {
         if set == less {
             // Nothing is drawn that could differ.
-            return Some(Estimate { value: 0.0, lower: 0.0, upper: 0.0 }).filter(|_| self.unstable[set].count() > 0);
+            return Some(Estimate { value: 0.0, lower: 0.0, upper: 0.0 })
+                .filter(|_| self.unstable.sure[set].count() > 0);
         }
         let ((by, most), (_, of_less)) = (size(plan, set), size(plan, less));
-        difference(&self.drops[set][less], [(&self.unstable[set], most), (&self.unstable[less], of_less)], by, samples)
+        self.unstable.difference((set, less), [most, of_less], by, samples)
     }
 }
 

@@ -24,7 +24,7 @@ use crate::Error;
 use crate::cycles::{CycleOptions, Following, UntilStopped, when_cancelled};
 
 /// Version of the counts. It changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 5;
+const TALLY_VERSION: u32 = 6;
 /// Time between two checkpoints; chosen, as that of a run.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 

@@ -111,7 +111,7 @@ impl Screen {
         }
         let (undecided, divergent) = (sum(|set| set.undecided), sum(|set| set.divergent));
         if undecided > 0 {
-            text += &format!("{undecided} verdicts are UNDECIDED and count as stable\n");
+            text += &format!("{undecided} verdicts are UNDECIDED: stable in the values, and either in the limits\n");
         }
         let followed = self.sets.iter().filter_map(|set| Some((set, set.confirmed.as_ref()?.not_followed?)));
         for (set, not_followed) in followed.filter(|(_, count)| *count > 0) {

@@ -537,6 +537,15 @@ fn verdicts_within_the_error_of_a_reduction_are_open_in_a_screen() {
     let (with, without) = (counted(&screen), counted(&exact));
     assert_eq!(exact.sets[0].confirmed.as_ref().unwrap().undecided, 0);
     assert!(with.value < without.value && without.value <= with.upper, "{with:?} {without:?}");
+    // What is open is either in the limits of a drop too, so that it tells nothing of a dashpot as small as this one.
+    let drops = |screen: &Screen| screen.sets[1].confirmed.as_ref().map(|of| [of.drop, of.squealing_drop]).unwrap();
+    for (drop, exact) in drops(&screen).into_iter().zip(drops(&exact)) {
+        let open = open as f64 / SAMPLES as f64;
+        assert!(
+            drop.lower <= -open && drop.upper >= open && exact.upper - exact.lower < open,
+            "{drop:?} {exact:?} {open}"
+        );
+    }
 
     // Where verdicts are open, what makes them so and what lowers it are said.
     let results = Results::sampled(&Study::new(&reduced, &QrSolver).unwrap()).unwrap();
