@@ -1,11 +1,10 @@
 //! Loss factors that feed vibration: those of terms whose coefficient is below zero.
 
+use std::iter;
+
 use crate::check::{Check, field};
 use crate::expression::Expression;
-use crate::parameter::Parameter;
-
-/// Fractions of the distribution of a parameter at which coefficients are looked at, beside its median.
-const FRACTIONS: [f64; 2] = [0.05, 0.95];
+use crate::parameter::{Parameter, elsewhere};
 
 /// Notes each of `lossy`, names and coefficients of terms with a loss factor, whose coefficient is below zero at the medians of the parameters, or where one of them
 /// is at its 5 or 95 % quantile: `K_t (1 + i eta)` then takes damping from the brake. A place at which an expression has no value is passed over.
@@ -14,15 +13,9 @@ pub(crate) fn note_feeding<'a>(
     parameters: &[&Parameter],
     lossy: impl Iterator<Item = (&'a str, &'a Expression)>,
 ) {
-    let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
-    let mut places = vec![("the medians".to_owned(), medians.clone())];
-    for (at, Parameter { name, distribution, .. }) in parameters.iter().enumerate() {
-        for quantile in FRACTIONS.map(|fraction| distribution.quantile(fraction)) {
-            let mut values = medians.clone();
-            values[at] = quantile;
-            places.push((format!("{name} = {quantile:.4}"), values));
-        }
-    }
+    let medians = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
+    let places: Vec<(String, Vec<f64>)> =
+        iter::once(("the medians".to_owned(), medians)).chain(elsewhere(parameters)).collect();
     for (name, coefficient) in lossy {
         let below_zero = |(place, values): &(String, Vec<f64>)| {
             let value = coefficient.value(values).ok().filter(|value| *value < 0.0)?;

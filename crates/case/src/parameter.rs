@@ -18,6 +18,22 @@ pub struct Parameter {
     pub distribution: Distribution,
 }
 
+/// Places away from the medians, in words, with the values of all parameters there: one of them at its 5 or 95 % quantile, where that is another value than its
+/// median.
+pub(crate) fn elsewhere(parameters: &[&Parameter]) -> Vec<(String, Vec<f64>)> {
+    let medians: Vec<f64> = parameters.iter().map(|parameter| parameter.distribution.median()).collect();
+    let of_parameter = |(at, Parameter { name, distribution, .. }): (usize, &&Parameter)| {
+        let quantiles = [0.05, 0.95].map(|fraction| distribution.quantile(fraction));
+        let place = |quantile: f64| {
+            let mut values = medians.clone();
+            values[at] = quantile;
+            (format!("{name} = {quantile:.4}"), values)
+        };
+        quantiles.into_iter().filter(|quantile| *quantile != medians[at]).map(place).collect::<Vec<_>>()
+    };
+    parameters.iter().enumerate().flat_map(of_parameter).collect()
+}
+
 /// A unit, and a distribution whose fields are in the same table.
 #[derive(Debug, Deserialize)]
 pub(crate) struct ParameterTable {

@@ -56,7 +56,7 @@ pub(super) fn whys<B: UncertainBrake>(brake: &B, scene: &Scene, among: Option<&[
     if !are_unstable {
         modes.extend(least_damped(all));
     }
-    let has_dashpots = brake.mode_source().is_some_and(|source| source.has_dashpots_for_losses(scene));
+    let has_dashpots = brake.source_with_losses(scene).is_some();
     Ok(Whys { of_modes: explainer.why(&modes, &mut work)?, counterparts, has_dashpots, are_unstable })
 }
 

@@ -28,9 +28,9 @@ use crate::errors::argument;
 
 /// Number of samples that a thread evaluates together; chosen.
 const TOGETHER: usize = 64;
-/// What is counted while a brake is prepared, in words of the progress.
+/// Name in the progress of a step while a brake is prepared.
 const PREPARED: &str = "steps of preparation";
-/// What is counted while samples are evaluated, in words of the progress.
+/// Name in the progress of a step while samples are evaluated.
 const EVALUATED: &str = "evaluations";
 
 /// Name, columns, rows.

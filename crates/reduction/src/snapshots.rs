@@ -131,8 +131,8 @@ impl<'a> Snapshots<'a> {
 impl Snapshot<'_> {
     /// The modes, those next to the rectangle among them.
     #[must_use]
-    pub fn modes(&self) -> &[SnapshotMode] {
-        &self.modes
+    pub fn into_modes(self) -> Vec<SnapshotMode> {
+        self.modes
     }
 
     /// The eigenvalues in and to the right of the rectangle, rad/s.

@@ -1,6 +1,6 @@
 //! Computations by real systems: what a brake with loss factors cannot have.
 
-use study::{ModeSource, UncertainBrake};
+use study::UncertainBrake;
 
 use crate::Error;
 
@@ -10,8 +10,7 @@ use crate::Error;
 /// [`Error::LossFactors`].
 pub fn check_real<B: UncertainBrake>(brake: &B, needed_by: &'static str) -> Result<(), Error> {
     let plan = brake.plan();
-    let has_dashpots = |source: &dyn ModeSource| plan.scenes.iter().any(|scene| source.has_dashpots_for_losses(scene));
-    match brake.mode_source().is_some_and(has_dashpots) {
+    match plan.scenes.iter().any(|scene| brake.source_with_losses(scene).is_some()) {
         true => Err(Error::LossFactors { study: plan.source(), needed_by }),
         false => Ok(()),
     }

@@ -78,6 +78,12 @@ pub trait UncertainBrake: Sync {
         self.mode_source().map_or(0.0, |source| source.relative_error(scene))
     }
 
+    /// Source of the modes of a scene whose system has dashpots where the brake has loss factors ([`ModeSource::has_dashpots_for_losses`]); `None` where the
+    /// system is the brake, or a reduction of it.
+    fn source_with_losses(&self, scene: &Scene) -> Option<&dyn ModeSource> {
+        self.mode_source().filter(|source| source.has_dashpots_for_losses(scene))
+    }
+
     /// Contacts beyond their tangents: for the motion after the onset.
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None

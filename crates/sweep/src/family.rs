@@ -172,8 +172,8 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     /// Number of modes that are unstable for certain, and of those that may be, at a fraction of the range of the swept parameter, by a brake that has loss factors
     /// in the place of which its systems have dashpots; `None` of another one.
     pub fn unstable_with_losses(&self, at: f64) -> Result<Option<[usize; 2]>, Error> {
-        let (source, plan, scene) = (self.study.brake().mode_source(), self.study.plan(), self.scene());
-        let Some(source) = source.filter(|source| source.has_dashpots_for_losses(scene)) else { return Ok(None) };
+        let (plan, scene) = (self.study.plan(), self.scene());
+        let Some(source) = self.study.brake().source_with_losses(scene) else { return Ok(None) };
         self.progress.go_on()?;
         let values = self.values(&[at]);
         let found = source.band_modes_with(scene, &self.placed(&values));

@@ -201,7 +201,7 @@ fn solved<'a>(
             fixed.put(to);
             point.put(to);
         };
-        let modes = pieces.interim("solution", inputs, || Ok(snapshots.at(point)?.modes().to_vec()))?;
+        let modes = pieces.interim("solution", inputs, || Ok(snapshots.at(point)?.into_modes()))?;
         progress.advance(1);
         Ok(snapshots.known(point, modes))
     };

@@ -5,7 +5,7 @@ use linsys::{SecondOrder, Term};
 use nalgebra::{DMatrix, DVectorView};
 
 use crate::check::{Check, field};
-use crate::parameter::Parameter;
+use crate::parameter::{Parameter, elsewhere};
 use crate::{CaseError, Expression};
 
 /// Largest square of the frequency of a motion that no stiffness resists, as a fraction of the largest of all; that of
@@ -38,17 +38,10 @@ impl Places {
             terms.iter().zip(coefficients).map(|(term, own)| value(term, own, values)).collect::<Result<Vec<_>, _>>()
         };
         let at_medians = at(&medians)?;
-        let mut elsewhere = Vec::new();
-        for (place, Parameter { name, distribution, .. }) in parameters.iter().enumerate() {
-            let quantiles = [0.05, 0.95].map(|part| distribution.quantile(part));
-            for quantile in quantiles.into_iter().filter(|quantile| *quantile != medians[place]) {
-                let mut values = medians.clone();
-                values[place] = quantile;
-                // An expression may have no value there.
-                elsewhere
-                    .extend(at(&values).ok().map(|coefficients| (format!("{name} = {quantile:.4}"), coefficients)));
-            }
-        }
+        // An expression may have no value there.
+        let with_coefficients = |(place, values): (String, Vec<f64>)| Some((place, at(&values).ok()?));
+        let elsewhere =
+            elsewhere(&parameters.iter().collect::<Vec<_>>()).into_iter().filter_map(with_coefficients).collect();
         Ok(Self { at_medians, elsewhere })
     }
 

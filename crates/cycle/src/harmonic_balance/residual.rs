@@ -27,7 +27,7 @@ use crate::system::ContactForces;
 struct Transfer {
     /// H(i k omega), outputs by forces, with the outputs in their scales.
     h: Vec<DMatrix<Complex<f64>>>,
-    /// Its derivative by omega.
+    /// Derivative of each H by omega.
     by_omega: Vec<DMatrix<Complex<f64>>>,
 }
 

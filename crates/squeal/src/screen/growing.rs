@@ -56,7 +56,7 @@ pub(super) fn growing_modes<B: UncertainBrake>(
             shape: shape.clone(),
         };
         let is_wanted = |lambda: Complex<f64>| plan.threshold.margin(lambda) > 0.0 && plan.is_studied(lambda);
-        match study.brake().mode_source().filter(|source| source.has_dashpots_for_losses(scene)) {
+        match study.brake().source_with_losses(scene) {
             Some(source) => {
                 let at = study.brake().operating_point(scene, &study.brake().median())?;
                 let modes = source.band_modes(scene, &[at]).into_iter().next().transpose()?.unwrap_or_default();

@@ -225,7 +225,7 @@ fn by_integral<B: UncertainBrake>(
     let of_scene = &study.plan().scenes[scene];
     let does_not_apply = || Ok(Err(DoesNotApply { evaluations: 0 }));
     // Onsets of a real system are not those of the brake where it has loss factors.
-    if study.brake().mode_source().is_some_and(|source| source.has_dashpots_for_losses(of_scene)) {
+    if study.brake().source_with_losses(of_scene).is_some() {
         return does_not_apply();
     }
     if let Some(single) = single_parameter(study.brake(), of_scene)
