@@ -26,6 +26,7 @@ mod heard;
 pub mod held;
 mod identity;
 pub mod input;
+mod lattice;
 mod matrices;
 mod measured;
 mod parameter;
@@ -37,7 +38,6 @@ mod squeal;
 mod symmetry;
 mod tables;
 mod types;
-mod validate;
 mod variants;
 
 pub use alternative::Alternative;

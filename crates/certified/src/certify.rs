@@ -14,7 +14,7 @@ use super::measure::{Measure, ROUNDING_ONLY, State};
 use super::scaled::data_noise;
 use super::solve::{GeneralSpectrum, extend};
 use super::vectors::Factor;
-use super::verdict::{decide, gap};
+use super::verdict_by_bound::{decide, gap};
 use crate::{CertifiedError, Counters, JudgedEigenvalue, Verdict};
 
 /// Finite eigenvalue and what is known about its error.

@@ -49,7 +49,7 @@ mod fixtures;
 pub mod francis;
 mod groups;
 mod hessenberg;
-mod judged;
+
 mod kernels;
 mod lane;
 pub mod lanes;
@@ -68,14 +68,15 @@ mod standard;
 mod structure;
 mod vectors;
 mod verdict;
+mod verdict_by_bound;
 
 pub use certify::{Certified, CertifiedEigenvalue, SingleCertifier, certify, improved};
 pub use clusters::{Cluster, ClusterKind};
 pub use counters::Counters;
 pub use error::CertifiedError;
-pub use judged::{JudgedEigenvalue, Verdict};
 pub use order::{by_frequency, sort};
 pub use solve::{GeneralSpectrum, Route, solve};
+pub use verdict::{JudgedEigenvalue, Verdict};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

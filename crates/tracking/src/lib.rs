@@ -16,7 +16,7 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | `path` | [`Path`], from a system or a gain to a system |
-//! | `escalation` | [`identify`], [`identify_all`], [`follow`] |
+//! | `follow` | [`identify`], [`identify_all`], [`follow`](fn@follow) |
 //! | `mac` | the criterion and the assignment |
 //! | `continuation` | single-mode continuation: the predictor and the end of a continuation |
 //! | `corrector` | Newton's method from a predicted eigenvalue |
@@ -68,9 +68,9 @@ mod coalescence;
 mod continuation;
 mod corrector;
 mod error;
-mod escalation;
 mod evaluator;
 mod family;
+mod follow;
 mod kept_spectra;
 mod locus;
 mod mac;
@@ -85,8 +85,8 @@ mod tuning;
 
 pub use branch::{BranchLink, BranchPoint, Branches, OrderedParameter, RefinedPoint, follow_branch, link, link_error};
 pub use error::TrackingError;
-pub use escalation::{follow, identify, identify_all};
 pub use family::{branches, onsets};
+pub use follow::{follow, identify, identify_all};
 pub use kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 pub use locus::{Ambiguity, Branch, RootLocus, root_locus, root_locus_in_steps};
 pub use mac::{clear_matches, mac};

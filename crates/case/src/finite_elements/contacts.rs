@@ -21,8 +21,8 @@ use super::{
 use crate::arrangements::arrangements_by_number;
 use crate::check::{Check, field};
 use crate::expression::formulas::{Formula, Formulas};
+use crate::lattice::{distributions, speed_ranges};
 use crate::schema::BristleDampingEntry;
-use crate::validate::{distributions, speed_ranges};
 use crate::{CaseError, Draws, Expression, FrictionDistributions, Law, schema};
 
 /// The tables of a case about contacts.

@@ -23,9 +23,9 @@ use crate::correlation::Correlated;
 use crate::draft::waiting;
 use crate::expression::formulas::Formulas;
 use crate::feeding::note_feeding;
+use crate::lattice::friction_parameters;
 use crate::parameter::{Parameter, parameter};
 use crate::relaxing::{Relaxing, gains_of};
-use crate::validate::friction_parameters;
 use crate::{CaseError, Draws, FixedDofs};
 
 /// Most samples that are solved with the whole brake too; chosen: hours.
