@@ -90,16 +90,17 @@ pub trait Branches {
     /// The error of a system or of a solution.
     type Error;
 
-    /// Eigenvalues, one of each conjugate pair, rad/s, ascending in frequency; equally many at every parameter.
+    /// Eigenvalues, one of each conjugate pair, rad/s, ascending in frequency. Their number differs from parameter to parameter only where the family
+    /// lets modes become overdamped or leave a band.
     ///
     /// # Errors
-    /// Those of the systems and of the solver.
+    /// Errors of the systems and of the solver.
     fn lambdas(&mut self, at: f64) -> Result<&[Complex<f64>], Self::Error>;
 
     /// The eigenvalue `index` of [`Branches::lambdas`] with its derivative.
     ///
     /// # Errors
-    /// As [`Branches::lambdas`], and those of the vectors.
+    /// As [`Branches::lambdas`], and errors of the eigenvectors.
     fn point(&mut self, at: f64, index: usize) -> Result<BranchPoint, Self::Error>;
 
     /// The eigenvalue next to `lambda`, one of [`Branches::lambdas`], to full accuracy.
@@ -127,7 +128,7 @@ pub struct BranchLink {
     pub to: usize,
     /// The [`link_error`], rad/s.
     pub error: f64,
-    /// The error is far below those of all other links of the two modes.
+    /// True if the error is far below the errors of all other links of the two modes.
     pub is_clear: bool,
 }
 
@@ -146,7 +147,7 @@ fn step_error(from: BranchPoint, to: BranchPoint, step: f64) -> f64 {
     link_error([from.lambda, to.lambda], [from.rate * step, to.rate * step])
 }
 
-/// The best link of the mode `index` at `a` to a mode at `b`; one with an infinite error where there are none.
+/// The best link of the mode `index` at `a` to a mode at `b`; a link with an infinite error where there is no mode at `b`.
 ///
 /// # Errors
 /// Those of the branches.
@@ -170,7 +171,7 @@ pub(crate) fn is_equal(a: Complex<f64>, b: Complex<f64>) -> bool {
 }
 
 /// The mode at `b` with the least link error from `from`, that error, and the error of the second best mode. Where `from` is equal to
-/// another mode at `a`, modes that are equal to the best one are none of its rivals.
+/// another mode at `a`, a mode that is equal to the best one does not count as second best.
 fn two_best<B: Branches + ?Sized>(
     branches: &mut B,
     from: BranchPoint,
@@ -245,16 +246,16 @@ fn follow_step<B: Branches + ?Sized>(
     b: f64,
     smallest: f64,
 ) -> Result<BTreeSet<usize>, B::Error> {
-    let link = link(branches, a, index, b)?;
-    if link.is_clear {
-        return Ok(BTreeSet::from([link.to]));
+    let best = link(branches, a, index, b)?;
+    if best.is_clear {
+        return Ok(BTreeSet::from([best.to]));
     }
     let step = b - a;
     if step.abs() <= smallest {
         let from = branches.point(a, index)?;
-        let rival_error = link.error / CLEAR_LINK_ERROR;
+        let rival_error = best.error / CLEAR_LINK_ERROR;
         let lambdas = branches.lambdas(b)?.to_vec();
-        let mut open: BTreeSet<usize> = link.error.is_finite().then_some(link.to).into_iter().collect();
+        let mut open: BTreeSet<usize> = best.error.is_finite().then_some(best.to).into_iter().collect();
         for (j, lambda) in lambdas.into_iter().enumerate() {
             let is_far = (lambda - from.lambda).norm() > rival_error + from.rate.norm() * step.abs();
             if !is_far && step_error(from, branches.point(b, j)?, step) <= rival_error {

@@ -85,13 +85,14 @@ impl<'a, F> KeptSpectra<'a, F> {
         Self { modes: Some(modes), ..self }
     }
 
-    /// Modes may become overdamped, and oscillate again: their number may differ from parameter to parameter. Rigid motions are none.
+    /// Spectra in which modes may become overdamped and oscillate again: the number of modes may differ from parameter to parameter. Rigid motions are
+    /// not counted as modes.
     #[must_use]
     pub fn with_overdamping(self) -> Self {
         Self { allows_overdamping: true, ..self }
     }
 
-    /// Only modes with Im lambda in this band, rad/s, are there; as they may leave it and come back, their number may differ from parameter to
+    /// Spectra of the modes with Im lambda in this band, rad/s, alone; as modes may leave it and come back, their number may differ from parameter to
     /// parameter.
     #[must_use]
     pub fn in_band(self, band: [f64; 2]) -> Self {

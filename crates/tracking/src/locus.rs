@@ -6,18 +6,20 @@ use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, FIRST_STEPS, first_steps, is_equal, link};
 use crate::error::check_interval;
 
-/// Most steps that one of the first steps is divided into; chosen: where links stay in doubt over a whole interval, as those of equal
-/// modes and of modes that keep no distance do, no step tells them apart.
+/// Number of steps within one first step after which the rest of it, towards its upper end, is not halved any more; chosen: where the links of
+/// modes that are equal, or keep no distance, stay in doubt over a whole interval, no step tells these modes apart.
 const MOST_STEPS: usize = 512;
 
 /// A branch of a root locus.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Branch {
-    /// The parameter, ascending, and the eigenvalue there; denser where branches turn or come near each other.
+    /// Parameter, and the eigenvalue there with its derivative by the parameter; ascending in the parameter, denser where branches turn or come
+    /// near each other.
     pub points: Vec<(f64, BranchPoint)>,
 }
 
-/// A step of the parameter over which branches cannot be continued, because a coalescence lies in the step or near it.
+/// A step of the parameter over which branches cannot be continued, because a coalescence lies in the step or near it, or because a mode becomes
+/// overdamped in it or oscillates again.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Ambiguity {
     /// Parameter at the lower end of the step.
@@ -26,8 +28,8 @@ pub struct Ambiguity {
     pub to: f64,
     /// Indices of the branches that end at `from`.
     pub before: Vec<usize>,
-    /// Indices of the branches that begin at `to`: each may continue any branch of `before`. There are as many, unless a mode
-    /// becomes overdamped in the step, or oscillates again.
+    /// Indices of the branches that begin at `to`: each may continue any branch of `before`. They are as many as those of `before`, unless a mode
+    /// becomes overdamped in the step or oscillates again.
     pub after: Vec<usize>,
 }
 
@@ -41,19 +43,22 @@ pub struct RootLocus {
     pub ambiguities: Vec<Ambiguity>,
 }
 
-/// The upper end of a step, how many modes there are, and for each mode at the lower end the mode that it is linked to; `None` where
-/// no link is clear.
+/// A step of the parameter with the links between the modes at its ends.
 struct LocusStep {
+    /// Parameter at the upper end.
     to: f64,
+    /// Number of modes at the upper end.
     count: usize,
+    /// For each mode at the lower end, the index of the mode at the upper end that continues it; `None` where no link is clear.
     links: Vec<Option<usize>>,
 }
 
-/// The root locus between two values of the parameter. Steps are halved until all links are clear, the step is not longer
-/// than `smallest`, or there are many: what is in doubt then is an ambiguity.
+/// The root locus between two values of the parameter. A step is halved until all its links are clear; it is not halved where it is no longer than
+/// `smallest`, in the unit of the parameter, or where its first step has been divided into `MOST_STEPS` steps. What is in doubt then is an
+/// [`Ambiguity`].
 ///
 /// # Errors
-/// Those of the branches; [`TrackingError::Interval`].
+/// Errors of the branches; [`TrackingError::Interval`].
 pub fn root_locus<B>(branches: &mut B, from: f64, to: f64, smallest: f64) -> Result<RootLocus, B::Error>
 where
     B: Branches + ?Sized,
@@ -62,7 +67,7 @@ where
     root_locus_in_steps(branches, [from, to], FIRST_STEPS, smallest)
 }
 
-/// The root locus as by [`root_locus`], whose interval is divided into `first` equal steps before any of them is halved: fewer serve where the
+/// The root locus as by [`root_locus`], with the interval divided into `first` equal steps before any of them is halved: fewer serve where the
 /// interval is a small part of what is of interest.
 ///
 /// # Errors
@@ -97,7 +102,7 @@ where
     Ok(locus)
 }
 
-/// Enters the step into `steps`, or its halves where a link is not clear.
+/// Enters the step from `a` to `b` into `steps`, or its halves where a link is not clear.
 fn subdivide<B: Branches + ?Sized>(
     branches: &mut B,
     a: f64,
@@ -107,17 +112,17 @@ fn subdivide<B: Branches + ?Sized>(
 ) -> Result<(), B::Error> {
     let [from, count] = [branches.lambdas(a)?.len(), branches.lambdas(b)?.len()];
     let mut links = Vec::with_capacity(from);
-    let (is_smallest, mut is_clear) = (b - a <= smallest || steps.len() >= MOST_STEPS, from == count);
+    let (is_last, mut is_clear) = (b - a <= smallest || steps.len() >= MOST_STEPS, from == count);
     for index in 0..from {
-        if !(is_clear || is_smallest) {
+        if !(is_clear || is_last) {
             break;
         }
-        let link = link(branches, a, index, b)?;
-        is_clear &= link.is_clear;
-        links.push(Some(link.to).filter(|_| link.is_clear));
+        let found = link(branches, a, index, b)?;
+        is_clear &= found.is_clear;
+        links.push(Some(found.to).filter(|_| found.is_clear));
     }
-    part_equal(branches.lambdas(b)?, &mut links);
-    if is_smallest || is_clear {
+    share_out_equal(branches.lambdas(b)?, &mut links);
+    if is_last || is_clear {
         steps.push(LocusStep { to: b, count, links });
         return Ok(());
     }
@@ -126,12 +131,13 @@ fn subdivide<B: Branches + ?Sized>(
     subdivide(branches, middle, b, smallest, steps)
 }
 
-/// Gives modes that are linked to the same one, which is equal to others, one of these each.
-fn part_equal(lambdas: &[Complex<f64>], links: &mut [Option<usize>]) {
+/// Links that lead to one eigenvalue together are shared out among the eigenvalues that are equal to it, one each; a link becomes `None` where no
+/// equal eigenvalue is left.
+fn share_out_equal(lambdas: &[Complex<f64>], links: &mut [Option<usize>]) {
     for index in 0..links.len() {
-        let Some(to) = links[index] else { continue };
-        if links[..index].contains(&Some(to)) {
-            let is_free = |other: &usize| !links.contains(&Some(*other)) && is_equal(lambdas[*other], lambdas[to]);
+        let Some(mode) = links[index] else { continue };
+        if links[..index].contains(&Some(mode)) {
+            let is_free = |other: &usize| !links.contains(&Some(*other)) && is_equal(lambdas[*other], lambdas[mode]);
             links[index] = (0..lambdas.len()).find(is_free);
         }
     }
@@ -146,13 +152,15 @@ impl RootLocus {
         Ok(())
     }
 
-    /// The branch of each mode at the end of a step; a mode that no link leads to begins a new branch.
+    /// Carries the branches over the step between the parameters `from` and `to`: the branch of each mode at `to`, from the branches `here` at `from`,
+    /// the links and the number of modes at `to`. A mode that no link leads to begins a new branch; the step is an [`Ambiguity`] where a branch ends
+    /// or begins.
     fn step(&mut self, [from, to]: [f64; 2], here: &[usize], (links, count): (&[Option<usize>], usize)) -> Vec<usize> {
         let mut there: Vec<Option<usize>> = vec![None; count];
         let mut before = Vec::new();
         for (&branch, link) in here.iter().zip(links) {
             match link {
-                Some(to) => there[*to] = Some(branch),
+                Some(mode) => there[*mode] = Some(branch),
                 None => before.push(branch),
             }
         }
@@ -164,6 +172,7 @@ impl RootLocus {
         there
     }
 
+    /// Begins a branch without points: its index, which is also appended to `after`.
     fn begin(&mut self, after: &mut Vec<usize>) -> usize {
         self.branches.push(Branch::default());
         after.push(self.branches.len() - 1);
