@@ -27,7 +27,7 @@ fn size(z: Complex<f64>) -> f64 {
     z.norm_sqr().sqrt()
 }
 
-/// Guesses of all eigenvalues: those of modes with Im > 0, their conjugates, and those of internal states.
+/// Guesses of all eigenvalues: of the modes with Im > 0, of their conjugates, and of internal states.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Approximations {
     pub sigmas: Vec<Complex<f64>>,
@@ -36,7 +36,7 @@ pub(super) struct Approximations {
 
 /// Guesses of the eigenvalues of internal states, evenly on a circle about a real number.
 ///
-/// The eigenvalues lie together, far left of the axis; they are not wanted and matter only for the bounds of the modes.
+/// The eigenvalues lie together, far left of the imaginary axis; they are not wanted and matter only for the bounds of the modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct InternalCluster {
     pub middle: f64,
@@ -92,9 +92,9 @@ impl Approximations {
 pub(super) struct Enclosure {
     /// Radii of the discs, which contain all eigenvalues if `total < 1`.
     pub radii: Vec<f64>,
-    /// Upper bounds of the shares, for each guess with that of its conjugate, `2 |w_i| / r_i`.
+    /// Upper bound of the share of each guess together with its conjugate, `2 |w_i| / r_i`.
     pub shares: Vec<f64>,
-    /// The sum of all shares, including those of internal states.
+    /// The sum of all shares, including the shares of internal states.
     pub total: f64,
     /// The shares of internal states.
     of_internal: f64,
@@ -126,9 +126,9 @@ impl Wanted {
     }
 }
 
-/// The discs with the largest radii such that those of wanted modes meet no other disc, and those of other modes stay left of
-/// the axis and contain none of the excluded frequencies. `internal` are guesses of internal states with their corrections;
-/// their discs stay left of the axis and meet no disc of a mode.
+/// The discs with the largest radii such that the disc of a wanted mode meets no other disc, and the disc of another mode stays left of
+/// the imaginary axis and contains no excluded frequency. `internal` are guesses of internal states with their corrections;
+/// their discs stay left of the imaginary axis and meet no disc of a mode.
 pub(super) fn enclosure(
     wanted: Wanted,
     sigmas: &[Complex<f64>],

@@ -1,16 +1,23 @@
 //! The growing modes of a structure with friction, without its spectrum.
 //!
-//! Friction in m ports, all with one gain, changes a structure by a matrix of rank m. Its eigenvalues are the zeros of the
+//! Friction acts on a structure through m *ports*, the friction channels of `linsys`, all with the same gain. It changes the dynamic stiffness
+//! `Q_0(lambda) = lambda^2 M + lambda C + K` of the structure by a matrix of rank m at most:
+//!
+//! ```text
+//! Q(lambda) = Q_0(lambda) + B (p R + lambda v(lambda) B^T),   p = mu,  v(lambda) = slope + lag / (lambda + decay)
+//! ```
+//!
+//! with the matrices B and R of a [`Feedback`] and the numbers of a [`Gain`]. The eigenvalues of the structure with friction are the zeros of the
 //! determinant of an m x m matrix, the secular equation
 //!
 //! ```text
 //! det(I + p G(lambda) + lambda v(lambda) H(lambda)) = 0,   G = R Q_0^-1 B,  H = B^T Q_0^-1 B
 //! ```
 //!
-//! (Golub, SIAM Review 15, 1973, for m = 1; the matrix determinant lemma for any m). Its evaluation costs a small part of a
-//! spectrum. Eigenvalues are guessed from those of *anchors*, gains whose spectra are known, and corrected one by one. The
-//! corrections bound the errors of all guesses at once ([`enclosure`]). Damped modes stay guesses, with bounds left of the
-//! axis and away from the frequencies of the growing modes; only the growing modes are found to the last digits.
+//! (Golub, SIAM Review 15, 1973, for m = 1; the matrix determinant lemma for any m). One evaluation of it costs a small part of a
+//! spectrum. Eigenvalues are guessed from the spectra of *anchors*, gains whose spectra are known, and corrected one by one. From the
+//! corrections follow bounds of the errors of all guesses at once, by Smith's theorem (`enclosure.rs`). Damped modes stay guesses, each in a disc
+//! that lies left of the imaginary axis and does not reach the frequency of any growing mode; only the growing modes are found to the last digits.
 
 mod anchors;
 mod enclosure;
@@ -39,10 +46,11 @@ use resolvent::Resolvent;
 /// Largest ratio of the squared number of ports to the number of degrees of freedom for which the secular equation is used;
 /// measured: with 30 degrees of freedom, thirteen ports (extrapolated from nine) cost as much as a spectrum.
 const MOST_SQUARED_PORTS: usize = 6;
-/// i times the mean frequency of the structure, in units of [`Resolvent::unit`]: the point at which slopes are compared.
+/// The point i in units of [`Resolvent::unit`], the geometric mean of |lambda| over the modes of the structure: v(lambda) of two gains is compared
+/// there, to find the nearest anchor.
 const MIDDLE_FREQUENCY: Complex<f64> = Complex::new(0.0, 1.0);
 
-/// A structure with feedback, ready for many gains.
+/// The secular equation of a structure with feedback, ready for many gains.
 ///
 /// ```
 /// use cea::{EigenSolver, Feedback, Gain, QrSolver, Secular, Workspace};
@@ -76,13 +84,13 @@ pub struct Secular {
     resolvent: Resolvent,
 }
 
-/// The modes of one system: the growing modes to rounding accuracy, the damped ones with error bounds.
+/// All modes of one system: the growing modes to rounding accuracy, the damped modes with error bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Growing {
     /// Eigenvalues, one with Im > 0 per mode, ascending in frequency, rad/s: exact to rounding for a growing mode, a guess for a
-    /// damped one. The frequency rank of a growing mode is right.
+    /// damped mode. The number of modes with a lower frequency than a growing mode is certain.
     pub modes: Vec<Complex<f64>>,
-    /// Error bound of each eigenvalue, rad/s; 0 for growing modes, which err by rounding only.
+    /// Error bound of each eigenvalue, rad/s; 0 for growing modes and for modes that the feedback does not move, which err by rounding only.
     pub radii: Vec<f64>,
 }
 
@@ -101,11 +109,11 @@ impl Growing {
 }
 
 impl Secular {
-    /// The secular equation of a structure, or the reason to compute spectra instead: too many ports, or a response that is not
+    /// The secular equation of a structure with feedback, or the reason to compute spectra instead: too many ports, or a response that is not
     /// a sum over oscillating modes.
     ///
     /// # Errors
-    /// Those of the structure's eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
+    /// Errors of the eigenvalues and vectors of the structure; [`CeaError::Channels`] for a feedback of another order than the structure.
     pub fn new(
         structure: &SecondOrder,
         feedback: &Feedback,
@@ -125,8 +133,9 @@ impl Secular {
         &self.structure
     }
 
-    /// Largest distance from the axis, rad/s, of an eigenvalue whose side rounding leaves open: [`Secular::growing`] gives [`LeftOpen::NearAxis`] for such an
-    /// eigenvalue. The same holds for the side of another line than the axis.
+    /// Distance from the imaginary axis, rad/s, up to which rounding leaves open whether an eigenvalue grows: [`Secular::growing`] gives
+    /// [`LeftOpen::NearAxis`] where an eigenvalue is no farther away. A caller that asks on which side of another line an eigenvalue lies, a threshold of
+    /// the growth say, keeps the same distance from that line.
     #[must_use]
     pub fn least_distance(&self) -> f64 {
         search::LEAST_AXIS_DISTANCE * self.resolvent.unit
@@ -139,19 +148,21 @@ impl Secular {
         system.k += gain.mu * force * reading;
         system.c += gain.slope * force * force.transpose();
         if gain.lag != 0.0 {
+            // `z' = -a z + E u'` with F z on the right-hand side: with E = -lag B^T and F = B, Q gains lambda lag / (lambda + a) B B^T.
             let decay = DVector::from_element(force.ncols(), gain.decay);
             system.internal = Internal { decay, drive: -gain.lag * force.transpose(), force: force.clone() };
         }
         system
     }
 
-    /// Makes anchors from gains whose spectra are known; gains with overdamped modes are left out.
-    pub fn anchors(&self, states: &[(Gain, Spectrum)], work: &mut Workspace) -> Anchors {
-        Anchors::new(&self.resolvent, states, work)
+    /// Anchors from gains whose spectra are `known`. A gain with overdamped modes is left out; where all gains are left out, [`Secular::growing`] answers
+    /// [`LeftOpen::NoAnchor`] for every gain.
+    pub fn anchors(&self, known: &[(Gain, Spectrum)], work: &mut Workspace) -> Anchors {
+        Anchors::new(&self.resolvent, known, work)
     }
 
-    /// The modes with each of the gains, as [`Growing`] says; or the reason to compute a spectrum instead. The frequencies,
-    /// rad/s, given with a gain lie outside the error bounds of all damped modes, so that it is known which modes lie below them.
+    /// The modes with each of the gains, as [`Growing`] says; or the reason to compute a spectrum instead. With each gain come frequencies, rad/s:
+    /// the answer is such that none of them lies within the error bound of a damped mode, so that it is certain which modes lie below them.
     ///
     /// The result for one gain does not depend on the other gains, to the last bit.
     pub fn growing(
@@ -165,19 +176,19 @@ impl Secular {
         found
     }
 
-    /// Eigenvalues with Im > 0 and `Re lambda > -part |lambda|`, rad/s, with each of the gains; or the reason to compute a
-    /// spectrum instead.
+    /// Eigenvalues, rad/s, with Im > 0 and a damping ratio `-Re lambda / |lambda|` below `damping_ratio`, with each of the gains; or the reason to compute
+    /// a spectrum instead.
     pub fn near_axis(
         &self,
         anchors: &Anchors,
         gains: &[Gain],
-        part: f64,
+        damping_ratio: f64,
         work: &mut Workspace,
     ) -> Vec<Result<Vec<Complex<f64>>, LeftOpen>> {
-        let wanted = Wanted::Near(part);
+        let wanted = Wanted::Near(damping_ratio);
         let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
         let found = search::search(&self.resolvent, anchors, wanted, &gains, work).into_iter();
-        let is_near = |lambda: &Complex<f64>| lambda.re > -part * lambda.norm();
+        let is_near = |lambda: &Complex<f64>| lambda.re > -damping_ratio * lambda.norm();
         found.map(|found| Ok(found?.modes.into_iter().filter(is_near).collect())).collect()
     }
 }

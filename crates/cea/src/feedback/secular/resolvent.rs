@@ -26,7 +26,7 @@ const UNCONTROLLABLE_PRODUCT: f64 = 1e-12;
 /// Largest relative difference between the sums over modes and a factorisation of Q; chosen: with a larger one, a structure is left to spectra.
 const LARGEST_ERROR: f64 = 1e-11;
 
-/// Feedback forces on a structure: `Q(lambda) = Q_0(lambda) + B (p R + lambda v B^T)`, with numbers p and v.
+/// Feedback forces on a structure: `Q(lambda) = Q_0(lambda) + B (p R + lambda v(lambda) B^T)`, with p and v(lambda) of a [`Gain`](super::Gain).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Feedback {
     /// Directions B of the forces and of the velocities that the forces depend on, n x m.
@@ -46,9 +46,9 @@ pub(crate) struct Resolvent {
     pub uncontrollable: Vec<Complex<f64>>,
     /// Number m of ports.
     pub ports: usize,
-    /// U_k and V_k of `R Q_0^-1 B`: for each entry of the m x m matrix by rows, those of all poles.
+    /// U_k and V_k of `R Q_0^-1 B`: the entries of the m x m matrix by rows, and for each entry its U_k and V_k at all poles.
     pub reading: Vec<[f64; 2]>,
-    /// U_k and V_k of `unit B^T Q_0^-1 B`: the same for its upper triangle by rows.
+    /// U_k and V_k of `unit B^T Q_0^-1 B`: in the same order, for the upper triangle of the m x m matrix by rows.
     pub mobility: Vec<[f64; 2]>,
     /// The modes, whose `shape drive^T / (lambda - pole)` and conjugates add up to `Q_0^-1 B`.
     modes: Vec<DrivenMode>,
@@ -71,11 +71,11 @@ fn motion(reading: &DMatrix<Complex<f64>>, shapes: &DMatrix<Complex<f64>>) -> f6
 }
 
 impl Resolvent {
-    /// The response as a sum over modes; or the reason why there is none: overdamped modes, internal states, a structure that is
+    /// The response as a sum over modes; or the reason why it is no such sum: overdamped modes, internal states, a structure that is
     /// not symmetric in the ports, or modes whose sum differs from the response.
     ///
     /// # Errors
-    /// Those of the eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
+    /// Errors of the eigenvalues and vectors; [`CeaError::Channels`] for a feedback of another order than the structure.
     pub fn new(
         structure: &SecondOrder,
         feedback: &Feedback,
