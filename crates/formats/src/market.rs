@@ -1,10 +1,10 @@
 //! Matrix Market files (`.mtx`), the exchange format of NIST: <https://math.nist.gov/MatrixMarket/formats.html>.
 //!
-//! The reader takes `coordinate` and `array`, `real`, `integer` and `unsigned-integer`, `general`, `symmetric` and
-//! `skew-symmetric` files, and `complex` and `hermitian` ones whose imaginary parts are all 0.
-//! Repeated entries of a coordinate file are added up, as in finite element assembly. A symmetric file holds the lower
-//! triangle with the diagonal, a skew-symmetric file the lower triangle without it. Comments and blank lines may follow
-//! anywhere after the banner, keywords may be in any case, exponents may have the D of Fortran.
+//! The reader takes the formats `coordinate` and `array`; the fields `real`, `integer` and `unsigned-integer`, and `complex` where all imaginary parts
+//! are 0; the symmetries `general`, `symmetric` and `skew-symmetric`, and `hermitian` of a complex file. The field `pattern` is refused.
+//! Repeated entries of a coordinate file are added up, as in finite element assembly. A symmetric file lists the lower
+//! triangle with the diagonal, a skew-symmetric file the lower triangle without it. Comments and blank lines may stand
+//! anywhere, also before the banner; keywords may be in any case, exponents may have the D of Fortran.
 
 use crate::builder::{Builder, Head, Stated};
 use crate::detect::is_banner;
@@ -16,7 +16,7 @@ use crate::numbers::{index, order, value, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
 
-/// The numbers that the first line of a file declares.
+/// Kind of the numbers of a file: the word *field* of its banner.
 #[derive(Clone, Copy, PartialEq)]
 enum Field {
     Real,
@@ -25,8 +25,9 @@ enum Field {
     Complex,
 }
 
-/// The format that the first line of a file declares.
+/// The banner: what the first line of a file declares.
 struct Banner {
+    /// True for the format `coordinate`, false for `array`.
     coordinate: bool,
     field: Field,
     symmetry: Stated,
@@ -50,6 +51,10 @@ pub fn read_market(bytes: &[u8], options: Options<'_>) -> Result<Matrix, Formats
     parse(&mut lines, &limits).map_err(|problem| lines.located(problem))
 }
 
+/// The matrix of the lines of a file.
+///
+/// # Errors
+/// What is wrong in the line last read.
 pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Problem> {
     let banner = loop {
         let first = lines.next()?.ok_or(Problem::Empty)?.trim();
@@ -93,6 +98,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
             builder.imaginary(value(imaginary.unwrap_or_default())?)?;
         }
         check_triangle(i, j, banner.symmetry)?;
+        // A zero that a coordinate file lists is part of the pattern; an array lists all its zeros.
         if banner.coordinate || number != 0.0 {
             builder.push(i, j, number)?;
         }
@@ -123,6 +129,11 @@ fn next_place((i, j): (usize, usize), rows: usize, symmetry: Stated) -> (usize, 
     }
 }
 
+/// The banner in a line.
+///
+/// # Errors
+/// The word that is not among those allowed; of a line without `%%MatrixMarket` whether it looks like a file of Abaqus, whose lines are keywords or lists of
+/// numbers.
 fn read_banner(line: &str) -> Result<Banner, Problem> {
     let lower = line.to_lowercase();
     let mut words = lower.split_ascii_whitespace();
@@ -133,6 +144,7 @@ fn read_banner(line: &str) -> Result<Banner, Problem> {
         let keyword = line.starts_with('*');
         return Err(if abaqus || keyword { Problem::Abaqus { found } } else { Problem::Banner { found } });
     }
+    // The place of the next word in the list `allowed`, which the message shows as it is.
     let mut keyword = |what: &'static str, allowed: &'static str| {
         let found = cut(words.next().unwrap_or_default());
         match allowed.split(", ").position(|word| word == found) {

@@ -45,7 +45,7 @@ pub struct Deck {
     pub element_sets: BTreeMap<String, Vec<i64>>,
     /// Surfaces, as they are written.
     pub surfaces: BTreeMap<String, SurfaceSet>,
-    /// Displacements, directions 1 to 3, that any `*BOUNDARY` holds.
+    /// Displacements, directions 1 to 3, that any `*BOUNDARY` fixes.
     pub held: BTreeSet<Dof>,
 }
 
