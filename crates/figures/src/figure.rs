@@ -15,7 +15,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// The picture as an SVG document, with its printed size in millimetres and its text as text.
+    /// The picture as an SVG document, with its printed size in millimetres; its text is selectable, not outlines.
     #[must_use]
     pub fn svg(&self) -> String {
         vector::to_svg(&self.canvas)
@@ -51,18 +51,18 @@ impl Figure {
     /// name first and renamed when whole, so that no reader ever sees half of one.
     ///
     /// # Errors
-    /// [`FigureError::Write`] with the path of the file that cannot be written; also those of [`png`](Self::png), [`pdf`](Self::pdf) and
-    /// [`csv`](Self::csv), in which case nothing is written.
+    /// Errors of [`png`](Self::png), [`pdf`](Self::pdf) and [`csv`](Self::csv), with which no file is written; [`FigureError::Write`] with the path of
+    /// the file that cannot be written, where the files before it stay.
     pub fn save(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
         let csv = self.csv()?;
         self.save_pictures(dir, stem)?;
         write(dir, stem, "csv", &csv)
     }
 
-    /// Writes `stem.svg`, `stem.png` and `stem.pdf` as [`save`](Self::save) does, where the numbers are in other tables.
+    /// Writes `stem.svg`, `stem.png` and `stem.pdf` as [`save`](Self::save) does, but no CSV: for a figure whose numbers are written elsewhere.
     ///
     /// # Errors
-    /// As [`save`](Self::save).
+    /// As [`save`](Self::save), but for errors of the CSV.
     pub fn save_pictures(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
         let (png, pdf) = (self.png()?, self.pdf()?);
         write(dir, stem, "svg", self.svg().as_bytes())?;
