@@ -12,7 +12,7 @@ use crate::input::{LARGEST_CASE, read_text};
 /// A case file, by the kind of its brake.
 #[derive(Debug, Clone)]
 pub enum CaseFile {
-    /// A lattice of oscillators, `[brake] kind = "lattice"` or a table `[lattice]` alone.
+    /// A lattice of oscillators, `[brake] kind = "lattice"` or a table `[lattice]` without `brake.kind`.
     Lattice(Box<LatticeCase>),
     /// A brake given by its matrices, `[brake] kind = "matrices"`.
     Matrices(Box<MatricesCase>),
@@ -20,18 +20,20 @@ pub enum CaseFile {
     FiniteElements(Box<FiniteElementCase>),
 }
 
-/// The part of a case file that gives its kind.
+/// The part of a case file that tells the kind of its brake.
 #[derive(Deserialize)]
 struct KindOfFile {
     brake: Option<KindOfBrake>,
     lattice: Option<toml::Table>,
 }
 
+/// The table `[brake]` as far as it tells the kind.
 #[derive(Deserialize)]
 struct KindOfBrake {
     kind: Option<BrakeKind>,
 }
 
+/// The word `brake.kind`.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum BrakeKind {
@@ -52,8 +54,8 @@ impl CaseFile {
     /// Reads and checks a case file with fields set, each as `NAME=VALUE`: as if they stood in the file.
     ///
     /// NAME is a parameter of `[parameters]` or `[friction]`, or any field as a dotted key of TOML, in which a table of a list goes by its
-    /// `name`. VALUE is one of TOML, or text without quotes; a number in place of a distribution is the constant, and a distribution that
-    /// says no unit has that of the one before it.
+    /// `name`: `contacts.pad.mu` is the field `mu` of the table of `[[contacts]]` with `name = "pad"`. VALUE is a value of TOML, or text without
+    /// quotes. A number in place of a distribution is the constant; a distribution without a unit keeps the unit of the distribution that it replaces.
     ///
     /// # Errors
     /// As [`CaseFile::read`].
@@ -76,7 +78,7 @@ impl CaseFile {
         }
     }
 
-    /// The header of the case, to be changed: samples and seed, for instance.
+    /// The header of the case, to be changed: samples and seed, for instance. What is changed is not checked again.
     pub fn header_mut(&mut self) -> &mut CaseHeader {
         match self {
             Self::Lattice(case) => &mut case.header,
@@ -85,7 +87,8 @@ impl CaseFile {
         }
     }
 
-    /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
+    /// Parses and checks the text of a case file, and reads the files that it names, by their paths from the folder of `path`; messages name `path`,
+    /// which itself is not read.
     ///
     /// # Errors
     /// As [`CaseFile::read`].

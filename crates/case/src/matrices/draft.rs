@@ -10,7 +10,8 @@ use crate::draft::{Draft, damping_line, is_one_sided, named, quoted, symmetry_li
 const MOST_DOFS: usize = 12;
 
 impl Draft {
-    /// The draft of a case at `case`, which need not exist, of files, as `FILE` or `FILE:NAME`, with mass and stiffness, and one with the damping.
+    /// The draft of a case file `case`, which need not exist, from the files of mass and stiffness and, if given, of damping, each as `FILE` or
+    /// `FILE:NAME`.
     ///
     /// # Errors
     /// Matrices that cannot be read, or do not belong together.
@@ -19,16 +20,18 @@ impl Draft {
         mass_and_stiffness: &[PathBuf; 2],
         damping: Option<&Path>,
     ) -> Result<Self, CaseError> {
-        let read = |is_triangle: bool, dofs: &[String]| {
-            let text = text(case, mass_and_stiffness, damping, is_triangle, dofs);
-            Ok((MatricesCase::parse(case, text.clone())?, text))
+        // A draft is written and then parsed, which reads its matrices: the case tells the names of the degrees of freedom.
+        let drafted = |is_triangle: bool, dofs: &[String]| {
+            let draft = text(case, mass_and_stiffness, damping, is_triangle, dofs);
+            Ok((MatricesCase::parse(case, draft.clone())?, draft))
         };
-        let (is_triangle, (first, _)) = match read(false, &[]) {
-            Err(error) if is_one_sided(&error) => (true, read(true, &[])?),
+        // A one-sided matrix is refused unless it is said to be a triangle.
+        let (is_triangle, (first, _)) = match drafted(false, &[]) {
+            Err(error) if is_one_sided(&error) => (true, drafted(true, &[])?),
             other => (false, other?),
         };
-        // Once more, with the names that were found.
-        let (_, text) = read(is_triangle, &first.dofs)?;
+        // Once more with the names that were found; parsed again as a check, for which the matrices are read a second or third time.
+        let (_, text) = drafted(is_triangle, &first.dofs)?;
         let triangle = if is_triangle { ", taken as a triangle: look at `symmetry`" } else { "" };
         let found = vec![
             ("matrices", format!("{} degrees of freedom{triangle}", first.dofs.len())),
@@ -38,6 +41,7 @@ impl Draft {
     }
 }
 
+/// The text of the draft; `dofs` are the names of the degrees of freedom, of which the first are listed.
 fn text(
     case: &Path,
     mass_and_stiffness: &[PathBuf; 2],
