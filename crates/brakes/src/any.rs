@@ -63,8 +63,8 @@ pub trait CaseBrake: UncertainBrake {
     }
 }
 
-/// Medians of the parameters `given` in words, without factors of other numbers, which are 1 there, and without those of single contacts that have
-/// the value of all.
+/// Medians of the parameters `given` in words, without factors of other numbers, which are 1 there, and without parameters of single contacts whose median is
+/// the median of all contacts.
 pub(crate) fn values_in_words(given: &[NamedParameter]) -> String {
     let is_of_all = |p: &NamedParameter| {
         let all = p.name.split_once('.').map(|(name, _)| name);

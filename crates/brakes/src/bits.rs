@@ -13,7 +13,7 @@ pub(crate) trait Bits: Sized {
     /// Adds the value to bytes.
     fn put(&self, to: &mut Vec<u8>);
 
-    /// Takes a value from the beginning of bytes; `None` where they hold none.
+    /// Takes a value from the beginning of bytes; `None` where they hold no value.
     fn take(from: &mut &[u8]) -> Option<Self>;
 
     /// The value as bytes.

@@ -5,7 +5,7 @@ use study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel, Units};
 
 use crate::case::{Law, SpeedRange};
 
-/// Labels of laws, ranges of speed and arrangements, without those of constraints, degrees of freedom and the point of naming.
+/// Labels of laws, ranges of speed and arrangements; labels of constraints, degrees of freedom and the naming point are left empty.
 pub(super) fn friction_labels(
     laws: &[Law],
     speeds: &[SpeedRange],

@@ -313,7 +313,7 @@ impl Pieces<'_> {
         moved.inspect_err(|_| drop(fs::remove_file(&partial)))
     }
 
-    /// Makes the folder of the brake, in one that git does not see, and removes those of brakes that were not used for longest.
+    /// Makes the folder of the brake, in a folder that git does not see, and removes the folders of brakes that have not been used for longest.
     fn make_folder(&self, folder: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
         fs::write(folder.join(OF_BRAKE), &self.about)?;

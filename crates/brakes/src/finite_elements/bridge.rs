@@ -1,4 +1,4 @@
-//! Coordinates that the bases of two arrangements have in common, in which the modes of one become those of the other.
+//! Coordinates that the bases of two arrangements have in common, in which the modes of one arrangement become the modes of the other.
 
 use cea::{CeaError, Mode, NewtonStep};
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder, real_times_complex};
@@ -44,7 +44,7 @@ pub(super) fn bridge(
         false => from + &onto * (change * &common),
     };
     let [m, c, k] = [changed(&start.m, &change.m), changed(&start.c, &change.c), changed(&start.k, &change.k)];
-    // Those of the law in closed contacts, and of what relaxes.
+    // Internal states of the law in closed contacts, and of what relaxes.
     let states = reduced.assemble(&end_point)?.projected(&common)?.internal;
     let end = SecondOrder::with_internal(m, c, k, states)?;
     let highest = origin_modes.iter().chain(own_modes).map(|mode| mode.lambda.im).fold(0.0, f64::max);
@@ -70,7 +70,7 @@ fn own_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoin
     Ok(of_brake(case, closed, &naming_point(case, closed)?))
 }
 
-/// Change of the operating point from the naming point of a set of constraints to that of a configuration. A system is linear in it.
+/// Change of the operating point from the naming point of a set of constraints to the naming point `to` of a configuration. A system is linear in it.
 fn change(case: &FiniteElementCase, to: &OperatingPoint) -> Result<OperatingPoint, Error> {
     let from = own_point(case, &all_patches(case))?;
     let gain = |(from, to): (&ChannelGain, &ChannelGain)| ChannelGain {

@@ -47,7 +47,7 @@ pub(super) struct Responses {
 }
 
 impl Responses {
-    /// Those of a brake over its free rows; `None` without contacts.
+    /// The responses of a brake over its free rows; `None` without contacts.
     pub fn new(case: &FiniteElementCase, system: &SparseAffineSystem) -> Result<Option<Self>, Error> {
         let contacts: Vec<&Channel> = system.channels().iter().filter(|channel| channel.is_contact).collect();
         if contacts.is_empty() {

@@ -28,12 +28,12 @@ impl FiniteElementBrake {
         contact.map_or(1, |contact| contact.patches.len())
     }
 
-    /// The coordinate of the first parameter of coefficients, after those of friction.
+    /// The coordinate of the first parameter of coefficients, after the coordinates of friction.
     fn first_parameter(&self) -> u32 {
         OF_CONTACT * self.drawn_contacts() as u32
     }
 
-    /// Number of values of friction, which are before those of coefficients in a correlation.
+    /// Number of values of friction; in a correlation they come before the values of coefficients.
     fn friction_values(&self) -> usize {
         let of_contact = self.case.contact.as_ref().map_or(0, |contact| contact.friction.of_draw().len());
         of_contact * self.drawn_contacts()

@@ -17,11 +17,11 @@ use crate::case::FiniteElementCase;
 use crate::prepared::Pieces;
 use crate::{Error, Prepared, Purpose};
 
-/// Number of the first stream of the draws that are checked: far from those of samples, which begin at 0, and of training points, so that the number of
-/// samples changes nothing.
+/// Number of the first stream of the draws that are checked: far from the streams of samples, which begin at 0, and of training points, so that the
+/// number of samples changes nothing.
 const FIRST_STREAM: u64 = u64::MAX / 2;
-/// Largest distance of a mode next to the axis from that of the whole brake, relative to |lambda|, with which a draw agrees; a reduction is trained on draws
-/// with a larger one. Chosen: at this distance so few verdicts are open for it that they can be settled, and bases made anew take longer.
+/// Largest distance of a mode next to the imaginary axis from the same mode of the whole brake, relative to |lambda|, with which a draw agrees; a reduction is
+/// trained on draws with a larger distance. Chosen: at this distance so few verdicts are open for it that they can be settled, and bases made anew take longer.
 const TRAINED_ABOVE: f64 = 1e-4;
 
 /// Result of one draw: where the reduced brake and the whole one differ, and the point at which it may be trained on.

@@ -17,7 +17,7 @@ const MOST_NAMED: usize = 5;
 
 /// The plan, and the closed patches of each of its configurations.
 ///
-/// `origins` is the reduced brake of each set of constraints with all patches closed, `configurations` that of each configuration.
+/// `origins` has the reduced brake of each set of constraints with all patches closed, `configurations` the reduced brake of each configuration.
 pub(super) fn plan(
     case: &FiniteElementCase,
     origins: &[&Reduced],

@@ -68,7 +68,7 @@ const CHECKS_OF_SPECTRUM: usize = 6;
 /// Finite element brake of a case, reduced: a dense brake for each configuration in place of the mesh.
 ///
 /// Each set of constraints has one basis, in which the modes of all its arrangements of closed patches can be written. Each part, some
-/// configurations that are studied together, has a smaller basis, whose columns are combinations of those of its set.
+/// configurations that are studied together, has a smaller basis, whose columns are combinations of the columns of the basis of its set.
 #[derive(Debug)]
 pub struct FiniteElementBrake {
     /// The case.
@@ -269,7 +269,7 @@ impl FiniteElementBrake {
         &self.closed[scene.configuration]
     }
 
-    /// The operating point of the whole brake, reduced or not, from that of a scene.
+    /// The operating point of the whole brake, reduced or not, from the operating point `at` of a scene.
     pub fn full_point(&self, scene: &Scene, at: &OperatingPoint) -> OperatingPoint {
         points::of_brake(&self.case, self.closed(scene), at)
     }

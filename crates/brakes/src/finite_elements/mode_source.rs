@@ -13,9 +13,9 @@ use study::{BandMode, Bridge, CoarsePath, FullChecks, ModeResidual, ModeSource, 
 use super::{FiniteElementBrake, Part, bridge, on_axis, parameters, settled, whole};
 use crate::Error;
 
-/// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two distances, each the largest that was measured,
-/// relative: of eigenvalues on the basis of a part from those on the basis of its set, and of these from those of the whole brake. Chosen;
-/// how far off samples really are is told by those that are solved with the whole brake.
+/// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two relative distances, each the largest that was measured: of
+/// eigenvalues on the basis of a part from eigenvalues on the basis of its set, and of the latter from eigenvalues of the whole brake. Chosen;
+/// how far off samples really are is told by the samples that are solved with the whole brake.
 const ALLOWANCE: f64 = 100.0;
 /// Least assumed error of an eigenvalue, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were
 /// solved with the whole brake.
@@ -89,7 +89,7 @@ impl FiniteElementBrake {
         on_axis::on_axis(lambdas, self.error_of_modes(scene), band)
     }
 
-    /// Relative error of an eigenvalue of a sample of a scene against that of the whole brake: a rule, not a bound.
+    /// Relative error of an eigenvalue of a sample of a scene against the eigenvalue of the whole brake: a rule, not a bound.
     pub(super) fn error_of_modes(&self, scene: &Scene) -> f64 {
         let part = self.part(scene);
         let set = &self.sets[part.set];
@@ -98,7 +98,8 @@ impl FiniteElementBrake {
         (ALLOWANCE * (of_part + of_set)).max(BEYOND_CHECKED * set.checked).max(LEAST_ERROR)
     }
 
-    /// True if the distance of the modes of a part from those of its set was measured, on a basis that holds them.
+    /// True if the distance of the modes of a part from the modes of its set is known: the basis of the part has the error that was asked for,
+    /// or as many columns as the basis of the set.
     fn is_known(&self, part: &Part) -> bool {
         part.within.is_reached || part.within.basis.ncols() == self.sets[part.set].basis.ncols()
     }

@@ -1,4 +1,4 @@
-//! The outer faces of a finite element brake, those of its mesh: for the sound of a motion.
+//! The outer faces of the mesh of a finite element brake: for the sound of a motion.
 
 use elements::FaceKind;
 use formats::{Dof, Mesh, Surface};
@@ -39,7 +39,7 @@ struct Piece {
     area: f64,
 }
 
-/// G of motions `V u`, where the rows of V, the basis, are those of nodes in x, y and z: the sum of `(n^T V) (n^T V)^T dA` over the pieces.
+/// G of motions `V u`, where V is the basis and a row of V is a node in x, y or z: the sum of `(n^T V) (n^T V)^T dA` over the pieces.
 fn form(
     pieces: &[Piece],
     rows: &[[Option<usize>; 3]],
@@ -64,14 +64,14 @@ fn form(
     Ok(form)
 }
 
-/// Part of the area whose motion along the normal is that of nodes without rows.
+/// Fraction of the area whose motion along the normal is not known, because its nodes have no rows.
 fn part_without(pieces: &[Piece], rows: &[[Option<usize>; 3]]) -> f64 {
     let of_node = |piece: &Piece, (node, weight): &(usize, f64)| {
         let lacking = rows[*node].iter().zip(&piece.normal).filter(|(row, _)| row.is_none());
         piece.area * weight * lacking.map(|(_, normal)| normal * normal).sum::<f64>()
     };
     let without: f64 = pieces.iter().flat_map(|piece| piece.nodes.iter().map(move |node| of_node(piece, node))).sum();
-    // The sum of none is -0.
+    // The sum over no nodes is -0.
     (0.0 + without) / pieces.iter().map(|piece| piece.area).sum::<f64>()
 }
 

@@ -60,8 +60,7 @@ pub(super) fn of_sample(scene: &SceneOf<'_>, sample: FiniteElementSample) -> Val
     Values { friction, sample, load: 1.0, stiffness: vec![1.0; patches] }
 }
 
-/// The parameters on which the systems of a scene depend: the case's own, those of friction, speed and load, and the stiffness of each
-/// closed patch.
+/// The parameters on which the systems of a scene depend: the parameters of the case, of friction, speed and load, and the stiffness of each closed patch.
 fn of_scene(scene: &SceneOf<'_>) -> Vec<Choice> {
     let acts = |place: &usize| scene.case.contact.as_ref().is_none_or(|of| of.spread.acts_in(*place, scene.closed));
     let own = (0..scene.case.parameters.len()).filter(acts).map(Choice::Own);

@@ -10,7 +10,7 @@ use crate::Error;
 use crate::case::{CaseError, FiniteElementCase, Law, Patch, PatchContact};
 
 /// The operating point of the configuration with the patches `closed` in contact, under a law at a speed: the coefficients of the case's terms, then
-/// one for all that is constant in it, and the gains of closed patches, then those of what relaxes.
+/// one for all that is constant in it, and the gains of closed patches, then the gains of what relaxes.
 pub(super) fn scene_point(
     case: &FiniteElementCase,
     closed: &[usize],
@@ -20,8 +20,8 @@ pub(super) fn scene_point(
     scaled_point(case, closed, friction, sample, UNSCALED)
 }
 
-/// The operating point of a configuration as [`scene_point`], with loads multiplied, and in equilibrium with that of patches whose stiffness is
-/// multiplied; that itself is not, which [`of_brake`] takes apart.
+/// The operating point of a configuration as [`scene_point`], with the loads multiplied. An equilibrium is found with the multiplied stiffness of the patches,
+/// but the coefficients are not multiplied: only in a point of the whole brake, by [`of_brake`], has each patch a coefficient of its own.
 pub(super) fn scaled_point(
     case: &FiniteElementCase,
     closed: &[usize],
@@ -130,8 +130,8 @@ fn naming(case: &FiniteElementCase) -> (Option<(Law, f64)>, FiniteElementSample)
     (law_and_speed(case, Some((law, range)), &median), median)
 }
 
-/// The operating point of the whole brake from that of a configuration: holders count once, closed patches as their stiffness
-/// is drawn, open ones not.
+/// The operating point of the whole brake from the operating point `at` of a configuration: holders have the coefficient 1, closed patches the drawn
+/// factor of their stiffness, open patches 0.
 pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &OperatingPoint) -> OperatingPoint {
     let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let own = case.coefficients.len();
@@ -164,7 +164,7 @@ pub fn at_medians(case: &FiniteElementCase) -> Result<OperatingPoint, Error> {
 /// A factor of the load that is not > 0 there.
 pub fn loads_at_medians(case: &FiniteElementCase) -> Result<Vec<Vec<f64>>, Error> {
     let Some(contact) = &case.contact else { return Ok(Vec::new()) };
-    // That of an equilibrium is in it.
+    // The loads of an equilibrium have the factor already.
     let factor = if contact.balance.is_some() { 1.0 } else { load_factor(case, contact, &median(case))? };
     let of_patch = |patch: &Patch| patch.shares.iter().map(|share| patch.load * share * factor).collect();
     Ok(contact.patches.iter().map(of_patch).collect())
@@ -193,7 +193,7 @@ pub(super) fn without_friction(channels: &[Channel], at: &mut OperatingPoint) {
     contacts.for_each(|(_, gain)| *gain = ChannelGain::default());
 }
 
-/// Channels of the configuration with the patches `closed` in contact, by their indices in the system: those of the patches, then those of what relaxes.
+/// Channels of the configuration with the patches `closed` in contact, by their indices in the system: channels of the patches, then of what relaxes.
 pub(super) fn own_channels<'a>(case: &'a FiniteElementCase, closed: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
     closed.iter().flat_map(|&patch| channels_of(case, patch)).chain(case.channels_of_branches())
 }

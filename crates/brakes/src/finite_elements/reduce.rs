@@ -83,8 +83,8 @@ struct PartPiece {
 
 bits!(PartPiece { within, coarse, distance_of_losses, first });
 
-/// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept`, where there are some,
-/// those of all at their further points `trained`.
+/// Reduces the brake with each set of constraints. A basis holds the modes of the first configuration at the points `swept`, if any, and the modes of every
+/// configuration at its further points `trained`.
 pub(super) fn all_bases(
     (case, pieces): (&FiniteElementCase, &Pieces<'_>),
     bases: Bases,

@@ -40,14 +40,14 @@ pub struct ReducedSet {
     losses: Option<Losses>,
     /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
     pub modes: Vec<Complex<f64>>,
-    /// Comparison of these modes with those of the reduced brake.
+    /// Comparison of these modes with the modes of the reduced brake.
     pub compared: Compared,
     /// Draws of which the basis was not made.
     pub(super) drawn: Vec<HeldOut>,
-    /// Largest distance, relative to |lambda|, of a mode of the reduced brake that may grow or not from that of the whole one, at these draws; 1 where one
-    /// of them, or the medians, does not have the same modes, and 0 without any.
+    /// Largest distance, relative to |lambda|, from the whole brake to the reduced brake, of a mode that may grow or not, at these draws; 1 where at one of the
+    /// draws, or at the medians, the two do not have the same modes, and 0 without draws.
     pub held_out: f64,
-    /// The largest such distance at full checks; 0 without any.
+    /// The largest such distance at full checks; 0 without full checks.
     pub checked: f64,
     /// Responses of the contacts far beyond the band, made when they are first asked for; `None` without contacts.
     responses: OnceLock<Option<Responses>>,
@@ -62,9 +62,9 @@ pub struct ReducedSet {
 pub struct Part {
     /// The set of constraints.
     pub set: usize,
-    /// Basis within that of the set, what it took, and whether it was reached.
+    /// Basis within the basis of the set, what it took, and whether it has the error that was asked for.
     pub within: Within,
-    /// Largest distance, relative to |lambda|, of its modes with dashpots from those with loss factors, where it was measured; 0 without any.
+    /// Largest distance, relative to |lambda|, of its modes with dashpots from its modes with loss factors, where it was measured; 0 without loss factors.
     pub distance_of_losses: f64,
     /// Modes in the rectangle at the medians, rad/s.
     pub first: Vec<Complex<f64>>,
@@ -140,7 +140,7 @@ impl ReducedSet {
         Ok(self.responses.get().and_then(Option::as_ref))
     }
 
-    /// The brake on a smaller basis W within that of the set.
+    /// The brake on a smaller basis W within the basis of the set.
     pub(super) fn reduced_within(&self, columns: &DMatrix<f64>, case: &FiniteElementCase) -> Result<Reduced, Error> {
         let of_set = (&self.basis, &self.reduced, &self.combinations);
         Ok(Reduced::within(of_set, self.losses.as_ref(), columns, rectangle(case), case.reduction.residual)?)

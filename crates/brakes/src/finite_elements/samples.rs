@@ -190,8 +190,8 @@ mod tests {
         draws.iter().enumerate().map(distance).fold(0.0, f64::max)
     }
 
-    /// The stiffness of a patch goes with the friction of this patch and with that of no other; all have the distributions that they have alone, and what is not named has
-    /// its draws.
+    /// The stiffness of a patch is correlated with the friction of this patch and of no other. Each value has the distribution that it has alone, and a
+    /// value that the correlation does not name has its draws.
     #[test]
     fn a_patch_has_a_stiffness_that_goes_with_its_own_friction() {
         let over = "over = \"patches\"";

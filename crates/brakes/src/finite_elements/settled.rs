@@ -14,7 +14,7 @@ const SAME_MODE: f64 = 0.1;
 
 /// Gives modes whose verdict is open, of a reduced brake at an operating point of the whole one, the eigenvalues of the whole brake next to them, with their
 /// errors. True if the whole brake was asked, which it is not if no mode or more than `most` are open. A mode stays as it is if its eigenvalue is not found, is
-/// farther away than the mode of the whole brake can be, or may be that of another open mode.
+/// farther away than the mode of the whole brake can be, or may belong to another open mode.
 ///
 /// # Errors
 /// A point of another brake.
@@ -50,8 +50,8 @@ pub(super) fn settle(
     Ok(true)
 }
 
-/// The eigenvalue of the whole brake that was `found` from mode number `at`, if it can be that of none of the other `modes`. These are eigenvalues with the
-/// errors assumed of them, rad/s.
+/// The eigenvalue of the whole brake that was `found` from mode number `at`, if it cannot belong to any other of the `modes`; `None` if it can. `modes` are
+/// eigenvalues with the errors assumed of them, rad/s.
 fn own_eigenvalue(
     at: usize,
     modes: &[(Complex<f64>, f64)],

@@ -27,11 +27,11 @@ pub(super) fn sliding<'a>(
     Ok(Some(Sliding { case, contact, closed, law, speed, sample, scales }))
 }
 
-/// Factors of the load of all pairs and of the stiffness of each patch, beside those of a sample.
+/// Factors of the load of all pairs and of the stiffness of each patch, which multiply the factors of a sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scales<'a> {
     pub load: f64,
-    /// One of each patch; without any they are 1.
+    /// Factor for each patch; all are 1 where the list is empty.
     pub stiffness: &'a [f64],
 }
 
@@ -252,7 +252,7 @@ fn across(tangent: &Tangent, load: f64, speed: f64) -> ChannelGain {
     ChannelGain { slope: tangent.mu * load / speed, ..ChannelGain::default() }
 }
 
-/// Factor of the stiffness of all pairs in a sample; 1 where the case gives none.
+/// Factor of the stiffness of all pairs in a sample; 1 where the case does not give the factor.
 pub(super) fn stiffness_factor(
     case: &FiniteElementCase,
     sample: &FiniteElementSample,

@@ -147,7 +147,7 @@ fn parts(scene: &SceneOf<'_>, system: &AffineSystem, at: &OperatingPoint) -> Res
         }
     }
     let patches = scene.case.contact.iter().flat_map(|contact| &contact.patches);
-    // Behind those of friction; friction across the sliding is refused.
+    // Channels behind the channels of friction; friction across the sliding is refused.
     for channel in patches.flat_map(|patch| patch.channels.clone().skip(patch.pairs.len())) {
         let (gain, channel) = (at.channels[channel].mu, &system.channels()[channel]);
         let Some(part) = parts.iter_mut().find(|part| part.family == channel.family) else {

@@ -106,7 +106,7 @@ fn equal_patches_are_one_patch() {
     }
 }
 
-/// A stiffness and a friction that one patch alone has change its forces alone: the difference is that of its own term and channels.
+/// A stiffness and a friction that one patch alone has change its forces alone: the systems differ by its own term and channels.
 #[test]
 fn a_patch_has_its_own_stiffness_and_friction() {
     let case = parse("disc-pad", &disc_pad("over = \"patches\"\n")).unwrap();

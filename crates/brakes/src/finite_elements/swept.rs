@@ -17,7 +17,7 @@ const ALONG_EACH: usize = 6;
 /// that is swept it is the point of the medians alone.
 ///
 /// # Errors
-/// A parameter that the scene does not have, a range that is none, values without an operating point.
+/// A parameter that the scene does not have or that is named twice, a range that does not go up, values without an operating point.
 pub(super) fn points(case: &FiniteElementCase, over: &[Over]) -> Result<Vec<OperatingPoint>, Error> {
     let contact = case.contact.as_ref();
     let closed = contact.map_or(Vec::new(), |contact| contact.panels[0].1[0].in_contact().to_vec());

@@ -1,4 +1,4 @@
-//! Modes of the whole brake, and how far those of a reduced one are from them.
+//! Modes of the whole brake, and how far the modes of a reduced brake are from them.
 
 use cea::{ROUNDED_DATA, frequency_hz};
 use linsys::OperatingPoint;
@@ -24,7 +24,8 @@ const BESIDE: f64 = 1.05;
 /// looked at; with more, errors that change none ask for more training.
 const NEXT_TO_AXIS: f64 = 0.02;
 
-/// The modes of a whole brake where those of a case are wanted, up to what a reduced one has there at least.
+/// The modes of a whole brake in the rectangle of a case, which is extended to the right beyond the largest growth among the modes `reduced` of the
+/// reduced brake.
 pub(super) fn whole_modes(
     case: &FiniteElementCase,
     system: &SparseSecondOrder,
@@ -94,7 +95,7 @@ impl FiniteElementBrake {
     }
 }
 
-/// The modes of the whole brake at the point where those of a part were found first.
+/// The modes of the whole brake at the naming point of the configuration with the patches `closed` in contact.
 pub(super) fn modes_at_medians(
     case: &FiniteElementCase,
     set: &ReducedSet,
@@ -110,8 +111,8 @@ pub(super) fn is_next_to_axis(lambda: Complex<f64>) -> bool {
     lambda.re.abs() <= NEXT_TO_AXIS * lambda.norm()
 }
 
-/// The largest distance of modes next to the axis, on the bases of the parts, from those of the whole brake at draws that are held out; 1 where one of
-/// both has such a mode and the other has none. With it the largest residual of these modes.
+/// The largest distance of modes next to the imaginary axis, on the bases of the parts, from the modes of the whole brake at draws that are held out; 1 where
+/// either brake has such a mode that the other does not have. With it the largest residual of these modes on the bases of the parts.
 pub(super) fn held_out<'a>(
     case: &FiniteElementCase,
     drawn: &[HeldOut],

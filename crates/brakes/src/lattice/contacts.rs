@@ -11,7 +11,7 @@ use crate::case::{LatticeReadings, Law};
 /// N/m, of a sample at a speed, m/s.
 ///
 /// # Errors
-/// Friction across the sliding; those of the law; no static equilibrium.
+/// Friction across the sliding; errors of the friction law; no static equilibrium.
 pub(super) fn contact_system(
     lattice: &PreparedLattice,
     law: Law,

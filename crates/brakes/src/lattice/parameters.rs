@@ -57,7 +57,7 @@ macro_rules! of_all {
     };
 }
 
-/// Every parameter of speed, load and structure. In the list of a scene they follow those of friction and precede the stiffnesses of single contacts.
+/// Every parameter of speed, load and structure. In the list of a scene they follow the parameters of friction and precede the stiffnesses of single contacts.
 const LATTICE: &[LatticeParameter] = &[
     LatticeParameter {
         name: "v",
@@ -143,7 +143,7 @@ fn with_force(preload: Preload, force: f64) -> Preload {
     }
 }
 
-/// The value of all entries of a list; `None` if they differ or there are none.
+/// The value of all entries of a list; `None` if they differ or the list is empty.
 fn alike(list: &[f64]) -> Option<f64> {
     let first = *list.first()?;
     list.iter().all(|value| *value == first).then_some(first)

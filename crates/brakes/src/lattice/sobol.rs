@@ -28,7 +28,7 @@ pub(crate) struct DrawnFriction<'a> {
 const COORDINATES: [u32; FrictionDistributions::DRAWN.len()] = [0, 3, 2, 0, 4, 5, 6, 7, 8];
 /// Coordinate of the speed.
 const SPEED: u32 = 1;
-/// Coordinates of a contact; in the second and later ones that of the speed is not used.
+/// Number of coordinates of a contact; the second and later contacts do not use the coordinate of the speed.
 pub(crate) const OF_CONTACT: u32 = 9;
 
 /// Flags of [`FrictionDistributions::DRAWN`]: true where a law has the parameter. Amontons-Coulomb friction has one coefficient in all directions.
