@@ -7,7 +7,7 @@ use study::ModeNaming;
 
 use super::{Draws, Law};
 
-/// Reading that differs from that of the case.
+/// Reading that differs from the reading of the case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Alternative {
     /// R1: another mass of every oscillator, kg.

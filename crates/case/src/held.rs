@@ -1,8 +1,8 @@
 //! Degrees of freedom that a program holds by an entry huge against all others on the diagonal: 1e36 for a boundary condition, 1e15
 //! to 1e20 for a stiff spring to ground.
 //!
-//! Such a row is what is left of a boundary condition. In it an eigenvalue problem has no digits left for the rest: the error of an
-//! eigenvalue is that of rounding the largest entry. Without it the others move by their size against it, which is nothing.
+//! Such a row is what is left of a boundary condition. With it an eigenvalue problem has no digits left for the other rows: the error of an
+//! eigenvalue is the rounding of the largest entry. Without it the other eigenvalues move by the ratio of the other entries to it, which is nothing.
 
 use std::fmt;
 

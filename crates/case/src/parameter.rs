@@ -82,7 +82,7 @@ pub(crate) const CUT: f64 = 1e-3;
 /// A parameter with a name, from its table.
 ///
 /// # Errors
-/// Another name than an expression can have, places of values, a unit or a distribution that is none.
+/// A name that an expression cannot have; `over`, which finite elements alone have; a unit that is not one line, a distribution that is not allowed.
 pub(crate) fn parameter(check: &Check<'_>, name: String, given: ParameterTable) -> Result<Parameter, CaseError> {
     if !is_parameter_name(&name) {
         let allowed = "a letter or _, then letters, digits and _, no function and not pi";

@@ -8,7 +8,7 @@ const ROUNDING: f64 = 1e-10;
 /// Part of the share that is kept in the mean which is kept at each point at least; chosen: a point of which no mode tells anything has no field.
 const AT_EACH: f64 = 0.5;
 
-/// Kernel of a correlation: that of two points over their distance d in units of the correlation length.
+/// Kernel of a correlation: the correlation of two points as a function of their distance d in units of the correlation length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Kernel {
@@ -42,7 +42,7 @@ pub(crate) struct FieldModes {
     /// Shapes, a row for each point and a column for each mode: the score of a point is its row times the coefficients. Rows have unit length, so that
     /// each score is standard normal however many modes are kept.
     pub shapes: DMatrix<f64>,
-    /// Variance of each mode over that of the whole field, in the mean over the face, largest first.
+    /// Variance of each mode over the variance of the whole field, in the mean over the face, largest first.
     pub variances: Vec<f64>,
 }
 
@@ -70,7 +70,7 @@ impl FieldModes {
             }
             let value = eigenvalues[at];
             let mut shape = &correlation * eigenvectors.column(at).component_mul(&roots) / value.sqrt();
-            // The sign is free: that of the first point next to the largest one.
+            // The sign of a mode is free: chosen such that the first entry of more than half the largest is positive.
             let first = shape.iter().find(|entry| entry.abs() > 0.5 * shape.amax());
             if first.is_some_and(|entry| *entry < 0.0) {
                 shape.neg_mut();

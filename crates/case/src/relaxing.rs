@@ -22,7 +22,7 @@ pub(crate) struct BranchTable {
 pub struct Branch {
     /// Index of the term.
     pub term: usize,
-    /// Stiffness of the branch over that of the term, 1.
+    /// Stiffness of the branch over the stiffness of the term, 1.
     pub ratio: Expression,
     /// Rate at which its force relaxes, 1/s.
     pub rate: Expression,
@@ -50,7 +50,7 @@ impl Relaxing {
     /// Adds the branches of a term, by its index, name and family, whose stiffness is `sum b b^T` over its directions b; `key` is their field.
     ///
     /// # Errors
-    /// An expression that is none.
+    /// An expression that cannot be read.
     pub fn add(
         &mut self,
         formulas: &mut Formulas<'_>,
@@ -74,7 +74,7 @@ impl Relaxing {
     }
 }
 
-/// Gains of the channels of branches, at values of the parameters and the coefficients of the terms there; `path` is that of the case.
+/// Gains of the channels of branches, at values of the parameters and the coefficients of the terms there; `path` is the path of the case.
 ///
 /// # Errors
 /// An expression without a value; a ratio below 0, a rate that is not above it.

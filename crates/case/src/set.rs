@@ -414,7 +414,7 @@ coefficient = 1.0
                 assert!(found.contains(&format!("brake.toml: --set {setting}: ")), "{found}");
             }
         }
-        // A line that moves because of what is set stays that of the file.
+        // A fault in a line that moves because of what is set is said at the line of the file.
         let wrong = case.replace("stiffness = [[1.0]]", "stifness = [[1.0]]");
         for set in [&[][..], &["study.samples=5"], &["parameters.k.unit=N/m"], &["k=1.5"]] {
             assert!(refused(&wrong, set).contains("brake.toml: line 14: stifness"), "{set:?} {}", refused(&wrong, set));

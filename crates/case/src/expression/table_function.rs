@@ -47,7 +47,7 @@ impl TableFunction {
         (!tables.is_empty()).then(|| tables.iter().map(words).collect::<Vec<_>>().join(", "))
     }
 
-    /// The value at an argument, at a point that of the point to the last bit; `None` beyond the ends and at what is no number.
+    /// The value at an argument; at a point of the table the value of the point to the last bit; `None` beyond the ends and for NaN.
     pub fn value(&self, argument: f64) -> Option<f64> {
         let [first, last] = self.ends();
         if !(first..=last).contains(&argument) {

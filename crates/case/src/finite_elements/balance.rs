@@ -46,7 +46,7 @@ pub struct ContactBalance {
 /// Numbers on which an equilibrium depends.
 #[derive(Debug)]
 pub struct Acting<'a> {
-    /// Coefficients of the terms of the case, without those of holders and contacts.
+    /// Coefficients of the terms of the case, without the coefficients of holders and contacts.
     pub coefficients: &'a [f64],
     /// Factor of each load.
     pub loads: &'a [f64],
@@ -66,7 +66,7 @@ pub struct ContactState {
     /// Stiffness of each point over that which its channel reads.
     pub stiffness: Vec<f64>,
     /// Number of points that neither press nor are open by more than rounding: which of them are closed, and what they add to the brake, rounding says. Where a
-    /// parameter moves a point over its opening there is one; at the medians of a case there should be none.
+    /// parameter moves a point over its opening there is one such point; at the medians of a case there should be no such point.
     pub undetermined: usize,
     /// Uniqueness of the state, and how it is known.
     pub uniqueness: Uniqueness,
@@ -124,7 +124,7 @@ impl ContactBalance {
     /// The equilibrium at these numbers; `structure` is asked for the stiffness K of the structure at the coefficients where it is not known.
     ///
     /// # Errors
-    /// Those of [`Condensed`]: bodies that nothing holds, no equilibrium, friction that locks.
+    /// Errors of [`Condensed`]: bodies that nothing holds, no equilibrium, friction that locks.
     pub fn state(
         &self,
         acting: &Acting<'_>,

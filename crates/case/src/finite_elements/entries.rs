@@ -41,7 +41,7 @@ pub(super) struct AxisTable {
     pub through: [f64; 3],
 }
 
-/// Friction across the sliding: the direction of friction follows that of the sliding, or there is none.
+/// Friction across the sliding: the direction of friction follows the direction of the sliding, or no friction acts across.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LateralEntry {

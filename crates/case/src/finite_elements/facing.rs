@@ -13,7 +13,7 @@ use super::names_on_mesh::bodies;
 /// between two faces of one body.
 const REACH: f64 = 0.25;
 
-/// Slave and master: a set of one body, all of whose faces face those of a set of another body.
+/// Slave and master: a set of one body, all of whose faces face faces of a set of another body.
 #[derive(Debug, Clone)]
 pub(super) struct Facing {
     /// Name of the slave, a set or surface.
@@ -24,7 +24,7 @@ pub(super) struct Facing {
     pub faces: usize,
     /// Distance within which they face the master, in the unit of the mesh.
     pub reach: f64,
-    /// Names of node sets that divide the nodes of the slave: each node is in exactly one of them. Empty if there are none.
+    /// Names of node sets that divide the nodes of the slave: each node is in exactly one of them. Empty if no sets do.
     pub patches: Vec<String>,
 }
 
@@ -43,7 +43,7 @@ struct Candidate {
 }
 
 /// Pairs of slave and master, found greedily: sets are tried as slaves from the one with the most faces down, and each gets the smallest master that all its
-/// faces face. A slave has no face of a pair before it; two pairs may have one master. Of equally large sets that of the smaller body (the pad) comes first,
+/// faces face. A slave has no face of a pair before it; two pairs may have one master. Of equally large sets the set of the smaller body (pad) comes first,
 /// then by name.
 pub(super) fn facing(solids: &Solids<'_>) -> Vec<Facing> {
     let mut candidates = candidates(solids);
@@ -117,8 +117,7 @@ fn faces_wholly(solids: &Solids<'_>, slave: &Candidate, master: &Candidate) -> b
     facing.is_ok_and(|facing| facing.len() == slave.faces.len())
 }
 
-/// Names of all node sets that hold nodes of the slave's faces, not all of them, and no others, if each of these nodes is in exactly one of the sets. Else
-/// none.
+/// Names of all node sets that consist of some, not all, nodes of the slave's faces, if each of these nodes is in exactly one of the sets; else empty.
 fn patches(solids: &Solids<'_>, slave: &Candidate) -> Vec<String> {
     let all: BTreeSet<i64> = solids.nodes_of(&slave.faces).into_iter().collect();
     let is_subset = |nodes: &[i64]| nodes.len() < all.len() && nodes.iter().all(|node| all.contains(node));

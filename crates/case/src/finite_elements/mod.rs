@@ -53,7 +53,7 @@ use super::{
 pub struct FiniteElementCase {
     /// Header of the case: its file, and what it says of its study.
     pub header: CaseHeader,
-    /// The drawn parameters of coefficients, in the order of their names; then those of [`PatchContact::spread`].
+    /// The drawn parameters of coefficients, in the order of their names; then the parameters of [`PatchContact::spread`].
     pub parameters: Vec<Parameter>,
     /// Functions that are given by points, in the order of their names; each is called by an expression.
     pub tables: Vec<Arc<TableFunction>>,
@@ -78,7 +78,7 @@ pub struct FiniteElementCase {
     /// The terms of the file, then its springs, then two of each body that turns, then the holders as one term, where there are any, then one term
     /// for each patch; patch by patch one channel for each pair in contact, along the sliding, then one for each across it, where friction
     /// acts there, then one for what opening adds to the spring of each, where loads are in equilibrium, and what its own parameters add, where it has
-    /// some; behind those of all patches one for each direction of each of the branches.
+    /// some; behind the channels of all patches one for each direction of each of the branches.
     pub system: SparseAffineSystem,
     /// The coefficients of the terms of the file, of springs and of what turns.
     pub coefficients: Vec<Expression>,
@@ -175,11 +175,11 @@ pub const STIFFNESS_FACTOR: &str = "contact.stiffness_factor";
 /// A patch of the contact, which is closed or open as a whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patch {
-    /// Name of the patch: that of its set of nodes or faces; of its contact between faces where that names no sets.
+    /// Name of the patch: the name of its set of nodes or faces; the name of its contact between faces where the contact names no sets.
     pub name: String,
     /// Pairs of nodes (pad, disc); of a point between faces the nodes next to it.
     pub pairs: Vec<[i64; 2]>,
-    /// Ratios of the sliding speed of each pair to that of a scene: 1 where sliding is a direction, the pair's radius over the
+    /// Ratio of the sliding speed of each pair to the sliding speed of a scene: 1 where sliding is a direction, the pair's radius over the
     /// mean radius of all pairs of the contact where the disc turns about its normal; of points between faces that turn about an axis, the speed at
     /// 1 rad/s over the mean of all such points by their areas.
     pub speeds: Vec<f64>,
@@ -241,7 +241,7 @@ impl FiniteElementCase {
         gains_of(&self.header.path, &self.branches, values, coefficients)
     }
 
-    /// Channels of all branches, by their indices in the system: behind those of all patches.
+    /// Channels of all branches, by their indices in the system: behind the channels of all patches.
     pub fn channels_of_branches(&self) -> Range<usize> {
         let all = self.system.channels().len();
         all - self.branches.iter().map(|branch| branch.directions).sum::<usize>()..all

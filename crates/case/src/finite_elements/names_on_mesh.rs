@@ -47,7 +47,7 @@ impl NamesOnMesh {
     }
 }
 
-/// The nodes of a mesh by their numbers, each with its body: what elements join has the same number, that of its first node.
+/// The nodes of a mesh by their numbers, each with its body: nodes that elements join are one body, numbered by its first node.
 pub(super) fn bodies(mesh: &Mesh) -> impl Iterator<Item = (i64, usize)> + use<'_> {
     // A forest: each node leads to another of its body, the root to itself.
     let mut above: Vec<usize> = (0..mesh.nodes.len()).collect();

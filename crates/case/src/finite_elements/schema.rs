@@ -193,7 +193,7 @@ fn constant() -> BristleDampingEntry {
     BristleDampingEntry::Constant
 }
 
-/// Distributions of the friction parameters: that of Amontons-Coulomb friction, at whose median modes are named, and those of the
+/// Distributions of the friction parameters: of the coefficient of Amontons-Coulomb friction, at whose median modes are named, and of the parameters of the
 /// study's laws.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

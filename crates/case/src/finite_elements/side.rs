@@ -13,7 +13,7 @@ use crate::CaseError;
 /// beside the contact, not behind it.
 const LEAST_OF_FACE: f64 = 0.1;
 /// The least cosine of the angle between the normal of the contact and the direction from its nodes to the middles of elements; chosen, larger than
-/// that of faces, because middles tell the direction only roughly.
+/// the least cosine of faces, because middles tell the direction only roughly.
 const LEAST_OF_ELEMENTS: f64 = 0.3;
 
 /// Evidence in the mesh for the side of the contact on which a body lies.
@@ -37,8 +37,7 @@ impl fmt::Display for Side {
     }
 }
 
-/// Checks that the pad lies where the normal points to and the disc where it comes from. `nodes` are those of the contact, of the pad and of
-/// the disc.
+/// Checks that the pad lies where the normal points to and the disc where it comes from. `nodes` are the nodes of the contact on the pad and on the disc.
 ///
 /// # Errors
 /// A body whose faces, or whose elements, lie on the other side.

@@ -55,8 +55,11 @@ pub(super) fn given_forces(solids: &Solids<'_>, contact: &SurfaceContact<'_>) ->
 }
 
 /// Nodes with their pressures from lines of a node and its pressure, with a comma, a semicolon or blanks between: csv, and the columns of a report
-/// of Abaqus (`CPRESS`) or of Ansys (`PRNSOL, CONT, PRES`). Lines that do not begin with a number are passed over: heads, remarks and
-/// totals. The line that is none, from 1, as an error.
+/// of Abaqus (`CPRESS`) or of Ansys (`PRNSOL, CONT, PRES`). Lines that do not begin with a digit are passed over: heads, remarks and
+/// totals.
+///
+/// # Errors
+/// The number, from 1, and the beginning of a line that begins with a digit and is not a node with its pressure.
 fn pressures(text: &str) -> Result<Vec<(i64, f64)>, (usize, String)> {
     let mut all = Vec::new();
     for (number, line) in text.lines().enumerate() {
@@ -150,7 +153,7 @@ pub(super) fn balanced(
     Ok(Balanced { forces: of_contacts, note, balance })
 }
 
-/// The field of contacts whose load is that of an equilibrium.
+/// The field of contacts whose loads are found by an equilibrium.
 pub const EQUILIBRIUM: &str = "contact.load = \"equilibrium\"";
 
 /// The forces of a case on its rows, a column each.

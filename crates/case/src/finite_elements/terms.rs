@@ -103,8 +103,8 @@ fn take_out_held(check: &Check<'_>, all: &mut [ReadTerm], dofs: Vec<Dof>) -> Res
     Ok((kept, held))
 }
 
-/// The rows of all matrices, which are put on them. Matrices with labels may have some of the rows each; those without must have
-/// one order, that of the others where these have equal rows.
+/// The rows of all matrices, which are put on them. A matrix with labels may have some of the rows. A matrix without labels is taken only where all matrices
+/// with labels have equal rows, and must have their order; where no matrix has labels, all must have one order.
 fn common_rows(check: &Check<'_>, all: &mut [ReadTerm]) -> Result<Vec<Dof>, CaseError> {
     let named = |term: &ReadTerm| {
         let name = term.table.name.clone();
@@ -134,7 +134,7 @@ fn common_rows(check: &Check<'_>, all: &mut [ReadTerm]) -> Result<Vec<Dof>, Case
 const SYMMETRIC: f64 = 1e-10;
 
 /// The terms, with Rayleigh damping and loss factors at a frequency in C, and their coefficients. A loss factor without a frequency is that of a complex
-/// stiffness. `band` is that in which modes are wanted, Hz.
+/// stiffness. `band` is the band in which modes are wanted, Hz.
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,

@@ -21,7 +21,7 @@ use crate::{CaseError, Expression};
 const NOT_ROUND: f64 = 0.1;
 
 /// The terms of a body that turns with the speed Omega: `2 G` with the coefficient Omega, and `- P + K_sigma` with Omega^2. The stress
-/// is that of the centrifugal load in the structure, whose stiffness is given.
+/// is the stress that the centrifugal load makes in the structure, whose stiffness is given.
 pub(super) fn rotation_terms(
     solids: &Solids<'_>,
     formulas: &mut Formulas<'_>,

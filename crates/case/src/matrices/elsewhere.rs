@@ -1,4 +1,4 @@
-//! Losses of modes away from the medians, where the dashpots of loss factors stay those of the medians.
+//! Losses of modes away from the medians, where the dashpots of loss factors stay as they are at the medians.
 
 use cea::RealModes;
 use linsys::{SecondOrder, Term};
@@ -8,8 +8,8 @@ use crate::check::{Check, field};
 use crate::parameter::{Parameter, elsewhere};
 use crate::{CaseError, Expression};
 
-/// Largest square of the frequency of a motion that no stiffness resists, as a fraction of the largest of all; that of
-/// [`RealModes::equivalent_dashpots`], by which these have no dashpots.
+/// Largest square of the frequency of a motion that no stiffness resists, as a fraction of the largest of all; the same number as in
+/// [`RealModes::equivalent_dashpots`], by which such motions have no dashpots.
 const STILL: f64 = 1e-12;
 
 /// Coefficients of all terms at the medians of the parameters, and away from them.
@@ -72,8 +72,8 @@ impl Places {
     }
 }
 
-/// Largest part, over the real modes of M and K, by which the loss of dashpots differs from that of the imaginary stiffness, to first order; of modes
-/// that lose less than a millionth of what the most lossy one does nothing is asked. `None` without real modes.
+/// Largest relative difference, over the real modes of M and K, between the loss by dashpots and the loss by the imaginary stiffness, to first order; modes
+/// that lose less than a millionth of what the most lossy mode loses are left out. `None` without real modes.
 fn off_by_first_order([m, k]: [&DMatrix<f64>; 2], damping: &DMatrix<f64>, lossy: &DMatrix<f64>) -> Option<f64> {
     let modes = RealModes::new(m, k).ok()?;
     let pairs: Vec<[f64; 2]> = with_stiffness(&modes)

@@ -28,8 +28,9 @@ const FAR_BELOW: f64 = 0.1;
 /// C_t = eta M Phi D Phi^T M,   D_ij = phi_i^T K_t phi_j / sqrt(omega_i omega_j)
 /// ```
 ///
-/// so that each mode loses what it would. What that is not is said: how far all eigenvalues are from those of the complex stiffness, without
-/// friction and with each set of constraints, and what modes lose at other places, as the dashpots stay those of the medians.
+/// so that each mode loses what it would lose with the complex stiffness. Notes of the case say where this falls short: how far all eigenvalues are from
+/// the eigenvalues with the complex stiffness, without friction and with each set of constraints, and what modes lose away from the medians, where the
+/// dashpots stay as they are.
 ///
 /// # Errors
 /// A loss factor that is negative or not finite, of a term whose stiffness is not symmetric, of a structure that has no real modes.
@@ -194,13 +195,13 @@ mod tests {
             case("[[terms]]\nname = \"shim\"\nmass = [[2.0]]\nstiffness = [[800.0]]\nloss_factor = 0.2\n").unwrap();
         let [_, c, _] = matrices(&case);
         assert!((c[(0, 0)] - eta * (k * m).sqrt()).abs() < 1e-12);
-        // The dashpot's growth is - eta omega / 2; that of the complex stiffness departs from it by eta^2 / 8.
+        // The growth rate with the dashpot is - eta omega / 2; the growth rate with the complex stiffness departs from it by eta^2 / 8.
         let off = (-eta * omega / 2.0 / exact.re - 1.0).abs();
         let note = case.header.notes.iter().find(|note| note.contains("loss factors")).unwrap();
         assert!(note.contains(&format!("off by up to {off:.2e} of itself")), "{note} {off:e}");
     }
 
-    /// Of one loss factor of all stiffness the departure is that of the closed form, however far apart frequencies are.
+    /// With one loss factor of all stiffness the departure is the one of the closed form, however far apart frequencies are.
     #[test]
     fn a_chain_of_soft_and_stiff_springs_is_the_closed_form() {
         let (n, eta) = (24, 0.02_f64);

@@ -17,7 +17,7 @@ const INDEFINITE: f64 = 1e-10;
 /// The branches of terms, and a channel for each direction of each of them.
 ///
 /// # Errors
-/// A viscoelastic term whose stiffness is not symmetric positive semi-definite, loss factors in the same case; an expression that is none.
+/// A viscoelastic term whose stiffness is not symmetric positive semi-definite, loss factors in the same case; an expression that cannot be read.
 pub(super) fn branches_of_terms(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
@@ -26,7 +26,7 @@ pub(super) fn branches_of_terms(
     given: Vec<Vec<BranchTable>>,
 ) -> Result<Relaxing, CaseError> {
     if losses.iter().any(Option::is_some) && given.iter().any(|tables| !tables.is_empty()) {
-        // The dashpots of a loss factor are those of modes of the relaxed stiffness.
+        // The dashpots of a loss factor would be made for modes of the relaxed stiffness.
         let allowed = "loss_factor or viscoelastic in a case, not both";
         return Err(check.value("terms", "loss_factor beside viscoelastic", allowed));
     }
