@@ -6,8 +6,8 @@ use num_complex::Complex;
 
 /// Largest eigenvalue of M or K that is 0 but for rounding, relative to the largest of all and per degree of freedom; chosen: some roundings.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Largest difference of an entry of M from its mirror image, relative to the largest entry, with which M is symmetric but for rounding, that of a
-/// reduction too; chosen.
+/// Largest difference of an entry of M from its mirror image, relative to the largest entry, with which M is symmetric but for rounding, also the rounding
+/// of a reduction; chosen.
 const SYMMETRIC: f64 = 1e-9;
 
 /// Reason why a structure has no complete set of real modes.
@@ -48,8 +48,8 @@ pub struct RealModes {
 impl RealModes {
     /// The modes of a structure with mass M and the symmetric part of K, both n x n.
     ///
-    /// Where M is singular, what has no mass follows the rest without delay: the modes are those of K condensed on the range of M,
-    /// which is exact, and there are as many as M has rank.
+    /// Where M is singular, what has no mass follows the rest without delay: the modes are the modes of K condensed on the range of M,
+    /// which is exact, and their number is the rank of M.
     ///
     /// ```
     /// use cea::RealModes;
@@ -106,7 +106,7 @@ impl RealModes {
     /// C = M Phi D Phi^T M,   D_ij = phi_i^T K_t phi_j / sqrt(omega_i omega_j)
     /// ```
     ///
-    /// Modes that no stiffness resists have none.
+    /// Modes that no stiffness resists have no dashpots.
     #[must_use]
     pub fn equivalent_dashpots(&self, part: &DMatrix<f64>) -> DMatrix<f64> {
         let largest = self.omega_squared.iter().fold(0.0_f64, |largest, square| largest.max(square.abs()));

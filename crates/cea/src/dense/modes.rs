@@ -99,9 +99,9 @@ impl Modes {
     }
 }
 
-/// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
-/// its order. As [`Modes::rank`] of the one, by [`rank_order`]; of equal eigenvalues those of a system with fewer modes rank first,
-/// else those of the first system: not the last bit decides.
+/// Frequency ranks, from 1, of the oscillating modes of uncoupled systems in the system that they make up together: for each of the systems the ranks of
+/// its modes, in its order. The rank is [`Modes::rank`] of the system together, by [`rank_order`]. Of equal eigenvalues the modes of the system with fewer
+/// modes rank first, else the modes of the first system, so that not the last bit decides.
 #[must_use]
 pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
@@ -135,7 +135,7 @@ fn all_near_decay(near_real: &[Complex<f64>], system: &SecondOrder) -> bool {
 }
 
 /// True if the motion goes through several periods before it has decayed or grown by much: a mode, whatever its vector, because a
-/// growing oscillation must not be passed over as that of a state.
+/// growing oscillation must not be passed over as the motion of an internal state.
 fn is_oscillation(lambda: Complex<f64>) -> bool {
     lambda.im.abs() > lambda.re.abs()
 }

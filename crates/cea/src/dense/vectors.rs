@@ -48,7 +48,7 @@ pub fn left_vector(
     null_vector(&q, lambda, size(system, lambda), &[], work)
 }
 
-/// The right vector of each eigenvalue, in order; those of a semisimple multiple eigenvalue are independent.
+/// The right vector of each eigenvalue, in order; the vectors of a semisimple multiple eigenvalue are independent.
 ///
 /// # Errors
 /// As [`right_vector`].
@@ -60,11 +60,11 @@ pub fn right_vectors(
     right_vectors_of_all(&[(system, lambdas)], work).remove(0)
 }
 
-/// [`right_vectors`] of several systems, one result each; those of one size share the vector registers.
+/// [`right_vectors`] of several systems, one result each; systems of one size share the vector registers.
 ///
 /// A vector does not depend on other systems, to the last bit, but on earlier, nearly equal eigenvalues of its own system:
 /// inverse iteration alone would find the same vector twice where an eigenvalue is multiple. Where a vector is parallel to
-/// that of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to the earlier vector; where this finds
+/// the vector of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to the earlier vector; where this finds
 /// no vector (a defective pair), the parallel one is kept.
 pub fn right_vectors_of_all(
     of: &[(&SecondOrder, &[Complex<f64>])],

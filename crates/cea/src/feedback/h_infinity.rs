@@ -80,7 +80,7 @@ impl AxisMargins {
         }
     }
 
-    /// The margins of these matrices and of those of `other` together.
+    /// The margins of these matrices and of the matrices of `other` together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -118,7 +118,7 @@ pub enum NoNormBound {
     },
 }
 
-/// A bound g of the H-infinity norm of the channels, the largest gain over all frequencies; or the reason why there is none.
+/// A bound g of the H-infinity norm of the channels, the largest gain over all frequencies; or the reason why there is no bound.
 /// While `|Delta| < 1 / g` in the 2-norm, also where Delta is a function of lambda, no eigenvalue has `Re lambda >= 0`. The bound
 /// is certified up to rounding errors, for which it has a reserve of one per cent.
 ///

@@ -142,7 +142,7 @@ impl Eigentriple {
     }
 
     /// The relative condition number, `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |y^H Q' x|)` with unit vectors and Frobenius
-    /// norms (Tisseur, Linear Algebra Appl. 309, 2000): the relative change of lambda over that of the matrices.
+    /// norms (Tisseur, Linear Algebra Appl. 309, 2000): the relative change of lambda over the relative change of the matrices.
     #[must_use]
     pub fn condition(&self) -> f64 {
         self.size / (self.lambda.norm() * self.slope.norm())
@@ -197,7 +197,7 @@ fn unit(vector: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
 /// Separation: the distance of an eigenvalue from the next one, and what that leaves of its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
-    /// Distance of the next eigenvalue, rad/s; infinite where there is none.
+    /// Distance of the next eigenvalue, rad/s; infinite where there is no other eigenvalue.
     pub nearest: f64,
     /// The part of a derivative that may be rounding: the error that the eigenvalue may have by rounding, over that distance.
     pub blur: f64,

@@ -13,7 +13,7 @@ const TOLERATED: f64 = 0.1;
 /// Derivatives of an eigenvalue by a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
-    /// Derivative `d lambda / d p`, rad/s per unit of p: its real part is that of the growth, its imaginary part that of the angular frequency.
+    /// Derivative `d lambda / d p`, rad/s per unit of p: its real part is the derivative of the growth rate, its imaginary part of the angular frequency.
     pub first: Complex<f64>,
     /// Second derivative `d^2 lambda / d p^2`, rad/s per unit of p squared.
     pub second: Complex<f64>,
@@ -77,8 +77,8 @@ impl<'a> Expansion<'a> {
         let q = system.dynamic_stiffness(lambda);
         let slope = system.dynamic_stiffness_derivative(lambda);
         let (slope_on_right, slope_on_left) = (&slope * &triple.right, slope.ad_mul(&triple.left));
-        // The border is scaled to the size of the terms of Q, so that the pivots lose no digits; Q itself may vanish at lambda, that of
-        // one degree of freedom does. Its unknown is 0 and needs no scale.
+        // The border is scaled to the size of the terms of Q, so that the pivots lose no digits; Q itself may vanish at lambda, as it does with
+        // one degree of freedom. The unknown of the border is 0 and needs no scale.
         let size = triple.size;
         let mut bordered = DMatrix::zeros(n + 1, n + 1);
         bordered.view_mut((0, 0), (n, n)).copy_from(&q);

@@ -6,8 +6,8 @@ use num_complex::Complex;
 
 use super::Eigentriple;
 
-/// Derivative `Q_p = d Q / d p` by a parameter p at an eigenvalue, through its vectors x and y. Those of several parameters that change together
-/// are added.
+/// Derivative `Q_p = d Q / d p` by a parameter p at an eigenvalue, through its vectors x and y. The derivatives by several parameters that change
+/// together are added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
     /// `Q_p x`.

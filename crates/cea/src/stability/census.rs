@@ -48,12 +48,12 @@ impl StabilityCensus {
     }
 }
 
-/// Census of the eigenvalues of a system: those that grow, those that are damped, and those of which this cannot be said.
+/// Census of the eigenvalues of a system: how many grow, how many are damped, and of which this cannot be said.
 ///
-/// The fast route comes first: [`QrSolver`], and for each eigenvalue that is not clearly left of the axis the
-/// rule and the bound of [`verdict`](crate::verdict). Where this leaves one eigenvalue on the axis or undecided (undamped systems have all
-/// theirs there), or the route cannot solve the system at all (a singular M), the eigenvalues and bounds of [`certified::solve`] and
-/// [`certified::certify`] take the place of all, some ten times slower. The verdict is that of the same rule.
+/// The fast route comes first: [`QrSolver`], and for each eigenvalue that is not clearly left of the imaginary axis the
+/// rule and the bound of [`verdict`](crate::verdict). Where this leaves an eigenvalue on the axis or undecided (undamped systems have all
+/// eigenvalues there), or the route cannot solve the system at all (a singular M), the eigenvalues and bounds of [`certified::solve`] and
+/// [`certified::certify`] take the place of all, some ten times slower, and are judged by the same rule.
 ///
 /// ```
 /// use cea::{Workspace, stability_census};
@@ -77,7 +77,7 @@ impl StabilityCensus {
 /// ```
 ///
 /// # Errors
-/// A malformed system, and those of [`certified::solve`] and [`certified::certify`].
+/// A malformed system, and errors of [`certified::solve`] and [`certified::certify`].
 pub fn stability_census(system: &SecondOrder, work: &mut Workspace) -> Result<StabilityCensus, CeaError> {
     system.check()?;
     // What the fast route cannot do is no error: the general one may.
@@ -109,7 +109,7 @@ fn by_single_bounds(
     Ok(Some(census))
 }
 
-/// Census of certified eigenvalues, judged by the scale of the fast route's spectrum, or by their own where there is none.
+/// Census of certified eigenvalues, judged by the scale of the fast route's spectrum, or by their own scale where the fast route has no spectrum.
 fn by_certificates(
     system: &SecondOrder,
     scale: Option<f64>,

@@ -40,11 +40,11 @@ impl Coupling {
         Self { gamma, numbers: (force <= 1.0 && drive <= 1.0).then_some(numbers) }
     }
 
-    /// Coupling for eigenvalues near the axis at this distance from zero, rad/s: how much more than the perturbation of the whole that of
-    /// the vibrations may be, as a factor, and a bound of the norm of what couples them, rad/s. `None` where states are too slow.
+    /// Coupling for eigenvalues near the imaginary axis at this distance from zero, rad/s: the factor by which the perturbation of the vibrations may exceed
+    /// the perturbation of the whole, and a bound of the norm of what couples the vibrations, rad/s. `None` where states are too slow.
     pub(super) fn at(&self, frequency: f64) -> Option<(f64, f64)> {
         let [damping, force, drive] = self.numbers?;
-        // The stiffness block has norm 1 at most. At i w a dashpot of 1 / a differs by w / a of itself from that at rest.
+        // The stiffness block has norm 1 at most. At i w a dashpot of 1 / a differs by w / a of itself from its value at rest.
         let size = self.gamma * (1.0 + damping) + frequency * force * drive;
         Some(((1.0 + force) * (1.0 + drive), size))
     }

@@ -55,10 +55,10 @@ pub fn verdict(
 /// of the scale S = [`Spectrum::scale`](crate::Spectrum::scale), rad/s, and the product of the distances from i Im lambda to the m nearest eigenvalues
 /// is more than 1e-12 S s^(m-1) for m = 3 and 4: with m eigenvalues that meet in one vector a perturbation of 1e-12 could otherwise put one on the axis
 /// (m = 2 follows from the first). The coupling s, rad/s, of vibrations is at most S, and far less where S is that of fast internal states
-/// (docs/error-bounds.md, section 8). Elsewhere bound and verdict are those of
+/// (docs/error-bounds.md, section 8). Elsewhere bound and verdict come from
 /// [`certified::certify`](crate::certified::certify).
 ///
-/// Where the bound of one eigenvalue leaves it undecided, that of all eigenvalues together decides, by [`certified::solve`] and
+/// Where the bound of one eigenvalue leaves it undecided, the bounds of all eigenvalues together decide, by [`certified::solve`] and
 /// [`certified::certify`](crate::certified::certify): so the zeros of a body that is free to move are marginal.
 ///
 /// # Errors
@@ -73,7 +73,7 @@ pub fn verdicts(
 }
 
 /// Verdicts on the eigenvalues `lambdas` of `spectrum`, whether they are beyond a threshold: [`verdicts`] with the nearest point of the threshold in place of
-/// that of the axis. Near it [`Verdict::Undecided`] is where the certified bound straddles the threshold.
+/// the nearest point of the imaginary axis. An eigenvalue near the threshold is [`Verdict::Undecided`] where its certified bound straddles the threshold.
 ///
 /// # Errors
 /// Those of [`verdicts`].

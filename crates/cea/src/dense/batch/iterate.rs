@@ -16,7 +16,7 @@ const SWEEPS_TO_EXCEPTIONAL_SHIFT: u32 = 10;
 /// Least order of a block whose shifts come from its trailing 4 x 4 part; chosen: the shifts of a 4 x 4 block would be its
 /// exact eigenvalues, and the bulge would consist of rounding errors.
 const LEAST_WIDE_BLOCK: usize = 6;
-/// Cycle of shifts: of each eight sweeps without a deflation, the first six take shifts of the 4 x 4 part, the last two those of the 2 x 2
+/// Cycle of shifts: of each eight sweeps without a deflation, the first six take the shifts of the 4 x 4 part, the last two the shifts of the 2 x 2
 /// part; chosen.
 const SHIFT_CYCLE: (u32, u32) = (8, 6);
 

@@ -21,7 +21,7 @@ const LARGEST_RESIDUAL: f64 = 1e-8;
 const LARGEST_RESIDUAL_ON_PATH: f64 = 1e-3;
 /// Largest relative distance of two eigenvalues that may share one shape, so that no shapes are given; chosen.
 const LEAST_SEPARATION: f64 = 1e-6;
-/// Largest relative distance at which an eigenvalue counts as that of an uncontrollable mode; chosen, of the size of rounding.
+/// Largest relative distance from the eigenvalue of an uncontrollable mode at which an eigenvalue counts as equal to it; chosen, of the size of rounding.
 const UNCONTROLLABLE_DISTANCE: f64 = 1e-13;
 
 /// The path from one gain of a structure to another: `Q(lambda, t) = (1 - t) Q_from(lambda) + t Q_to(lambda)`, 0 <= t <= 1.
