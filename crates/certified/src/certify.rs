@@ -26,8 +26,8 @@ pub struct CertifiedEigenvalue {
     /// (Tisseur, Linear Algebra Appl. 309, 2000).
     pub backward_error: f64,
     /// Condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q'(lambda) phi|)` (Tisseur): relative
-    /// change of lambda per relative change of the matrices. Infinite for lambda = 0; that of the null space for a
-    /// semisimple multiple eigenvalue.
+    /// change of lambda per relative change of the matrices. Infinite for lambda = 0; for a semisimple multiple eigenvalue the condition
+    /// number of its null space.
     pub condition: f64,
     /// Error bound, rad/s, that |lambda - exact| does not exceed, for the matrices as given and for any that differ from them by a rounding
     /// error: certified up to rounding, docs/error-bounds.md, sections 3 and 7. Infinite where nothing encloses lambda.
@@ -160,7 +160,7 @@ fn look(
     Ok(State { alone, hidden, ..state })
 }
 
-/// Number of directions in which Q is as good as zero, 2 where it is not clear. Pivots tell, but count those of a single long chain
+/// Number of directions in which Q is as good as zero, 2 where it is not clear. Small pivots tell, but a single long chain has small pivots
 /// too: vectors bear them out, as many as groups are tried one after the other.
 fn hidden(factor: &Factor, noise: f64) -> usize {
     let pivots = factor.pivots_up_to(noise);
@@ -210,7 +210,7 @@ fn conjugates(sigmas: &[Complex<f64>]) -> Vec<Option<usize>> {
     let mut taken = vec![false; sigmas.len()];
     let mut partners = vec![None; sigmas.len()];
     for (i, s) in sigmas.iter().enumerate() {
-        // In the order of `sort` a conjugate stands among those of equal |Im|.
+        // In the order of `sort` a conjugate stands among the eigenvalues of equal |Im|.
         let earlier = (0..i).rev().take_while(|&j| sigmas[j].im.abs() == s.im.abs());
         let partner = earlier.filter(|&j| s.im != 0.0 && sigmas[j] == s.conj() && !taken[j]).last();
         if let Some(j) = partner {

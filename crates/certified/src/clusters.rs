@@ -52,11 +52,11 @@ impl Cluster {
 
 /// Most expansions that are tried around one eigenvalue; chosen: each costs a factorisation.
 pub(super) const MOST_EXPANSIONS: usize = 6;
-/// Least distance of the next eigenvalue from the mean of a group that is tried, as a multiple of that of its farthest member; chosen: on a circle
+/// Least distance of the next eigenvalue from the mean of a group that is tried, as a multiple of the distance of its farthest member; chosen: on a circle
 /// between them the group's own power of the distance is to outweigh the other terms of its series.
 const CLEARANCE: f64 = 1.5;
-/// Radius of the smallest circle that is tried around a group, as a multiple of the distance of its farthest member, and distance of the next eigenvalue as a
-/// multiple of that of the largest; chosen.
+/// Radius of the smallest circle that is tried around a group, as a multiple of the distance of its farthest member; also the distance of the next eigenvalue,
+/// as a multiple of the radius of the largest circle; chosen.
 const MARGIN: f64 = 1.05;
 
 /// Eigenvalues that are enclosed together.

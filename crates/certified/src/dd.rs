@@ -2,7 +2,7 @@
 //!
 //! The building blocks are error-free: Knuth's two-sum, and Dekker's two-product with Veltkamp's splitting (Dekker,
 //! Numer. Math. 18, 1971), because a fused multiply-add is a slow library call on a machine built without it. Numbers
-//! beyond 1e290 or below 1e-290 lose the low part; the scaled problem has none.
+//! beyond 1e290 or below 1e-290 lose the low part; the scaled problem has no such numbers.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -43,7 +43,7 @@ fn two_product(a: f64, b: f64) -> Dd {
 }
 
 impl Dd {
-    /// The square root, one Newton step from that of the high part; zero for what is not positive.
+    /// The square root, one Newton step from the square root of the high part; zero for what is not positive.
     pub(crate) fn sqrt(self) -> Self {
         if self.hi <= 0.0 {
             return Self::default();

@@ -34,11 +34,11 @@ pub fn smith_share(correction: f64, radius: f64) -> f64 {
     correction / radius
 }
 
-/// True if `det S(d)` has q zeros with `|d| < radius`, those of `det (d S_1)`, for every q x q S that differs there from
+/// True if `det S(d)` has q zeros with `|d| < radius`, as many as `det (d S_1)`, for every q x q S that differs there from
 /// `S_0 + d S_1 + d^2 S_2 + ...` by `error` at most.
 ///
-/// So it is where `|S_1^-1 (S(d) - d S_1)| < |d|` on the circle (Rouché's theorem for matrices: Gohberg and Sigal, Math. USSR Sb. 13,
-/// 1971). Norms are those of Frobenius.
+/// This holds where `|S_1^-1 (S(d) - d S_1)| < |d|` on the circle (Rouché's theorem for matrices: Gohberg and Sigal, Math. USSR Sb. 13,
+/// 1971). Norms are Frobenius norms.
 #[must_use]
 pub fn block_rouche(series: &[DMatrix<Complex<f64>>], radius: f64, error: f64) -> bool {
     let Some(inverse) = series.get(1).and_then(|slope| slope.clone().try_inverse()) else { return false };

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and S is an analytic function of q x q, whatever the Jordan structure of the group (a Grushin problem; Sjöstrand and
-//! Zworski, Ann. Inst. Fourier 57, 2007). With `Q(mu + d) = Q(mu) + d Q' + d^2 M` its Taylor series follows from that of W,
+//! Zworski, Ann. Inst. Fourier 57, 2007). With `Q(mu + d) = Q(mu) + d Q' + d^2 M` its Taylor series follows from the series of W,
 //!
 //! ```text
 //! W_k = -E (Q' W_{k-1} + M W_{k-2}),     S_k = -V (Q' W_{k-1} + M W_{k-2}),

@@ -152,7 +152,7 @@ impl Turned<f64> {
         for _ in 0..STEPS_IN_DOUBLE {
             let Quotients { of: [rates, masses], error } = self.step(&split);
             split = rates.block(0..r, 0..2 * n - r);
-            // |G| is no less than that of the rates.
+            // |G| is no less than the norm of the rates.
             let contraction = rates.norm() * masses.block(0..r, 0..r).norm();
             if error <= LARGEST_DOUBT && contraction > 1.0 {
                 return None;
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(split(DMatrix::identity(2, 2) * 1e8).unwrap().len(), 4);
         assert_eq!(split(dmatrix![1e8, 0.0; 0.0, 1.0]).unwrap().len(), 4);
         assert_eq!(split(dmatrix![1e8, 0.0; 0.0, 0.0]).unwrap().len(), 4);
-        // As much as of a mass on a spring, and none.
+        // Damping as strong as the vibrations, and no damping.
         assert_eq!(split(DMatrix::identity(2, 2)), None);
         assert_eq!(split(DMatrix::zeros(2, 2)), None);
     }

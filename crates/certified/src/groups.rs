@@ -11,8 +11,8 @@ use super::measure::{Measure, ROUNDING_ONLY, State};
 /// Positions of the members of a group, and what it is.
 pub(super) type Group = (Vec<usize>, ClusterKind);
 
-/// Discs around the eigenvalues that are not simple, alone or as groups, and the groups, with those of the conjugates; members
-/// of semisimple ones are taken from their common null space.
+/// Discs around the eigenvalues that are not simple, alone or as groups, and the groups, with the groups of the conjugates; members
+/// of semisimple groups are taken from their common null space.
 pub(super) fn enclose_groups(
     problem: &Measure,
     found: &mut [State],

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! so that each reflection reads A once for its products and once for its change. w ends with the column that it was
-//! made of: those of companion matrices and band matrices are short at first.
+//! made of: the reflections of companion matrices and band matrices are short at first.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -144,7 +144,7 @@ mod tests {
     use crate::fixtures::wave;
     use nalgebra::DMatrix;
 
-    /// Traces of powers stay, and the form is that of Hessenberg: of a full matrix with columns beyond a group and a
+    /// Traces of powers stay, and the result has Hessenberg form: of a full matrix with columns beyond a group and a
     /// register, and of a band matrix, whose reflections are short.
     #[test]
     fn reduction_keeps_the_traces_of_powers() {

@@ -62,7 +62,7 @@ impl State {
         FIRST_ORDER_SAFETY * self.shift()
     }
 
-    /// Distance that sigma may move, to first order, for its own backward error or that of data rounded by norms.
+    /// Distance that sigma may move, to first order, for its own backward error or for the backward error of data rounded by norms.
     pub(super) fn shift(&self) -> f64 {
         self.scaled_condition * self.scaled_error.max(UNIT_ROUNDOFF) * self.sigma.norm()
     }

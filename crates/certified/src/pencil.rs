@@ -1,7 +1,7 @@
 //! The companion pencil A - sigma B, and the removal of its infinite and zero eigenvalues.
 //!
 //! Each step takes a null space of B out by orthogonal transformations from both sides (the staircase of Van Dooren,
-//! Linear Algebra Appl. 27, 1979; its first step is that of quadeig, Hammarling, Munro, Tisseur, ACM TOMS 39, 2013).
+//! Linear Algebra Appl. 27, 1979; its first step is the one of quadeig, Hammarling, Munro, Tisseur, ACM TOMS 39, 2013).
 //! The dimensions are known from [`Structure`](super::structure::Structure), so no tolerance decides a rank, and the
 //! long Jordan chains that constraints have at infinity leave with the rest.
 

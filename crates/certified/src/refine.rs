@@ -18,7 +18,7 @@ use super::residual::residual;
 use super::scaled::Scaled;
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
-/// Most steps with one factorisation; chosen: each gains the digits that this is good for, sixteen less those of the condition number.
+/// Most steps with one factorisation; chosen: each step gains as many digits as the factorisation has, sixteen less the digits of the condition number.
 const MOST_NEWTON_STEPS: usize = 6;
 /// Most factorisations, each at the sigma that the last one led to; chosen.
 const MOST_FACTORISATIONS: usize = 4;
@@ -28,7 +28,7 @@ const DOUBLE_DOUBLE_ROUNDING: f64 = 1e-31;
 /// A refined eigenvalue of the scaled problem.
 #[derive(Debug, Clone)]
 pub(crate) struct Refined {
-    /// sigma, its real part correct on its own scale and not on that of |sigma|.
+    /// sigma, its real part correct on its own scale and not on the scale of |sigma|.
     pub(crate) sigma: Complex<f64>,
     pub(crate) x: Vector,
     /// Error |sigma - exact| that the last steps leave possible, before sigma is rounded to a double.

@@ -18,7 +18,7 @@ use crate::francis;
 /// QR steps allowed per eigenvalue before QZ takes over. A healthy matrix takes 2 to 4, but of hundreds of small eigenvalues of one size
 /// the first may take a hundred.
 const MOST_QR_STEPS: usize = 300;
-/// Largest relative error of the smallest eigenvalue, if nothing but norms is known: that of B^-1 A is at most
+/// Largest relative error of the smallest eigenvalue, if nothing but norms is known: the error of B^-1 A is at most
 /// `eps cond(B) |B^-1 A|`.
 pub(super) const LARGEST_ERROR: f64 = 1e-10;
 
@@ -41,8 +41,8 @@ fn of_quotient<T: Lane>(state: Planar<T>, error: f64) -> Option<Vec<Complex<f64>
     iterate(matrix, error)
 }
 
-/// Eigenvalues of a regular quadratic problem, by the inverse of M or, reversed, by that of K: a quotient of n rows in place of one of 2 n.
-/// With d as in [`Pencil`](super::pencil::Pencil) the reciprocals are those of `[0, I / d; -d K^-1 M, -K^-1 C]`.
+/// Eigenvalues of a regular quadratic problem, by the inverse of M or, reversed, by the inverse of K: a quotient of n rows in place of one of 2 n.
+/// With d as in [`Pencil`](super::pencil::Pencil) the reciprocals are the eigenvalues of `[0, I / d; -d K^-1 M, -K^-1 C]`.
 pub(super) fn of_quadratic(s: &Scaled, reversed: bool) -> Option<Vec<Complex<f64>>> {
     let (n, d) = (s.order(), Dd::from(s.grading()));
     let [m, c, k] = [&s.m, &s.c, &s.k].map(Planar::<Dd>::from);

@@ -104,8 +104,8 @@ impl<'a> Factor<'a> {
 /// be more with a chance of at most 4e-6, and that only if a single vector has it all. Few vectors are cheap, many tell more:
 /// the next line is for where the one before leaves a doubt.
 const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
-/// Factor of what a vector shows that is no more than the norm but with a chance of 1e-10, as the square of what one shows exceeds that of
-/// the norm r times with one of exp(-r) at most.
+/// Factor on what a random vector shows of a norm: the product exceeds the norm with a chance of 1e-10 at most, as the square of what a vector shows
+/// exceeds r times the square of the norm with a chance of exp(-r) at most.
 pub(super) const SURELY_SHOWN: f64 = 0.2;
 
 /// Conclusion from the Frobenius norms of linear maps of n-vectors: `conclude` gets them from above, as well as the cheapest
@@ -137,8 +137,8 @@ pub(crate) fn by_norms<const N: usize, R>(
     None
 }
 
-/// Lower bound of the norm that [`by_norms`] concludes from at the end, whatever vectors are still to come: all of it, which is that of a
-/// vector's image over the vector's own at least, or what the last line of [`NORM_ESTIMATES`] makes of the sum of squares.
+/// Lower bound of the norm that [`by_norms`] concludes from at the end, whatever vectors are still to come: the whole norm, which is at least the norm of a
+/// vector's image over the norm of the vector, or what the last line of [`NORM_ESTIMATES`] makes of the sum of squares.
 fn least_conclusion(n: usize, made: usize, squares: f64) -> f64 {
     let (probes, safety) = NORM_ESTIMATES[NORM_ESTIMATES.len() - 1];
     if n <= probes { (squares / (made * n) as f64).sqrt() } else { safety * (squares / probes as f64).sqrt() }
