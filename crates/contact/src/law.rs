@@ -14,7 +14,7 @@ const HALVINGS: usize = 30;
 const ENOUGH: f64 = 1e-13;
 
 impl Condensed {
-    /// The equilibrium of points of these areas under a law. It begins with that of springs of the stiffness that the points were condensed
+    /// The equilibrium of points of these areas under a law. It begins with the equilibrium of springs of the stiffness that the points were condensed
     /// with, which changes the way and not the result, and goes on by Newton's method.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl Condensed {
                 None => return Err(not_found),
             }
         }
-        // Without friction the forces are those of the least energy, which is convex.
+        // Without friction the forces are the ones of the least energy, which is convex.
         let is_frictionless = balance.mu.iter().all(|mu| *mu == 0.0);
         let uniqueness = if is_frictionless { Uniqueness::Definite } else { Uniqueness::NotDecided };
         let forces = pressed(&gaps).0.as_slice().to_vec();

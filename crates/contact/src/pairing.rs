@@ -125,8 +125,8 @@ impl Interface {
         })
     }
 
-    /// Faces, among those of `slave`, that face one of `master` within reach at any of their Gauss points. Where a whole body is named as the slave, these are
-    /// what is meant of its outer faces.
+    /// Faces of `slave` that face a face of `master` within reach at any of their Gauss points. Where a whole body is named as the slave, these are
+    /// the outer faces of it that are meant.
     ///
     /// # Errors
     /// As [`Interface::new`], but for faces that do not meet, a master that is smaller and normals that contradict.
@@ -229,7 +229,7 @@ impl<'a> Search<'a> {
     }
 
     /// Distance from a point to the nearest face that it is over, within reach or not, of those whose normals have at most this cosine with its
-    /// own; infinite where there is none.
+    /// own; infinite where the point is over no such face.
     fn distance(&self, at: &Vector3<f64>, outwards: &Vector3<f64>, largest_cosine: f64) -> f64 {
         let is_over =
             |found: &Projection| found.outside <= self.pairing.slit && found.normal.dot(outwards) <= largest_cosine;

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 use crate::grid::Grid;
 use crate::project::project;
 
-/// A piece of this part of the face is none; chosen, above rounding.
+/// Fraction of the area of a face up to which a piece of it is dropped; chosen, above rounding.
 const NO_PIECE: f64 = 1e-13;
 
 type Polygon = Vec<Vector2<f64>>;

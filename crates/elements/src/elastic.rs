@@ -67,7 +67,7 @@ impl Body<'_> {
     /// stiffness, such as the stress under rotation: programs integrate hexahedra in other ways.
     ///
     /// # Errors
-    /// None beyond those of the body.
+    /// None beyond the errors of the body.
     pub fn stiffness(&self, material: &Material) -> Result<CscMatrix<f64>, ElementsError> {
         let Material { lambda, shear } = *material;
         let stiffness = self.blocks(|point, a, b| {

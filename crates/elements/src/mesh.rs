@@ -158,7 +158,7 @@ impl Rows {
         self.order
     }
 
-    /// Row of a node, by its index in the mesh, in a direction, 0 to 2 for x to z; `None` where the model has none.
+    /// Row of a node, by its index in the mesh, in a direction, 0 to 2 for x to z; `None` where the model has no such row.
     #[must_use]
     pub fn row(&self, place: usize, direction: usize) -> Option<usize> {
         self.of.get(place)?.get(direction).copied().flatten()

@@ -58,9 +58,9 @@ pub struct Transport {
     pub gyroscopic: CscMatrix<f64>,
     /// Centripetal matrix P, symmetric.
     pub centripetal: CscMatrix<f64>,
-    /// The norm of the symmetric part of `int rho N^T N_,theta` over that of the skew one. It is an integral over the surface that vanishes
-    /// where the surface turns into itself: a few hundredths of a coarse mesh of a body of revolution, more where the body is none, with holes or
-    /// vanes, for which fixed axes describe it in the mean alone.
+    /// The norm of the symmetric part of `int rho N^T N_,theta` over the norm of its skew part. The symmetric part is an integral over the surface that
+    /// vanishes where the surface turns into itself: a few hundredths for a coarse mesh of a body of revolution, more for a body with holes or vanes, which
+    /// is no body of revolution and which fixed axes describe in the mean alone.
     pub departure: f64,
 }
 
@@ -102,8 +102,8 @@ impl Body<'_> {
         self.load(|point| -axis.direction.cross(&axis.velocity(&point.position)) * density)
     }
 
-    /// Stiffness `K_sigma = int N_,i^T sigma_ij N_,j` of the stress that displacements make in a material: those of each node of the mesh under
-    /// [`Body::centrifugal_load`], by the model's own stiffness or by [`Body::stiffness`]. It is proportional to them, so that
+    /// Stiffness `K_sigma = int N_,i^T sigma_ij N_,j` of the stress that displacements make in a material: the displacements of each node of the mesh under
+    /// [`Body::centrifugal_load`], by the model's own stiffness or by [`Body::stiffness`]. K_sigma is proportional to the displacements, so that
     /// displacements at 1 rad/s give it for `Omega^2 = 1`.
     ///
     /// # Errors

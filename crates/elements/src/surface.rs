@@ -114,7 +114,7 @@ impl Mesh {
     /// Outer faces all of whose corners are among these nodes, given by their indices: the surface that a node set means.
     ///
     /// # Errors
-    /// None; faces are those of the mesh.
+    /// None: all faces are faces of the mesh.
     pub fn faces_on(&self, nodes: &[usize]) -> Result<Vec<FaceId>, ElementsError> {
         let nodes: HashSet<usize> = nodes.iter().copied().collect();
         let mut on = Vec::new();
