@@ -178,7 +178,7 @@ fn cells(row: &str) -> Vec<&str> {
     row.trim_matches('|').split(is_bar).map(str::trim).collect()
 }
 
-/// Rows of the page on case files for a field, such as `study.samples` or `terms "lining".loss_factor`; empty for what is none.
+/// Rows of the page on case files for a field, such as `study.samples` or `terms "lining".loss_factor`; empty for text that is no field.
 fn fields(field: &str) -> String {
     let is_name = |c: char| c.is_alphanumeric() || "._-\" []@".contains(c);
     let Some((path, key)) = field.rsplit_once('.').filter(|_| field.chars().all(is_name)) else { return String::new() };

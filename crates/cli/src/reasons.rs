@@ -28,7 +28,7 @@ const OF_DASHPOTS: &str = "\nreasons are of the system that has dashpots in the 
 pub(super) struct Whys {
     /// Answers, one for each mode.
     pub of_modes: Vec<Why>,
-    /// Eigenvalues of the system of which these are, for those of the brake that were asked for, in their order; not a number where there is none.
+    /// Eigenvalue of the system of the answers for each eigenvalue of the brake that was asked for, in their order; NaN where the system has no such mode.
     pub counterparts: Vec<Complex<f64>>,
     /// The answers are of a system with dashpots in the place of loss factors.
     has_dashpots: bool,
@@ -60,7 +60,7 @@ pub(super) fn whys<B: UncertainBrake>(brake: &B, scene: &Scene, among: Option<&[
     Ok(Whys { of_modes: explainer.why(&modes, &mut work)?, counterparts, has_dashpots, are_unstable })
 }
 
-/// True if an answer is that of the mode with this eigenvalue.
+/// True if an answer belongs to the mode with this eigenvalue.
 pub(super) fn is_of(lambda: Complex<f64>, why: &Why) -> bool {
     (lambda - why.lambda).norm() <= EQUAL_BUT_FOR_ROUNDING * lambda.norm()
 }
@@ -119,7 +119,7 @@ fn influences(why: &Why) -> String {
     );
     for influence in why.influences.iter().take(MOST_INFLUENCES) {
         let Influence { name, unit, value, growth_per_percent: growth, frequency_hz_per_percent: hz, .. } = influence;
-        // Of what is no unit the first word; a number without one has none.
+        // The unit, or the first word of what is no unit; empty for a number without unit.
         let unit = unit.split(' ').next().filter(|unit| *unit != "1").unwrap_or_default();
         let growth = match influence.holds_for_a_percent() {
             true => format!("{growth:+.4} "),

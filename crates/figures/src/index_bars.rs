@@ -14,7 +14,7 @@ use super::style::{BLUE, SKY};
 pub struct IndexFigure {
     /// Title above everything; may be empty.
     pub title: String,
-    /// Words for the first bar of each input; `None` for that of a first-order index.
+    /// Words for the first bar of each input; `None` for the words of a first-order index.
     pub first_bar: Option<String>,
     /// Panels, one for each output.
     pub panels: Vec<IndexPanel>,

@@ -100,7 +100,7 @@ pub fn loglog(data: &LogLogFigure) -> Result<Figure, FigureError> {
 struct Axes {
     x: AxisScale,
     y: AxisScale,
-    /// Height of the strip for zeros; 0 if there are none.
+    /// Height of the strip for zeros; 0 if no value is 0.
     strip: f64,
 }
 

@@ -5,7 +5,7 @@ use tiny_skia::{Path, PathBuilder};
 
 use super::canvas::{Canvas, Color, Item, Label, Paint, TextAnchor};
 
-/// The paths of a picture, in points, from the lowest to the topmost; what is empty leaves none.
+/// The paths of a picture, in points, from the lowest to the topmost; an empty item has no path.
 pub(super) fn paths(canvas: &Canvas) -> Vec<(Path, Paint)> {
     let mut all = Vec::new();
     for item in &canvas.items {

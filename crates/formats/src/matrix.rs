@@ -57,7 +57,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// The name in the file; of a file that names nothing, that of its kind or `matrix`.
+    /// The name in the file; of a file that names nothing, the name of its kind or `matrix`.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -106,7 +106,7 @@ impl Matrix {
         &self.entries
     }
 
-    /// The degree of freedom of each row, where the file names them. Of a square matrix also those of the columns.
+    /// The degree of freedom of each row, where the file names them; of a square matrix also the degree of freedom of each column.
     #[must_use]
     pub fn row_labels(&self) -> Option<&[Dof]> {
         self.row_labels.as_deref()

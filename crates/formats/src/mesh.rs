@@ -15,7 +15,7 @@ pub struct Node {
     pub position: [f64; 3],
 }
 
-/// The shape of a cell, with the order of its nodes: that of VTK, Abaqus and CalculiX alike for these.
+/// The shape of a cell, with its nodes in the order that VTK, Abaqus and CalculiX have alike for these shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
     /// A single node.
@@ -59,7 +59,7 @@ impl CellKind {
         }
     }
 
-    /// The nodes around each face of a solid; of a shape that is flat or thinner none.
+    /// The nodes around each face of a solid; empty for a flat shape, a line and a point.
     pub(crate) fn faces(self) -> &'static [&'static [usize]] {
         match self {
             Self::Vertex | Self::Line | Self::Triangle | Self::Quadrilateral => &[],

@@ -41,7 +41,7 @@ pub struct Wanted<'a> {
 }
 
 impl File {
-    /// The matrix that is meant: that of the name; without one the only matrix of the file, or the only one whose name is usual for
+    /// The matrix that is meant: the matrix of the name; without a name the only matrix of the file, or the only matrix whose name is usual for
     /// that kind.
     ///
     /// # Errors
@@ -182,7 +182,7 @@ pub fn split_name(given: &Path) -> (&Path, Option<&str>) {
     }
 }
 
-/// Reads one matrix of the file that `FILE` or `FILE:NAME` means; a name there comes before that of `wanted`.
+/// Reads one matrix of the file that `FILE` or `FILE:NAME` means; a name there comes before the name of `wanted`.
 ///
 /// # Errors
 /// As [`read_with`] and [`File::take`].

@@ -7,7 +7,7 @@ use crate::{Dof, FormatsError, Matrix, common_labels};
 
 /// Puts the matrices of one model on the same rows and columns, as far as they say what their rows are.
 ///
-/// Those whose files name their rows get the rows that any of them has. Where one has no names the others must have equal ones, because
+/// Matrices whose files name their rows get the rows that any of them has. Where a matrix has no names, the others must have equal names, because
 /// nothing else says which of its rows is which. A list of `row column value` has no size of its own: it is as large as the largest
 /// matrix beside it. Sizes of matrices without names are else left as they are.
 ///
@@ -88,7 +88,7 @@ pub(crate) fn numbered(row: i64) -> Dof {
     Dof { node: row, direction: 0 }
 }
 
-/// Index of a row in a list, before it is known which rows there are: those of negative numbers come last, backwards.
+/// Index of a row in a list, before it is known which rows there are: rows with negative numbers come last, backwards.
 pub(crate) fn code(row: i64) -> usize {
     if row < 0 { (u32::MAX as usize).saturating_sub(row.unsigned_abs() as usize - 1) } else { row as usize - 1 }
 }

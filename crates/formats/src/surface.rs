@@ -126,7 +126,7 @@ fn is_of(mesh: &Mesh, cell: &Cell) -> bool {
     cell.nodes.len() == cell.kind.nodes() && cell.nodes.iter().all(|&node| node < mesh.nodes.len())
 }
 
-/// Nodes in order without those that equal the one before, the last of them repeated so that there are four; `None` of none.
+/// Nodes in order without a node that equals the node before it, the last node repeated so that there are four; `None` for an empty list.
 fn four(nodes: &[usize]) -> Option<[usize; 4]> {
     let mut nodes = nodes.to_vec();
     nodes.dedup();
@@ -173,7 +173,7 @@ mod tests {
         [0.0, 1.0, 2.0].iter().flat_map(|&z| square.map(|[x, y]| [x, y, z])).collect()
     }
 
-    /// Six times the volume that the faces enclose: that of the solid where all face outwards and none is missing.
+    /// Six times the volume that the faces enclose: the volume of the solid where all faces face outwards and no face is missing.
     fn volume(mesh: &Mesh, surface: &Surface) -> f64 {
         let tetrahedron = |[a, b, c]: [usize; 3]| {
             let [a, b, c] = [a, b, c].map(|place| mesh.nodes[surface.nodes[place]].position);

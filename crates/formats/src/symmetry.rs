@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::entry::Entry;
 
-/// Storage of a matrix in a file. Whatever it is, [`Matrix::entries`](crate::Matrix::entries) are those of the whole matrix; only for `OneSide` they are those of the file.
+/// Storage of a matrix in a file. [`Matrix::entries`](crate::Matrix::entries) has the entries of the whole matrix whatever the storage, but for `OneSide`:
+/// then it has the entries of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stored {
     /// Every entry of the matrix.

@@ -42,9 +42,9 @@ struct Candidate {
     bounds: [[f64; 3]; 2],
 }
 
-/// Pairs of slave and master, found greedily: sets are tried as slaves from the one with the most faces down, and each gets the smallest master that all its
-/// faces face. A slave has no face of a pair before it; two pairs may have one master. Of equally large sets the set of the smaller body (pad) comes first,
-/// then by name.
+/// Pairs of slave and master, found greedily: sets are tried as slaves from the set with the most faces down, of equally large sets first the set of the
+/// smaller body (the pad), then by name. Each gets the smallest master that all its faces face. A slave has no face of a pair before it; two pairs may have
+/// one master.
 pub(super) fn facing(solids: &Solids<'_>) -> Vec<Facing> {
     let mut candidates = candidates(solids);
     // By name at last, so that the result does not depend on the order of a map.

@@ -134,8 +134,8 @@ fn on_rows(
     modes.lambdas.iter().zip(modes.shapes.column_iter()).map(on_rows).collect()
 }
 
-/// Line on a mode of a finite element brake: the degree of freedom at which it is largest, and the work of each family over that of the
-/// family with the largest.
+/// Line on a mode of a finite element brake: the degree of freedom at which it is largest, and the work of each family over the work of the
+/// family with the largest work.
 fn largest_and_work(shape: &[Complex<f64>], energy: &ModeWork, case: &FiniteElementCase) -> String {
     let largest = (0..shape.len()).max_by(|&a, &b| shape[a].norm().total_cmp(&shape[b].norm())).unwrap_or(0);
     let of = |family: &work::FamilyWork| (family.name.clone(), family.bodies.iter().sum::<f64>());

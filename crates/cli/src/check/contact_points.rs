@@ -14,7 +14,7 @@ use crate::Error;
 /// folder. The lines that say so.
 ///
 /// # Errors
-/// A file that cannot be written, a load at the medians that is none.
+/// A file that cannot be written, a load at the medians that is not allowed.
 pub(super) fn write_pictures(case: &FiniteElementCase, contact: &PatchContact, dir: &Path) -> Result<Lines, Error> {
     make_folder(dir)?;
     let (points, fields) = of_pairs(contact, &loads_at_medians(case)?);

@@ -173,7 +173,7 @@ fn check_sizes(all: &[Given<'_>], sizes: Sizes) -> Result<(), Error> {
             return Err(Error::MatrixShape { path, name, rows, columns, order: rows, reason });
         }
     }
-    // The order that most of the matrices have is taken for the right one; of two matrices that differ, that of the mass matrix.
+    // The order that most of the matrices have is taken for the right one; of two matrices that differ, the order of the mass matrix.
     let votes = |order: usize| all.iter().filter(|given| given.matrix.rows() == order).count();
     let orders: Vec<usize> = all.iter().map(|given| given.matrix.rows()).collect();
     let order = orders.iter().copied().max_by_key(|&order| (votes(order), orders[0] == order)).unwrap_or(0);

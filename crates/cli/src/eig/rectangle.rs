@@ -24,7 +24,7 @@ const LARGEST_BORDER: f64 = 1e12;
 /// Memory of a Krylov basis, bytes per degree of freedom. Memory is estimated as `BASIS_BYTES n + FACTOR_BYTES n^(4/3)`. Measured (GNU time) with a disc
 /// and pad of linear solids of n = 14,985, 47,376, 108,459 and 205,227: 0.33, 1.5, 4.6 and 11.5 GB; the estimate is 0.39, 1.65, 4.8 and 10.9 GB.
 const BASIS_BYTES: f64 = 6000.0;
-/// Memory of sparse factors, bytes per n^(4/3) of n degrees of freedom; the power is that of meshes of solids. Measured with [`BASIS_BYTES`].
+/// Memory of sparse factors, bytes per n^(4/3) of n degrees of freedom; the power 4/3 is the one of meshes of solids. Measured with [`BASIS_BYTES`].
 const FACTOR_BYTES: f64 = 800.0;
 /// Largest fraction of the allowed memory that the vectors of the eigenvalues take; chosen.
 const PART_OF_VECTORS: f64 = 0.25;

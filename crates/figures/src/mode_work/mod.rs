@@ -33,8 +33,8 @@ const INSTANTS: [&str; 2] = ["shape", "shape, a quarter of a period later"];
 /// undeformed lattice behind) above bars of the net work of each oscillator and the plate (p), with quartiles as whiskers;
 /// the axes of work are alike.
 ///
-/// All shapes have the largest component 1 and one phase: that of the first law makes its real part largest, that of each
-/// other makes it most like the first. The table has one row per law, body and quantity, with the eigenvector in that phase.
+/// All shapes have the largest component 1 and one phase: the phase of the first law makes its real part largest, the phase of another
+/// law makes its shape most like the first. The table has one row per law, body and quantity, with the eigenvector in that phase.
 ///
 /// # Errors
 /// [`FigureError::Empty`] without laws or with an empty lattice, [`FigureError::Length`] if the bodies do not fit the

@@ -89,7 +89,7 @@ fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
-/// The direction of a vector; `None` of one that has none.
+/// The direction of a vector; `None` for a vector of length 0 or not finite.
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
     (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))

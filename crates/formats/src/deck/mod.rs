@@ -1,8 +1,8 @@
 //! Nodes, elements and node sets of an input deck of Abaqus or CalculiX (`.inp`).
 //!
-//! Read are `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`, `*SYSTEM` and `*INCLUDE`, and of `*BOUNDARY` what it holds. Keywords that are known to change none of what these say are
-//! passed over; all others are refused, so that no node is elsewhere, no set another, and no direction a local one unnoticed. Decks with
-//! parts and instances have node numbers that are not those of the exported matrices, and are refused too.
+//! Read are `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`, `*SURFACE`, `*SYSTEM` and `*INCLUDE`, and of `*BOUNDARY` what it fixes. Keywords that are known to change
+//! nothing of this are passed over; all others are refused, so that no node is elsewhere, no set another, and no direction a local one unnoticed. Decks
+//! with parts and instances have other node numbers than the exported matrices, and are refused too.
 
 mod boundary;
 mod element;
@@ -54,7 +54,7 @@ pub struct Deck {
 ///
 /// # Errors
 /// A file that cannot be read or is not a regular one; a fault at a line: a keyword that changes nodes, elements or sets and is not read,
-/// a node or an element twice, an element of an unknown node, a set of an unknown node or set, a number that is none.
+/// a node or an element twice, an element of an unknown node, a set of an unknown node or set, a number that cannot be read.
 pub fn read_deck(path: &Path, limits: &Limits) -> Result<Deck, FormatsError> {
     let mut reading = Reading {
         limits: limits.bounded(),

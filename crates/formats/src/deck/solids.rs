@@ -20,7 +20,7 @@ pub struct SurfaceSet {
     /// True for a surface of nodes, `TYPE=NODE`; else it is of faces of elements.
     pub of_nodes: bool,
     /// Lines of the surface: the number of an element or node, or the name of a set, and the face as it is written in capitals (`S3`), empty where
-    /// there is none.
+    /// the line has no face.
     pub lines: Vec<(String, String)>,
     /// Parameters that change the surface and are not read, such as `COMBINE`.
     pub unread: Vec<String>,

@@ -19,7 +19,7 @@ const MADE_ROOM_FOR: usize = 1 << 20;
 
 /// Contents of the header of an array.
 pub(crate) struct Header {
-    /// The kind of numbers, or the letter of a kind that is none.
+    /// The kind of numbers, or the letter of a kind that is no kind of real numbers.
     pub storage: Result<Storage, String>,
     /// An imaginary part follows each number.
     pub complex: bool,
@@ -81,7 +81,7 @@ pub(crate) fn header(bytes: &mut Bytes<'_>) -> Result<Header, Problem> {
 }
 
 impl Header {
-    /// Reason why the array is no matrix of real numbers, if it is none.
+    /// Reason why the array is no matrix of real numbers; `None` if it is such a matrix.
     pub fn reason(&self) -> Option<String> {
         match (&self.storage, self.shape.as_slice()) {
             (Err(kind), _) => Some(format!("no real numbers but {}", cut(kind))),
