@@ -108,7 +108,7 @@ impl AffineSystem {
         self.channels.iter().filter(|channel| channel.is_contact)
     }
 
-    /// Names of the force families, whose work is computed separately; those of channels come first.
+    /// Names of the force families, whose work is computed separately; the families of channels come first.
     pub fn families(&self) -> &[String] {
         &self.families
     }
@@ -222,7 +222,7 @@ impl AffineSystem {
         Ok(())
     }
 
-    /// The forces of each family that can do net work in a mode (lambda, phi), in the order of [`AffineSystem::families`]: those of
+    /// The forces of each family that can do net work in a mode (lambda, phi), in the order of [`AffineSystem::families`]: the forces of
     /// [`AffineSystem::family_into`] without its matrices, `-(lambda C + K) phi` of the terms of a family and
     /// `-b (mu r^T + lambda s(lambda) b^T) phi` of its channels. A force is not finite where lambda is minus the decay rate of a lag.
     ///

@@ -16,8 +16,9 @@ pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVecto
     Arch::new().dispatch(Product { a, x })
 }
 
-/// Form `|y|^T |A| |x|` of the sizes of all entries of a real n x m matrix and of complex vectors, y of length n and x of length m: what roundings of the entries of A
-/// change `y^H A x` by is at most a rounding of it, and no scaling of rows and columns, of which x and y are those of the scaled problem, changes it.
+/// Form `|y|^T |A| |x|` of the sizes of all entries of a real n x m matrix and of complex vectors, y of length n and x of length m. Roundings of the entries of
+/// A change `y^H A x` by a rounding of the form at most. The form does not change where rows and columns are scaled and x and y are the vectors of the scaled
+/// problem.
 #[must_use]
 pub fn form_of_sizes(a: &DMatrix<f64>, y: &DVector<Complex<f64>>, x: &DVector<Complex<f64>>) -> f64 {
     let y = y.map(|entry| entry.norm());

@@ -28,7 +28,7 @@ impl Bounds {
     }
 }
 
-/// Count, sum and sum of squares of integers, the number of those that are not zero, and the extremes. Kept exactly, as those of
+/// Count, sum and sum of squares of integers, the number of integers that are not zero, and the extremes. All are kept exactly, as by
 /// [`IntegerMean`].
 ///
 /// Student's interval knows of no value that was not among those entered: of five zeros it is (0 to 0), of one value everything.

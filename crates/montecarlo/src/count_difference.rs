@@ -5,8 +5,8 @@ use crate::confidence::{Confidence, Interval};
 
 /// Counts of the same samples in two cases, `more` and `fewer`, and their differences.
 ///
-/// In a sample with a in one and b in the other, none of them below 0, the difference d = a - b lies in -b to a. So its mean lies within those of
-/// -b and a, and a difference of which none was seen is at most as large as a count of one more sample may be.
+/// In a sample with the count a in one case and b in the other, neither below 0, the difference d = a - b lies in -b to a. So the mean of d lies between the
+/// means of -b and a, and a difference that was never seen is at most as large as the count of one more sample may be.
 #[derive(Debug, Clone, Copy)]
 pub struct CountDifference<'a> {
     /// Differences of the samples that were solved in both.
@@ -51,9 +51,8 @@ impl CountedSide<'_> {
 }
 
 impl CountDifference<'_> {
-    /// A confidence interval for the mean difference: that of [`BoundedMean::interval`], in which a difference that was not seen where all
-    /// were zero lies within the counts that one more sample may have, and within the limits of the two means. What failed may be
-    /// anything.
+    /// A confidence interval for the mean difference: [`BoundedMean::interval`], cut to the limits of the two means. Where all differences were zero, a
+    /// difference that was not seen is taken to be no larger than the count that one more sample may have. A sample that failed may have any difference.
     #[must_use]
     pub fn interval(&self, confidence: Confidence) -> Interval {
         let Self { differences, failed, more, fewer } = self;

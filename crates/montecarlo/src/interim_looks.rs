@@ -3,8 +3,8 @@
 use crate::confidence::Confidence;
 use crate::proportion::Proportion;
 
-/// Looks: number of samples, as a part of that of the last look, and error probability. Chosen: nearly all of the 5 % is for the last
-/// look, as a table of many proportions mostly has one near one half; they sum to 0.05.
+/// Looks: number of samples, as a fraction of the number at the last look, and error probability. Chosen: nearly all of the 5 % is for the last
+/// look, as a table of many proportions mostly has one near one half; the probabilities sum to 0.05.
 const LOOKS: [(f64, f64); 5] = [(0.0625, 0.002), (0.125, 0.003), (0.25, 0.005), (0.5, 0.01), (1.0, 0.03)];
 
 /// A number of samples at which a run may stop.

@@ -1,4 +1,4 @@
-//! Statistics of parts of a run that add up to that of the whole.
+//! Statistics of parts of a run that add up to the statistic of the whole.
 
 /// A statistic of samples that can be merged with the statistic of the samples that follow.
 pub trait Merge {

@@ -39,7 +39,7 @@ pub fn run<S: Experiment, T: Tally<S>>(
 ///
 /// The checkpoint is written before the first evaluation, so that a folder that cannot be written is noticed at once, and last
 /// when the run is complete. A run whose checkpoint is complete returns its result without any evaluation. A run whose
-/// checkpoint has fewer samples, whether that run was complete or not, is continued; the result is the same bytes as that of
+/// checkpoint has fewer samples, whether that run was complete or not, is continued; the result is the same bytes as the result of
 /// an uninterrupted run.
 ///
 /// # Errors

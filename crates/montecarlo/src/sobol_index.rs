@@ -38,7 +38,7 @@ impl SobolIndex {
         self.value.clamp(0.0, 1.0)
     }
 
-    /// The interval by Student's t, and where the index is a sum of few terms that of their Poisson counts too, whichever is wider; cut to
+    /// The interval by Student's t, or, where the index is a sum of few terms, the interval of their Poisson counts if that is wider; cut to
     /// what an index can be: 0 to 1.
     #[must_use]
     pub fn interval(&self, confidence: Confidence) -> Interval {
@@ -66,7 +66,7 @@ impl SobolIndex {
 /// The standard error is by the central limit theorem. S is unchanged where a number is added to all y; with the mean of y at 0 let
 /// `w_k = y_k y_{k+1} - S y_k^2`, whose mean is 0 and whose mean over the variance of y is the error of S, to first order. At given x the w_k are independent but for
 /// next neighbours, about a mean g(x) that neighbours share; g(x) itself varies with the x that were drawn. With c_j the mean of
-/// `w_k w_{k+j}`: c_0 has the variance of g and that of w about it, c_1 that of g and the covariance of next neighbours, c_2 that of g alone. So
+/// `w_k w_{k+j}`: c_0 is the variance of g and of w about g, c_1 the variance of g and the covariance of next neighbours, c_2 the variance of g. So
 ///
 /// ```text
 /// n Var S = (c_0 + 2 c_1 - 2 c_2) / Var(y)^2
@@ -75,7 +75,7 @@ impl SobolIndex {
 /// where `c_1 - c_2` is taken to be 0 if it comes out below: with few samples its own error would make intervals too narrow.
 ///
 /// That needs many pairs of neighbours of which neither is zero. An output that is zero in most samples has as few as none, in whichever
-/// case the standard error is nearly 0; then the interval is that of their number, see [`FewTerms`]. Of an indicator that is 1 in most
+/// case the standard error is nearly 0; then the interval follows from the number of such pairs, see [`FewTerms`]. Of an indicator that is 1 in most
 /// samples 1 - y is taken, which has the same index.
 ///
 /// The bootstrap does not apply: a sample that is drawn twice is its own neighbour (Lin and Han, Biometrika 111, 2024).
@@ -120,7 +120,7 @@ pub fn first_order_by_ranks(x: &[f64], y: &[f64]) -> Option<SobolIndex> {
 /// independent, and the mean of y is small beside its deviation.
 const RARE: f64 = 0.1;
 
-/// The pairs of neighbours of which neither is zero, of a rare output; `order` is that of x, and the variance that of y.
+/// The pairs of neighbours of which neither is zero, of a rare output y; `order` is the order of the samples by x, `variance` the variance of y.
 fn few_neighbours(order: &[usize], y: &[f64], variance: f64) -> Option<FewTerms> {
     let n = y.len() as f64;
     let zeros = y.iter().filter(|y| **y == 0.0).count() as f64;
@@ -204,7 +204,7 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.sum::<f64>() / count as f64
 }
 
-/// True for a variance above what rounding of the mean that was subtracted makes; chosen, far above that of a million values.
+/// True for a variance above what rounding of the mean that was subtracted makes; chosen, far above the rounding of a million values.
 fn has_variance(variance: f64, mean: f64) -> bool {
     variance > (1e-12 * mean).powi(2)
 }

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 /// The smallest index with which each index is coupled, directly or through others, where the degrees of freedom come first and
 /// the internal states after them. Two indices are coupled by a nonzero entry in any matrix of any of the systems. All systems
-/// have the same order, and the same number of states or none.
+/// have the same order; systems with internal states have the same number of them.
 pub(crate) fn first_coupled(systems: &[SecondOrder]) -> Vec<usize> {
     let order = systems.iter().map(SecondOrder::order).max().unwrap_or(0);
     let states = systems.iter().map(SecondOrder::states).max().unwrap_or(0);

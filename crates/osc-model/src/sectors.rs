@@ -4,14 +4,14 @@
 //! symmetry. Each of its operations multiplies the shapes of a sector by 1 or -1, and shapes of two sectors, which differ in one
 //! of these signs, are not coupled. The shapes of a sector are combinations of the degrees of freedom that the symmetry exchanges,
 //! with coefficients of one size: `e_i`, `(e_i +- e_j) / sqrt 2`, `(e_i +- e_j +- e_k +- e_l) / 2`. Channels and their internal
-//! states combine in the same way. With Q the orthonormal basis of a sector and U that of its states, the sector is the system
+//! states combine in the same way. With Q the orthonormal basis of a sector and U the basis of its states, the sector is the system
 //!
 //! ```text
 //! Q^T M Q,  Q^T C Q,  Q^T K Q,  U^T E Q,  Q^T F U,  a of one state of each combination
 //! ```
 //!
 //! (Fässler and Stiefel, Group Theoretical Methods and Their Applications, 1992, chapter 2). The eigenvalues of all sectors
-//! together are those of the whole system, except the eigenvalues -a of states that act on no degree of freedom.
+//! together are the eigenvalues of the whole system, except the eigenvalues -a of states that act on no degree of freedom.
 
 mod changed;
 
@@ -167,8 +167,8 @@ impl Sector {
     /// number of states.
     ///
     /// # Errors
-    /// A system with another number of degrees of freedom, or with states of which a symmetry exchanges some with channels
-    /// that have none.
+    /// A system with another number of degrees of freedom; a system in which a symmetry exchanges a channel with states and a channel
+    /// without states.
     pub fn reduce(&self, whole: &SecondOrder, out: &mut SecondOrder) -> Result<(), OscModelError> {
         let is_whole = self.order() == self.order;
         // The states of a system are those of its first channels.

@@ -11,7 +11,7 @@ use crate::{OutputError, csv_bytes, write, write_row};
 /// A table of results: one observation a row. Cells are text, numbers in the fewest digits that give them back; an empty cell is nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
-    /// Name of the table: that of its file without `.csv`.
+    /// Name of the table: the name of its file without `.csv`.
     pub name: String,
     /// Names of the columns, with units.
     pub columns: Vec<String>,

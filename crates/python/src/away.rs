@@ -16,7 +16,7 @@ use crate::errors;
 
 /// Time between two looks for signals; chosen, so that an interrupt is taken within a tenth of a second.
 const LOOK: Duration = Duration::from_millis(20);
-/// Stack of the thread that works, bytes: that of a main thread.
+/// Stack of the thread that works, bytes: as large as the stack of a main thread.
 const STACK: usize = 8 << 20;
 
 /// Messages between the thread that works and the calling thread.

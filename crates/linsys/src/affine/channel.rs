@@ -44,7 +44,7 @@ impl Channel {
         Self { is_contact: false, ..Self::new(name, family, direction, Vec::new()) }
     }
 
-    /// The channel with each side given by the entries that a function makes of those of this one.
+    /// The channel whose sides have the entries that a function makes of the entries of the sides of this channel.
     #[must_use]
     pub fn mapped(&self, entries: impl Fn(&[(usize, f64)]) -> Vec<(usize, f64)>) -> Self {
         Self {

@@ -5,7 +5,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// Largest probability that a support leaves out at each end; chosen, far below one over any number of samples.
 const NEGLIGIBLE_TAIL: f64 = 1e-12;
 
-/// The largest number below 1, used as the largest probability: its standard normal quantile is 8.2, that of 1 is infinite.
+/// The largest number below 1, used as the largest probability: its standard normal quantile is 8.2, the quantile of 1 is infinite.
 const LARGEST_BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A value that is a function of a standard normal deviate z, and its bounds, which may be infinite.

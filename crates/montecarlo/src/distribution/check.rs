@@ -147,11 +147,11 @@ impl Distribution {
         }
     }
 
-    /// The distribution with the measured values of its file, which `read` is asked for by its name and that of the column; measured values in
-    /// ascending order, from wherever they are.
+    /// The distribution with the measured values of its file, which `read` is asked for by the path of the file and the name of the column. Measured values are
+    /// put in ascending order, whether they come from a file or not.
     ///
     /// # Errors
-    /// Those of `read`.
+    /// Errors of `read`.
     pub fn with_file<E>(self, read: impl FnOnce(&Path, Option<&str>) -> Result<Vec<f64>, E>) -> Result<Self, E> {
         match self {
             Self::Empirical { mut values, file, column } => {

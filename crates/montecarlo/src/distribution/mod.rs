@@ -213,7 +213,7 @@ impl Distribution {
         })
     }
 
-    /// The median, that of what is drawn: between the bounds where there are some. It is the mean of a normal distribution as it was given,
+    /// The median of what is drawn: of the distribution between its bounds, if it has bounds. It is the mean of a normal distribution as it was given,
     /// to the last digit, where its lower bound is the only one and moves the median by less than a millionth of it.
     #[must_use]
     pub fn median(&self) -> f64 {
@@ -310,7 +310,7 @@ impl Distribution {
         }
     }
 
-    /// The value with a normal score z, `F^-1(Phi(z))`: that of a standard normal number z is distributed as this.
+    /// The value with a normal score z, `F^-1(Phi(z))`: for a standard normal number z the value has this distribution.
     #[must_use]
     pub fn of_score(&self, score: f64) -> f64 {
         match *self {

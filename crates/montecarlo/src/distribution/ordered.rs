@@ -9,7 +9,7 @@ pub(super) fn quantile(values: &[f64], u: f64) -> f64 {
     values[below] + (at - below as f64) * (values[above] - values[below])
 }
 
-/// The probability up to `x`, which inverts [`quantile`]; at a value that is there several times, that of the last of them.
+/// The probability up to `x`, which inverts [`quantile`]; at a value that occurs several times, the probability of the last of them.
 pub(super) fn cumulative(values: &[f64], x: f64) -> f64 {
     let above = values.partition_point(|value| *value <= x);
     match (above, values.get(above), values.len()) {

@@ -83,7 +83,7 @@ impl LatticeModel {
     ///
     /// The eigenvalues of a class are equal where all contacts of a state of sliding are equal: one draw of the friction
     /// parameters for all contacts, and a preload with the symmetry. With a draw for each contact a relabelling also moves the
-    /// draws; then the distributions of the eigenvalues are equal, not those of single samples.
+    /// draws; then the distributions of the eigenvalues are equal, not the eigenvalues of single samples.
     ///
     /// # Errors
     /// An arrangement of a lattice of another size.
