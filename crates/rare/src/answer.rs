@@ -44,7 +44,7 @@ pub struct Estimate {
 }
 
 impl Probability {
-    /// A mean of so many lines with its standard error. The interval is that of the logarithm, as lines have long tails upwards.
+    /// A mean over `lines` lines with its standard error. The interval is an interval of the logarithm, as lines have long tails upwards.
     #[must_use]
     pub fn new(value: f64, standard_error: f64, lines: usize, unproven: f64) -> Self {
         let deviate = Confidence::P95.t(lines.saturating_sub(1).max(1) as u64);

@@ -13,7 +13,7 @@ use crate::normal::length_density;
 use crate::search::{DesignPoint, design_point};
 use crate::vector::{norm, scaled, unit};
 
-/// Distance before the tangent plane up to which a failure counts as that of its design point; chosen: surfaces bend.
+/// Distance before the tangent plane of a design point up to which a failure counts as one of this design point; chosen: surfaces bend.
 const BEFORE: f64 = 0.5;
 /// Most failures that are followed to a design point, the weightiest first; chosen.
 const MOST_FOLLOWED: usize = 4;

@@ -17,7 +17,7 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The mode of the largest margin, the last of several; of some whose margin is no number one of these, and `None` of no mode.
+    /// The mode of the largest margin, the last of several such modes; where margins are NaN a mode with such a margin; `None` without modes.
     pub fn worst(modes: impl IntoIterator<Item = Self>) -> Option<Self> {
         let order = |a: &Self, b: &Self| a.margin.is_nan().cmp(&b.margin.is_nan()).then(a.margin.total_cmp(&b.margin));
         modes.into_iter().max_by(order)
@@ -32,7 +32,7 @@ pub trait LimitState: Sync {
     /// Number d of inputs, >= 1.
     fn dimensions(&self) -> usize;
 
-    /// The modes at `u`, of length d, in any order: that of the largest margin at least.
+    /// The modes at `u`, of length d, in any order: at least the mode of the largest margin.
     ///
     /// # Errors
     /// A point that cannot be evaluated.
@@ -94,7 +94,7 @@ impl<'a, L: LimitState> Counted<'a, L> {
         Ok(worst)
     }
 
-    /// The direction in which the margin of a mode grows, of length 1, and how fast; `None` where it has none.
+    /// The direction in which the margin of a mode grows fastest, of length 1, and how fast; `None` where the margin has no such direction.
     pub fn steepest(&self, u: &[f64], mode: &Mode) -> Result<Option<(Vec<f64>, f64)>, L::Error> {
         if !mode.margin.is_finite() {
             return Ok(None);
@@ -105,7 +105,7 @@ impl<'a, L: LimitState> Counted<'a, L> {
     }
 }
 
-/// The mode of the largest margin; one that is infinitely far from failure where there is none.
+/// The mode of the largest margin; without modes a mode that is infinitely far from failure.
 fn worst(modes: Vec<Mode>) -> Result<Mode, Error> {
     match Mode::worst(modes) {
         Some(mode) if mode.margin.is_nan() => Err(Error::NoMargin { omega: mode.omega }),

@@ -1,8 +1,8 @@
 //! The probability of failure of a system of one input, along which all failure lies on one line: by a scan of it.
 //!
 //! Where nothing is proven ([`LimitState::proven`]) the line is looked at from end to end, half of the points at equal steps and half at equal steps of
-//! probability. Every change between two points is an end of an interval of failure, and the probability that of the normal distribution in
-//! them. What fails between two points and at neither is not seen: the widest step is told.
+//! probability. Every change between two points is an end of an interval of failure; the probability of failure is the probability of these intervals under
+//! the normal distribution. Failure between two points that is at neither of them is not seen: the widest step is told.
 
 use rayon::prelude::*;
 

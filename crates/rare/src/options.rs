@@ -7,8 +7,8 @@ use crate::Error;
 pub struct Options {
     /// Standard error to reach, relative to the probability, > 0.
     pub relative: f64,
-    /// Number of evaluations that may be spent, those of the search and of the points elsewhere among them. The search and the first lines, some
-    /// thousand evaluations together, are made whatever it is.
+    /// Number of evaluations that may be spent, including the evaluations of the search and of the points elsewhere. The search and the first lines, some
+    /// thousand evaluations together, are made whatever the number is.
     pub budget: u64,
     /// Number of random directions, beside both of every input, from which design points are looked for.
     pub directions: usize,

@@ -18,7 +18,8 @@ pub(crate) const REACH: f64 = 7.0;
 const MOST_MOVES: usize = 40;
 /// Largest number of steps up the gradient from one direction to failure; chosen.
 const MOST_CLIMBS: usize = 4;
-/// Part of the way to the next direction below which there is no nearer onset, and that of windows; chosen.
+/// Part of the way to the next direction that is not halved any more where no nearer onset is found, and the same for windows; chosen: with less, more
+/// points are evaluated before a search ends; with more, it ends farther from the design point.
 const SMALLEST: f64 = 0.1;
 const SMALLEST_OF_WINDOWS: f64 = 0.01;
 /// Parts of the reach at which a direction is looked at too, for failure that ends again before the reach; chosen.
@@ -91,7 +92,7 @@ pub(crate) fn design_points<L: LimitState>(
     Ok(found)
 }
 
-/// A failing point in this direction: at the reach, up the gradient of the worst mode from there, or nearer; `None` where there is none.
+/// A failing point in this direction: at the reach, up the gradient of the worst mode from there, or nearer; `None` where no such point fails.
 fn climb<L: LimitState>(of: &Counted<'_, L>, direction: &[f64]) -> Result<Option<Vec<f64>>, L::Error> {
     let mut u = scaled(REACH, direction);
     let mut worst = of.worst(&u)?;
@@ -201,7 +202,7 @@ fn just_beyond<L: LimitState>(
     Ok(if there.margin > 0.0 { (beyond, there) } else { (point, mode) })
 }
 
-/// The onset on a line, looked for from `near` downwards if that fails, else upwards, between two ends; `None` where there is none.
+/// The onset on a line, looked for between two ends, from `near` downwards if `near` fails, else upwards; `None` where no onset is found.
 pub(crate) fn onset_near<L: LimitState>(
     of: &Counted<'_, L>,
     line: &dyn Fn(f64) -> Vec<f64>,

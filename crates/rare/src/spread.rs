@@ -2,9 +2,9 @@
 //!
 //! Where the onset bends around the medians the probability on a line grows with its distance from the design point, and lines that are normal
 //! across see too little of it: their mean is too low, and does not show it. With the curvature c of the onset at a distance beta the
-//! probability on a line at v across is about `exp(h c v^2 / 2)` times that of the design point, h = phi(beta) / tail(beta), so that what lines should
-//! see has the variance `1 / (1 - h c)` (Breitung 1984 has its integral). Half of the lines are drawn with it, the others as they were, so that
-//! none weighs more than twice what it did (defensive mixture, Hesterberg 1995).
+//! probability on a line at v across is about `exp(h c v^2 / 2)` times the probability on the line of the design point, h = phi(beta) / tail(beta), so that
+//! what lines should see has the variance `1 / (1 - h c)` (Breitung 1984 has its integral). Half of the lines are drawn with this variance, the others with
+//! the variance 1, so that no line weighs more than twice what it did (defensive mixture, Hesterberg 1995).
 //!
 //! The curvature is a symmetric matrix, of which directions of the gradient beside the design point give products with vectors: its largest
 //! eigenvalues are found by Lanczos' method from a random direction.
@@ -20,7 +20,7 @@ use crate::window::Window;
 
 /// Most directions that are looked at; chosen: an onset bends strongly in few.
 const MOST_DIRECTIONS: usize = 8;
-/// Curvature below which one is none, per standard deviation; chosen.
+/// Largest curvature that counts as flat, per standard deviation; chosen.
 const FLAT: f64 = 1e-3;
 /// Distance from the tangent plane up to which the onset is looked for; chosen: one that is farther away bends by more than is made use of.
 const FARTHEST: f64 = 2.0;
