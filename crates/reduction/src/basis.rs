@@ -60,7 +60,7 @@ mod tests {
         assert!(basis.tr_mul(&found).amax() < 1e-15);
         let rest = &columns - &basis * basis.tr_mul(&columns);
         assert!((&found * found.tr_mul(&rest) - rest).amax() < 1e-13);
-        // A column that the basis holds adds none.
+        // A vector that the basis holds adds no column.
         assert_eq!(directions(&basis, basis.clone(), ROUNDING).unwrap().ncols(), 0);
         assert_eq!(fewest(&found, 9, 1.0, |columns| 3.0 - columns.ncols() as f64).ncols(), 2);
         assert_eq!(fewest(&found, 1, 0.0, |_| 1.0).ncols(), 1);

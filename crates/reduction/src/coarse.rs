@@ -22,8 +22,8 @@ use super::spectra::{Shapes, spectra, vectors};
 use super::{Reduced, dense, split};
 use crate::ReductionError;
 
-/// Largest distance, relative to |lambda|, of a mode on the coarse basis from that of the reduced brake at the points that it was made of; chosen: with less,
-/// the basis has more columns; with more, more modes of samples have to be polished or found by whole spectra.
+/// Largest distance, relative to |lambda|, of a mode on the coarse basis from the mode of the reduced brake at the points of which the basis was made; chosen:
+/// with less, the basis has more columns; with more, more modes of samples have to be polished or found by whole spectra.
 const WANTED_ERROR: f64 = 1e-5;
 /// Least distance that is assumed there; chosen: far above rounding, where the basis holds the modes as they are.
 const LEAST_ERROR: f64 = 1e-9;
@@ -57,14 +57,14 @@ pub enum Doubt {
     Loss,
 }
 
-/// A coarse basis within that of a reduced brake, with the brake on it.
+/// A coarse basis within the basis of a reduced brake, with the brake on it.
 #[derive(Debug, Clone)]
 pub(super) struct Coarse {
     own: CoarseBasis,
     system: AffineSystem,
 }
 
-/// A coarse basis within that of a reduced brake, as it can be kept: [`Reduced::on_coarse`] makes the rest of it.
+/// A coarse basis within the basis of a reduced brake, as it can be kept: [`Reduced::on_coarse`] puts the brake on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoarseBasis {
     /// W, k x w, orthonormal.
@@ -298,7 +298,7 @@ fn nearest(lambdas: &[Complex<f64>], to: Complex<f64>) -> Option<usize> {
     (0..lambdas.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
 }
 
-/// Distance of an eigenvalue from the nearest other one, relative to its size; infinite where there is none.
+/// Distance of an eigenvalue from the nearest other eigenvalue, relative to its size; infinite where there is no other.
 fn nearest_other(lambdas: &[Complex<f64>], own: usize) -> f64 {
     let others = lambdas.iter().enumerate().filter(|(at, _)| *at != own);
     others.map(|(_, other)| (other - lambdas[own]).norm() / lambdas[own].norm()).fold(f64::INFINITY, f64::min)

@@ -1,5 +1,5 @@
-//! Internal states of the friction law on a coarse basis: one for each contact, they lie in a few directions. Those of what relaxes stay as they are: they are few,
-//! and have other units.
+//! Internal states of the friction law on a coarse basis: one for each contact, they lie in a few directions. Internal states of what relaxes stay as they
+//! are: they are few, and have other units.
 
 use linsys::{Channel, Internal, OperatingPoint};
 use nalgebra::{DMatrix, DVector};
@@ -44,7 +44,8 @@ impl CoarseStates {
         Ok((directions.ncols() < channels.len()).then_some(Self { channels, directions }))
     }
 
-    /// Internal states of contacts in these directions, then those of what relaxes: `Z^T diag(a) Z` is symmetric, and its eigenvalues are the decay rates.
+    /// Internal states of contacts in these directions, then internal states of what relaxes: `Z^T diag(a) Z` is symmetric, and its eigenvalues are the
+    /// decay rates.
     pub(super) fn of(&self, [of_contacts, relaxing]: [Internal; 2]) -> Internal {
         let Internal { decay, drive, force } = of_contacts;
         let weighted = DMatrix::from_fn(self.directions.nrows(), self.directions.ncols(), |row, column| {
@@ -71,7 +72,7 @@ pub(super) fn with_states(channels: &[Channel], point: &OperatingPoint) -> Vec<u
     (0..channels.len()).filter(|&at| channels[at].is_contact && point.channels[at].lag.is_some()).collect()
 }
 
-/// Internal states of contacts, and those of what relaxes, at a point.
+/// Internal states of contacts, and internal states of what relaxes, at a point.
 pub(super) fn apart(channels: &[Channel], point: &OperatingPoint, all: &Internal) -> [Internal; 2] {
     let with_lag = channels.iter().zip(&point.channels).filter(|(_, gain)| gain.lag.is_some()).enumerate();
     let (own, others): (Vec<_>, Vec<_>) = with_lag.partition(|(_, (channel, _))| channel.is_contact);

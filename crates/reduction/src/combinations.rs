@@ -14,8 +14,8 @@ use super::{dense, split};
 /// Number of random combinations of rows that residuals are estimated from; chosen: with fewer a bound is farther from what it bounds, or [`FACTOR`]
 /// larger, with more each residual takes longer.
 pub(super) const COMBINATIONS: usize = 128;
-/// Factor that makes an estimate a bound. The squared norm of 128 combinations is that of the vector times a mean of 128
-/// squared normal numbers at least: below a quarter of it with a probability of less than 3e-18 (Chernoff's bound).
+/// Factor that makes an estimate a bound. The squared norm of 128 combinations is at least the squared norm of the vector times a mean of 128
+/// squared normal numbers: below a quarter of the squared norm with a probability of less than 3e-18 (Chernoff's bound).
 pub(super) const FACTOR: f64 = 2.0;
 
 /// Random combinations of the rows of a system on a basis V: residuals on V, or on any smaller basis within it, without all directions of the stacked terms.
@@ -31,8 +31,8 @@ pub struct Combinations {
 }
 
 impl Combinations {
-    /// Combinations of a system on the orthonormal columns of a basis, n x k. They have independent normal numbers of variance 1 / 128: the mean of the squared
-    /// norm of what they make of a vector is that of the vector. The numbers are the same every time.
+    /// Combinations of a system on the orthonormal columns of a basis, n x k. The factors are independent normal numbers of variance 1 / 128, so that the mean
+    /// of the squared norm of what they make of a vector is the squared norm of the vector. The numbers are the same every time.
     #[must_use]
     pub fn new(system: &SparseAffineSystem, basis: &DMatrix<f64>) -> Self {
         let (n, k, mut random) = (system.order(), basis.ncols(), Random(0));
@@ -56,7 +56,7 @@ impl Combinations {
 /// `S^T W Q(lambda) V` by its terms, with the projection W on what is orthogonal to V.
 #[derive(Debug, Clone)]
 pub(super) struct OuterRows {
-    /// Those of each term's M, C and K; no rows where the matrix is zero.
+    /// Combinations of M, C and K of each term; no rows where the matrix is zero.
     pub terms: Vec<[DMatrix<f64>; 3]>,
     /// `S^T W b_i` of each channel, as columns.
     pub force: DMatrix<f64>,

@@ -23,7 +23,7 @@ use super::outer_products::outer_products;
 use super::state_modes::StateModes;
 use crate::ReductionError;
 
-/// Highest frequency of the modes that are kept, as a multiple of that of the band; chosen: any more change nothing but the cost.
+/// Highest frequency of the modes that are kept, as a multiple of the highest frequency of the band; chosen: more modes change nothing but the cost.
 const KEPT: f64 = 1.2;
 /// Most directions in which the systems differ, as a part of their order; chosen: with more, matrices are as cheap.
 const MOST_DIRECTIONS: f64 = 0.34;

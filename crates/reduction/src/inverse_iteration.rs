@@ -13,7 +13,7 @@ const ONE_SHAPE: f64 = 0.9;
 /// An eigenvalue, rad/s, with its shape.
 pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
-/// Problem `T(lambda) x = 0`: T, its product with a vector, and that of its derivative.
+/// Problem `T(lambda) x = 0`: T, its product with a vector, and the product of its derivative with a vector.
 pub(super) struct Nonlinear<M, I, S> {
     pub matrix: M,
     pub image: I,

@@ -157,9 +157,9 @@ impl Losses {
         Self { error: MORE_DISTANCE * distance, ..self }
     }
 
-    /// The largest distance of a mode with the dashpots from that with H, relative to |lambda| and to first order, among those of `lambdas` that are next to
-    /// the axis: `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x and y of the brake and of the transposed one; 0 where none
-    /// is next to it.
+    /// The largest distance of a mode with the dashpots from the same mode with H, relative to |lambda| and to first order, among the eigenvalues `lambdas`
+    /// that are next to the imaginary axis: `|y^T (i H - lambda D) x / (lambda y^T Q'(lambda) x)|`, with vectors x of the brake and y of the transposed brake;
+    /// 0 where no eigenvalue is next to the axis.
     pub(super) fn distance(
         &self,
         (reduced, point, system): (&AffineSystem, &OperatingPoint, &SecondOrder),
@@ -220,7 +220,7 @@ impl LossesAt {
         (!have_merged(&found)).then_some(found)
     }
 
-    /// All eigenvalues of T, of a system with dashpots, with shapes: those of both signs of Im lambda, of which the ones above the real axis are meant.
+    /// All eigenvalues of T, of a system with dashpots, with shapes: with both signs of Im lambda, though only eigenvalues above the real axis are meant.
     ///
     /// # Errors
     /// A mass matrix that is singular.

@@ -110,7 +110,7 @@ impl Reduced {
         Ok(self)
     }
 
-    /// The same reduction on a coarse basis that [`Reduced::with_coarse`] made of the same one before, or on none.
+    /// The same reduction with a coarse basis that [`Reduced::with_coarse`] made of the same reduction before, or without a coarse basis.
     ///
     /// # Errors
     /// A basis of another system.
@@ -138,7 +138,7 @@ impl Reduced {
         self.coarse_basis().map(|coarse| coarse.basis.ncols())
     }
 
-    /// The brake at a point on the coarse basis, and the columns of that basis, k x w; `None` where there is none.
+    /// The brake at a point on the coarse basis, and the columns of that basis, k x w; `None` without a coarse basis.
     ///
     /// # Errors
     /// A point of another system.
@@ -358,7 +358,7 @@ impl Reduced {
         self.judged(point, system, (wanted, columns), Route::Spectrum(doubt), is_wanted)
     }
 
-    /// The wanted ones of some modes, in order, their shapes scaled, with their residuals; with loss factors, where there are some.
+    /// The modes of `found` that are wanted, in order, with scaled shapes and their residuals; with loss factors where the brake has them.
     fn judged(
         &self,
         point: &OperatingPoint,

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! All that stands on the left of coefficients is known when the basis V is: the columns of every `A_k V` and the b_i. The part of the residual in V
-//! is that of the reduced system; the norm of the part orthogonal to V is bounded by random combinations of its rows.
+//! is the residual in the reduced system; the norm of the part orthogonal to V is bounded by random combinations of its rows.
 
 use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;

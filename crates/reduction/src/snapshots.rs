@@ -1,6 +1,7 @@
 //! A basis of modes at a few points: its columns follow the modes that are wanted, whatever the number of contacts is.
 //!
-//! What friction and opened contacts do to the modes of a band is smooth over a face, and lies in few directions: those of the modes at a few draws. Left vectors are among them, so that the error of an eigenvalue is the product
+//! What friction and opened contacts do to the modes of a band is smooth over a face, and lies in few directions: the
+//! directions of the modes at a few draws. Left vectors are among them, so that the error of an eigenvalue is the product
 //! of what is missing on both sides. How many draws it takes is told by the next ones: by what a basis misses of their modes before these enter it.
 
 use linsys::OperatingPoint;
@@ -112,7 +113,7 @@ impl<'a> Snapshots<'a> {
         Ok(())
     }
 
-    /// The principal directions of all vectors, those of unit length, by descending singular value down to a floor: V, n x k with k at most
+    /// The principal directions of all vectors, of unit length, by descending singular value down to a floor: V, n x k with k at most
     /// `most_columns`; with the singular values.
     ///
     /// # Errors

@@ -21,8 +21,8 @@ use super::wanted::{largest, outside};
 use super::{dense, grows_too_fast, split};
 use crate::ReductionError;
 
-/// Largest distance from the rectangle, as a fraction of the largest |lambda| in it, of modes that shape a basis too: others come into it
-/// from there. Chosen: that of the larger basis, which has no others.
+/// Largest distance from the rectangle, as a fraction of the largest |lambda| in it, of modes that shape a basis too: at other points such modes come into
+/// the rectangle. Chosen: as for the larger basis, which has no modes from farther away.
 const MARGIN: f64 = 0.02;
 /// Number of frequencies at which an inverse is kept for corrections; chosen: about as many as there are modes, each a factorisation.
 const INVERSES: usize = 8;
@@ -275,8 +275,8 @@ impl<'a> Search<'a> {
         Ok(Judged { modes, residual, better_left, shifts, error })
     }
 
-    /// The modes of a smaller system as better ones of the larger one: `x - Q_0(i omega)^-1 Q(lambda) x`, with Q_0 that of the first point at the nearest
-    /// of the frequencies with an inverse, leaves of an error what lies along x, and what both Q differ in.
+    /// The modes of a smaller system, improved as modes of the larger system: `x - Q_0(i omega)^-1 Q(lambda) x`, with Q_0 the matrix Q of the first point at
+    /// the nearest of the frequencies with an inverse, leaves of an error what lies along x, and what comes from the difference of Q and Q_0.
     fn better(&self, judged: Judged) -> Result<Modes, ReductionError> {
         let Judged { modes: Modes { mut lambdas, mut right, .. }, residual, better_left: left, shifts, .. } = judged;
         for (at, (lambda, shift)) in lambdas.iter_mut().zip(shifts).enumerate() {
