@@ -46,7 +46,7 @@ pub struct Claim {
     pub paper: String,
     /// Our value: the number that decides.
     pub ours: Option<f64>,
-    /// Limits of `ours`, where it is an estimate: with 95 % those of all estimates of the claim hold together.
+    /// Limits of `ours`, where it is an estimate: with 95 % the limits of all estimates of the claim hold together.
     pub interval: Option<[f64; 2]>,
     /// Verdict on the claim.
     pub holds: Holds,

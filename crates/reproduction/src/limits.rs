@@ -6,7 +6,7 @@
 //! smallest or a largest value, then lies between its value at the lower limits and its value at the upper ones. That is true
 //! as well of a largest value that was selected because it is the largest.
 //!
-//! Limits of occurrences are exact (Clopper and Pearson), those of medians of net work are order statistics, those of mean
+//! Limits of occurrences are exact (Clopper and Pearson), limits of medians of net work are order statistics, limits of mean
 //! differences are Student's t. All count draws: a draw that is evaluated in many scenes is one trial in each.
 
 use std::cell::RefCell;
@@ -111,7 +111,7 @@ pub(super) fn least(estimates: impl IntoIterator<Item = Estimate>) -> Estimate {
     folded(estimates, f64::INFINITY, f64::min)
 }
 
-/// The largest of `estimates` of occurrences, value by value and limit by limit; 0 of none.
+/// The largest of `estimates` of occurrences, value by value and limit by limit; 0 without estimates.
 pub(super) fn largest(estimates: impl IntoIterator<Item = Estimate>) -> Estimate {
     folded(estimates, 0.0, f64::max)
 }

@@ -74,10 +74,10 @@ pub(crate) fn paper_modes(results: &Results, paper: &Paper) -> [ModeLabel; 2] {
     [ModeNaming::Pair, ModeNaming::PairDown].map(|counting| numbered(results, UNCONSTRAINED, paper.mode, counting))
 }
 
-/// The paper's number counted from both ends, and what the mode that has it has, in words.
+/// The mode that has the paper's number, counted from the lowest and from the highest frequency, in words, each with what `has` says of it.
 ///
 /// # Errors
-/// Those of what it has.
+/// Errors of `has`.
 pub(super) fn of_paper_modes(
     results: &Results,
     paper: &Paper,

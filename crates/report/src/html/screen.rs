@@ -85,7 +85,7 @@ fn growing(geometry: &Geometry<'_>, screen: &Screen, constraints: usize) -> Resu
 /// Answer of a screening: what helps, in words, the best of each kind, the largest drop first; then all that was found, as it is printed.
 fn answer(screen: &Screen) -> String {
     let mut text = String::from("<h3>What helps</h3>\n<ul class=\"lead\">\n");
-    // A drop that is not known is none.
+    // A drop that is not known ranks last.
     let drop = |set: &ScreenedSet| {
         let found = set.confirmed.as_ref().map(|found| screen.criterion.drop(found).value);
         found.filter(|drop| !drop.is_nan()).unwrap_or(f64::NEG_INFINITY)

@@ -89,9 +89,9 @@ impl Family {
     }
 }
 
-/// True if a law has the same operating points under two readings that differ in the preload and the bristle damping alone, and
-/// none where it has none: only LuGre has bristles, and Amontons-Coulomb friction, without a slope over the speed, does not see
-/// the loads that are given; that those of the equilibrium exist is another matter.
+/// True if a law has the same operating points under two readings that differ in the preload and the bristle damping alone, or lacks an operating
+/// point under both: only LuGre has bristles, and Amontons-Coulomb friction, without a slope over the speed, does not see
+/// the loads that are given. Loads of an equilibrium count, because the equilibrium may not exist.
 fn acts_alike(law: Law, a: &LatticeReadings, b: &LatticeReadings) -> bool {
     let is_given = |readings: &LatticeReadings| !matches!(readings.preload, Preload::Equilibrium(_));
     let sees_no_load = law == Law::AmontonsCoulomb && a.lateral != Lateral::Vector && is_given(a) && is_given(b);

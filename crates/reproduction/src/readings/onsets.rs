@@ -1,6 +1,6 @@
 //! Friction coefficient at which each mode becomes unstable: every oscillator in contact, Amontons-Coulomb friction.
 //!
-//! No distribution of the coefficient has a part in it: a mode without an onset is unstable under none.
+//! The onset does not depend on the distribution of the coefficient: a mode without an onset is unstable under no distribution.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

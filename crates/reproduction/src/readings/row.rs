@@ -21,7 +21,7 @@ pub struct Row {
     pub failures: u64,
     /// Time of the study, s, as its part of the combinations that were run together.
     pub seconds: f64,
-    /// Reason why there is no scorecard, if there is none.
+    /// Reason why the row has no scorecard; `None` if it has scorecards.
     pub refused: Option<String>,
     /// The scorecards.
     pub cards: Vec<Card>,
