@@ -162,7 +162,7 @@ impl SparseAffineSystem {
     }
 }
 
-/// `V^T A V`, exactly symmetric where A is. Rows of A that are zero, nearly all of those of a contact, take no part.
+/// `V^T A V`, exactly symmetric where A is. Rows of A that are zero, as nearly all rows of a contact are, take no part.
 fn projected(matrix: &CscMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
     let mut is_used = vec![false; matrix.nrows()];
     matrix.triplet_iter().for_each(|(row, _, _)| is_used[row] = true);

@@ -1,4 +1,4 @@
-//! The columns of a sparse matrix, and its product with a dense one, column by column: that of `nalgebra-sparse` goes along rows of the
+//! The columns of a sparse matrix, and its product with a dense matrix, column by column: the product of `nalgebra-sparse` goes along rows of the
 //! dense matrix and takes several times as long.
 
 use nalgebra::DMatrix;

@@ -60,7 +60,7 @@ impl SparseSecondOrder {
         Ok(Self { h: Some(h), ..self })
     }
 
-    /// The system without structural damping, which is none on the real axis: that of real eigenvalues.
+    /// The system without structural damping, which does not act on the real axis: the system of the real eigenvalues.
     #[must_use]
     pub fn without_structural_damping(self) -> Self {
         Self { h: None, ..self }

@@ -27,7 +27,7 @@ const FOUND: f64 = 10.0;
 pub struct Signs {
     /// Number of eigenvalues below `-NULL |S|`.
     pub negative: usize,
-    /// Number of eigenvalues within `NULL |S|` of zero, without those of empty rows.
+    /// Number of eigenvalues within `NULL |S|` of zero, without the zeros of empty rows.
     pub null: usize,
     /// Number of eigenvalues above `NULL |S|`.
     pub positive: usize,
@@ -35,7 +35,7 @@ pub struct Signs {
 
 /// Health of a square sparse matrix.
 ///
-/// Signs, rank and singular rows are those of its symmetric part, scaled to `S_ij = A_ij / sqrt(d_i d_j)` with the diagonal d, so that
+/// Signs, rank and singular rows belong to its symmetric part, scaled to `S_ij = A_ij / sqrt(d_i d_j)` with the diagonal d, so that
 /// metres and radians weigh alike, on the rows that are not empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatrixHealth {

@@ -12,7 +12,7 @@ pub struct SolutionErrors {
     pub lambda: Complex<f64>,
     /// Backward error `|Q x - b| / (|Q| |x| + |b|)`: some rounding errors where the factorisation is sound. Infinite where there is no solution.
     pub backward: f64,
-    /// Forward error `|x - x_0| / |x_0|` for `b = Q x_0` with a known x_0: how many digits a solution has. Infinite where there is none.
+    /// Forward error `|x - x_0| / |x_0|` for `b = Q x_0` with a known x_0: how many digits a solution has. Infinite where there is no solution.
     pub forward: f64,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! `det Q(z) prod (z + a_i)` is a polynomial whose zeros are the eigenvalues. Divided by `prod (z - lambda_k)` over what is known, it
 //! turns about zero as often as there are eigenvalues inside that are not known. What is known outside, however roughly, only makes the
-//! phase smoother, so that few points are enough; and so does `exp(-p(z))` of any polynomial p, which has no zeros. That of degree 3
+//! phase smoother, so that few points are enough; and so does `exp(-p(z))` of any polynomial p, which has no zeros. The polynomial of degree 3
 //! whose real part is nearest to `log |det Q ...|` along the circle stands for the thousands of eigenvalues far away: with damping
 //! proportional to stiffness half of all are crowded in one place.
 //!
@@ -131,7 +131,7 @@ impl<'a> Counting<'a> {
         }
     }
 
-    /// Number of eigenvalues inside less that of the known ones, from `first` points to begin with; `None` where the phase jumps.
+    /// Number of eigenvalues inside less the number of known eigenvalues inside, from `first` points to begin with; `None` where the phase jumps.
     fn excess(&mut self, around: &Around<'_>, radius: f64, first: usize) -> Option<i64> {
         let at = |angle: f64| around.centre + Complex::from_polar(radius, angle);
         let irregular = |i: usize| (i as f64 + unpatterned(i as f64) / 3.0) * TAU / first as f64;
@@ -170,7 +170,8 @@ impl<'a> Counting<'a> {
     }
 }
 
-/// The imaginary parts of logarithms along a circle, less those of the polynomial whose real parts are nearest to theirs.
+/// The imaginary parts of logarithms along a circle, less the imaginary parts of the polynomial whose real parts are nearest to the real parts of the
+/// logarithms.
 fn without_smooth(samples: &[(f64, Complex<f64>)]) -> Option<Vec<f64>> {
     let mean = samples.iter().map(|(_, value)| value.re).sum::<f64>() / samples.len() as f64;
     let column = |angle: f64, j: usize| match (j.div_ceil(2), j % 2) {

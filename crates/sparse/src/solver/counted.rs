@@ -10,20 +10,21 @@ use crate::SparseError;
 
 /// Number of circles about a disc that may be counted along, from the smallest around what it covers outwards; chosen.
 const CIRCLES: usize = 9;
-/// Radius of the largest of them, as a multiple of that of the disc; chosen: the disc's is 0.95 of the distance of what may be unknown.
+/// Radius of the largest of these circles, as a multiple of the radius of the disc; chosen: the radius of the disc is 0.95 of the distance of what may be
+/// unknown.
 const BEYOND: f64 = 1.02;
-/// Radius of the largest of them, as a multiple of that around what the disc covers, if this is smaller; chosen.
+/// Radius of the largest of these circles, as a multiple of the radius of the circle around what the disc covers, where this is less than by [`BEYOND`]; chosen.
 const WIDEST: f64 = 1.5;
 /// Largest distance of eigenvalues that are counted together as copies of one, in blurs, the distance to which rounding moves one apart; chosen: with less, a
 /// circle about copies comes so near to them that rounding turns the phase; with more, neighbours are in it, too.
 const CLUSTER: f64 = 100.0;
 /// Radii of the circles about copies of one eigenvalue, as fractions of the distance of the nearest other one; chosen.
 const FRACTIONS: [f64; 4] = [0.5, 0.3, 0.1, 0.03];
-/// Largest distance from the centre of a disc, in its radii, of Ritz values that are divided out though they are none of the list; chosen.
+/// Largest distance from the centre of a disc, in its radii, of Ritz values that are divided out though they are not in the list; chosen.
 const NEAR: f64 = 3.0;
 
-/// Counts the pairs again, in a circle about each disc: those of the list wherever they were searched, in both half planes, and beyond
-/// the Ritz values of the disc.
+/// Counts the pairs again, in a circle about each disc. Known are the pairs of the list wherever they were searched, in both half planes, and outside of the
+/// rectangle the Ritz values of the disc.
 ///
 /// # Errors
 /// [`SparseError::CountsDiffer`].

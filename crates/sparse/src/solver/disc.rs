@@ -41,7 +41,7 @@ const OF_MISSING: f64 = 0.75;
 const CHECKED_BY: usize = 2;
 /// Number of steps that both blocks then make together; chosen likewise.
 const CHECK_STEPS: usize = 3;
-/// Factor on the number of columns that a space may have, and on that of a block (or [`WIDEST`], if that is larger), if blocks come back full; chosen.
+/// Factor on the number of columns that a space may have, and on the number of columns of a block, at least [`WIDEST`], where blocks come back full; chosen.
 const GROWN: usize = 4;
 /// Number of columns that a narrower block counts with in [`GROWN`]; chosen.
 const WIDEST: usize = 16;
@@ -85,7 +85,7 @@ impl Problem {
         Ok(DMatrix::from_fn(solution.nrows(), solution.ncols(), |i, j| solution[(i, j)]))
     }
 
-    /// The backward and the relative forward error of a solution with Q(lambda), infinite where there is none.
+    /// The backward and the relative forward error of a solution with Q(lambda), infinite where Q(lambda) is singular.
     ///
     /// # Errors
     /// A factorisation that does not fit into memory.

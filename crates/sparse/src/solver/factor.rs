@@ -31,7 +31,7 @@ const REGULAR: f64 = 1e-3;
 /// earlier where a step does not halve the error, so that more would hardly ever be made.
 const REFINEMENTS: usize = 4;
 
-/// The elimination orders of a pattern, which serve every shift: that of a symmetric pattern, and where its pivots fail that of any
+/// The elimination orders of a pattern, which serve every shift: an order of the symmetric pattern, and, where its pivots fail, an order for any
 /// pivots, by column approximate minimum degree.
 pub(crate) struct Symbolic {
     symmetric: Elimination,

@@ -1,7 +1,7 @@
 //! LU by fronts of a matrix with a symmetric pattern: the elimination of a group of rows adds to the dense matrix of the group that
 //! comes next.
 //!
-//! Pivots are sought within a group only, so the order is that of a symmetric matrix, which fills much less than one that leaves room
+//! Pivots are sought within a group only, so the elimination order of a symmetric matrix serves, which fills much less than an order that leaves room
 //! for any pivot. Where the pivots of a group are too small the factors are useless, which a solution shows.
 
 use std::ops::Range;

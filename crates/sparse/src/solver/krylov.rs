@@ -6,7 +6,7 @@
 //! `u' = -Q(sigma)^-1 (M v + (C + sigma M) u - F (a + sigma)^-1 (E^T u - z))`, `v' = sigma u' + u`,
 //! `z' = (a + sigma)^-1 (E^T v' - z)`.
 //!
-//! So all u and v are in one space, which grows by u' alone. Its orthonormal basis S has vectors of n entries; those of the Krylov
+//! So all u and v are in one space, which grows by u' alone. Its orthonormal basis S has vectors of n entries; the vectors of the Krylov
 //! space, `w = (S a, S b, z)`, are kept by their coordinates (a, b, z), orthonormal themselves: the two-level Arnoldi method of Lu, Su
 //! and Bai, SIAM J. Matrix Anal. Appl. 37 (2016).
 
@@ -147,7 +147,7 @@ impl<'a> Krylov<'a> {
         Ok(())
     }
 
-    /// Appends the image of the pending columns, whose u have the coordinates `before`; that of the image in V.
+    /// Appends the image of the pending columns, whose u have the coordinates `before`. The coordinates of the image in the vectors V.
     fn extend(&mut self, before: &Block, mut states: Block) -> Result<Block, SparseError> {
         let (sigma, scale) = (self.factor.shift(), self.scale);
         let image = self.apply(&mut states)?;

@@ -134,7 +134,7 @@ pub(super) fn times<S: Simd, const N: usize>(simd: S, a: Complex<f64>, x: Row<S,
 }
 
 /// Brings coefficients into the nearest cache by reading one of each line: these reads wait for each other no more than for anything
-/// else, and arithmetic that comes later waits for none.
+/// else, and arithmetic that comes later does not wait for them.
 #[inline(always)]
 pub(super) fn bring<'a>(values: impl Iterator<Item = &'a Complex<f64>>) {
     std::hint::black_box(values.step_by(LINE).fold(0, |bits, value| bits ^ value.re.to_bits()));

@@ -20,13 +20,13 @@ const CONVERGED_LEFT: [f64; 2] = [1e-6, 1e-4];
 /// Largest backward error of the worst left vectors at which the space ends, as a fraction of the error that all are allowed; chosen: only those that are the
 /// worst by their residuals are looked at.
 const OF_TOLERANCE_LEFT: f64 = 0.1;
-/// Number of columns of the left basis at the first look, as a fraction of that of the right one; chosen: with less, there are more looks; with more, columns
-/// may be made that are not needed.
+/// Number of columns of the left basis at the first look, as a fraction of the columns of the right basis; chosen: with less, there are more looks; with more,
+/// columns may be made that are not needed.
 const LEFT_LOOK: f64 = 0.7;
 /// Factor on that number from one look to the next; chosen likewise.
 const LEFT_GROWTH: f64 = 1.08;
 /// Largest distance of a left from a right Ritz value of the same eigenvalue, as a fraction of the distance from the shift; chosen, between
-/// [`CONVERGED_LEFT`]: with less a left value that is good enough finds no partner, with more it may take that of a neighbour.
+/// [`CONVERGED_LEFT`]: with less, a left value that is good enough finds no partner; with more, it may take the partner of a neighbour.
 const SAME_AS_RIGHT: f64 = 1e-5;
 
 type Block = Mat<Complex<f64>>;

@@ -25,7 +25,7 @@ pub(crate) struct Pencil {
     mass: Vec<f64>,
     damping: Vec<f64>,
     stiffness: Vec<f64>,
-    /// Structural damping H; empty where there is none.
+    /// Structural damping H; empty for a system without it.
     structural: Vec<f64>,
     /// The values by rows, of each side that is asked for.
     sides: [OnceLock<Values>; 2],
@@ -82,7 +82,7 @@ impl Pencil {
             let (from, to) = (column_starts[column], column_starts[column + 1]);
             from + rows[from..to].partition_point(|&other| other < row)
         };
-        // Entries of a row come in the order of the columns, as those of the column with its number do.
+        // Entries of a row come in the order of the columns, as entries of the column with the same number come in the order of the rows.
         let mut next = column_starts.clone();
         let mirrored = |&row: &usize| {
             next[row] += 1;

@@ -29,7 +29,7 @@ const ENOUGH: f64 = 16.0 * f64::EPSILON;
 /// Largest step of an eigenvalue by one factorisation, relative to it; chosen.
 const FARTHEST: f64 = 0.1;
 /// Largest distance of two eigenvalues whose vectors may be any of a common space, relative to |lambda|; chosen:
-/// with less, left vectors of a multiple eigenvalue are paired with wrong right ones; with more, those of neighbours are mixed.
+/// with less, left vectors of a multiple eigenvalue are paired with wrong right ones; with more, vectors of neighbours are mixed.
 const ONE_GROUP: f64 = 1e-8;
 /// Smallest reciprocal condition of the couplings of a group whose left vectors can be paired with its right ones; chosen: below,
 /// the pairs would keep less than half of their digits and the vectors stay as they are.
@@ -53,11 +53,11 @@ pub(super) struct Polished {
 }
 
 impl Problem {
-    /// The eigenpair that a candidate stands for, with a backward error of at most `tolerance`; that of the left vector is at most
+    /// The eigenpair that a candidate stands for, with a backward error of at most `tolerance`; the backward error of the left vector is at most
     /// `left_tolerance`, or what inverse iteration gives.
     ///
     /// # Errors
-    /// [`SparseError::NotConverged`] for a candidate that is none.
+    /// [`SparseError::NotConverged`] for a candidate that stands for no eigenpair.
     pub(crate) fn polish(
         &self,
         candidate: Candidate,

@@ -10,7 +10,7 @@ use crate::{SparseError, SparseSecondOrder};
 /// largest first; chosen: a smaller one makes the reach larger.
 const PARTS: [f64; 4] = [0.9, 0.5, 0.1, 0.01];
 /// Fractions of |K|, the norm of the scaled symmetric part of K, that are tried as a shift, the least first. The first with which `K + shift I`
-/// has no negative eigenvalue bounds how far those of K are below zero: 1e-13 is rounding, 1e-4 a small fault of a model; chosen. If none
+/// has no negative eigenvalue bounds how far the eigenvalues of K are below zero: 1e-13 is rounding, 1e-4 a small fault of a model; chosen. If no shift
 /// does, |K| itself is the bound.
 const SHIFTS: [f64; 4] = [1e-13, 1e-10, 1e-7, 1e-4];
 /// Factor on a bound for the rounding of the norms in it; chosen.

@@ -38,9 +38,9 @@ const WIDER: usize = 4;
 /// marginal.
 ///
 /// # Errors
-/// A rectangle that is none, or not above the real axis where there is structural damping, Q singular at all shifts tried, a factorisation that does not fit into memory, solutions that
-/// refinement does not make accurate, two counts that contradict each other, an eigenvalue that occurs too often, more shifts or
-/// eigenvalues than allowed.
+/// An empty or reversed rectangle, or a rectangle that is not above the real axis where there is structural damping; Q singular at all shifts tried; a
+/// factorisation that does not fit into memory; solutions that refinement does not make accurate; two counts that contradict each other; an eigenvalue
+/// that occurs too often; more shifts or eigenvalues than allowed.
 pub fn eigenpairs_in(
     system: &SparseSecondOrder,
     rectangle: &Rectangle,
@@ -192,7 +192,7 @@ impl Search<'_> {
 }
 
 impl Search<'_> {
-    /// Pairs whose vectors are no larger than allowed: right and left, and those of the conjugate.
+    /// Number of pairs whose vectors take the memory allowed: the right and the left vector of each pair and of its conjugate.
     fn most_pairs(&self) -> usize {
         self.options.bytes / (4 * size_of::<Complex<f64>>() * self.problem.pencil.order())
     }

@@ -9,7 +9,7 @@ use super::blocks::{PAR, length};
 use super::krylov::Krylov;
 use crate::SparseError;
 
-/// Number of vectors whose errors stand for those of all: as many as a product takes at once.
+/// Number of vectors whose errors stand for the errors of all: as many as a product takes at once.
 const JUDGED: usize = 4;
 
 /// The Ritz values of a Krylov space, nearest to the shift first.

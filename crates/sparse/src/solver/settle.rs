@@ -31,7 +31,7 @@ const FOUND_TWICE: f64 = 1e-9;
 const INDEPENDENT: f64 = 1e-4;
 /// Largest backward error in the whole problem of a pair of a projected one that is kept; chosen.
 const CONVERGED: f64 = 1e-9;
-/// Number of vectors that are iterated beside those of a group, to find its space.
+/// Number of vectors that are iterated beside the vectors of a group, to find its space.
 const BESIDE_VECTORS: usize = 2;
 /// Number of steps of that iteration.
 const STEPS: usize = 4;
@@ -76,8 +76,8 @@ pub(super) fn settled(
         let is_fine = |(_, member): &(usize, Polished)| member.is_good && member.pair.condition < ILL;
         // With structural damping a group has no real basis: it stays as it is, with the bounds that it has.
         if !is_on_axis && (copies == 1 || !is_real || members.iter().all(is_fine)) {
-            // A disc finds what is within a margin of its part, too. If the group is no wider than that margin, one disc has found all of it: the one with
-            // the most members, and those of the others are the same again.
+            // A disc finds what is within a margin of its part, too. If the group is no wider than that margin, one disc has found all of it: the disc with
+            // the most members; the members of the other discs are the same again.
             let middle = members[0].1.ritz;
             let is_narrow = members.iter().all(|(_, member)| (member.ritz - middle).norm() <= 2.0 * blur);
             let fullest = members.iter().map(|(disc, _)| *disc).find(|&disc| of_one_disc(disc) == copies);
@@ -172,13 +172,13 @@ fn in_space(
             pairs.push(Eigenpair { bound, verdict, ..pair });
         }
     }
-    // The vectors iterated beside those of the group may have given pairs of other eigenvalues; the group has as many as the fullest disc found.
+    // The vectors iterated beside the vectors of the group may have given pairs of other eigenvalues; the group has as many pairs as the fullest disc found.
     pairs.sort_by(|a, b| a.backward_error.total_cmp(&b.backward_error));
     pairs.truncate(copies);
     Ok(Some(pairs))
 }
 
-/// The space, as orthonormal columns, to which [`STEPS`] products with `Q^-1 Q'` at the shift take a block: that of the eigenvalues next to the shift.
+/// The space, as orthonormal columns, to which [`STEPS`] products with `Q^-1 Q'` at the shift take a block: the space of the eigenvalues next to the shift.
 fn space(factor: &Factor<'_>, side: Side, start: Block) -> Result<Block, SparseError> {
     let pencil = factor.pencil();
     let weights = pencil.slope_weights(factor.shift());

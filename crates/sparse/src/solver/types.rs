@@ -58,7 +58,7 @@ impl Rectangle {
         Self { re: self.re.map(|x| x * factor), im: self.im.map(|x| x * factor) }
     }
 
-    /// The rectangle with each border moved outwards, those of Im lambda >= 0 not below the real axis.
+    /// The rectangle with each border moved outwards; a lower border with Im lambda >= 0 is not moved below the real axis.
     pub(super) fn widened(&self, by: f64) -> Self {
         let least = if self.im[0] >= 0.0 { 0.0 } else { f64::NEG_INFINITY };
         Self { re: [self.re[0] - by, self.re[1] + by], im: [(self.im[0] - by).max(least), self.im[1] + by] }
@@ -134,7 +134,7 @@ pub struct Eigenpair {
     /// Condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as
     /// [`cea::certified::CertifiedEigenvalue::condition`]. Infinite for lambda = 0 and where the vectors are orthogonal.
     pub condition: f64,
-    /// Error bound, rad/s: how far the eigenvalue may be from the exact one of these matrices or of any that round to them; that of
+    /// Error bound, rad/s: how far the eigenvalue may be from the exact eigenvalue of these matrices or of any matrices that round to them; by
     /// `cea::certified` where the spectrum is certified ([`Options::certified`]), else to first order. Infinite where nothing is known.
     pub bound: f64,
     /// Verdict: whether the motion grows, as far as the bound tells.

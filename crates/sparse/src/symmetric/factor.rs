@@ -19,7 +19,7 @@ use crate::solver::PAR;
 use crate::unpatterned::unpatterned;
 
 /// `A = P L B L^T P^T` of a symmetric matrix: L lower triangular with a unit diagonal, B of blocks of order 1 and 2, pivoted within
-/// the supernodes. Pivots of a saddle point, such as that of a multiplier, may lie in another one: such a factorisation is unsound.
+/// the supernodes. The pivot of a saddle point, such as a multiplier, may lie in another supernode: such a factorisation is unsound.
 pub(crate) struct Factor {
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
@@ -30,7 +30,7 @@ pub(crate) struct Factor {
     is_sound: bool,
 }
 
-/// Largest backward error of a solution with a sound factorisation; chosen, between rounding and a pivot that was none.
+/// Largest backward error of a solution with a sound factorisation; chosen, between rounding and the error of a pivot that was only rounding.
 const SOUND: f64 = 1e-11;
 
 /// Only the supernodal factorisation has pivots, and it is taken where operations by entry exceed this. The library's own

@@ -10,7 +10,7 @@ use crate::product::times;
 use crate::unpatterned::unpatterned;
 pub(crate) use factor::Factor;
 
-/// A diagonal entry below this part of the largest of its row does not scale it; chosen: below that of a rotation in metres.
+/// Fraction of the largest entry of a row below which the diagonal entry does not scale the row; chosen: smaller than the fraction of a rotation in metres.
 const SMALL_DIAGONAL: f64 = 1e-8;
 /// Number of steps of inverse iteration; chosen.
 const STEPS: usize = 4;
