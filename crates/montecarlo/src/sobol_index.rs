@@ -64,8 +64,8 @@ impl SobolIndex {
 /// the same x and otherwise nothing in common. Samples of equal x stay in their own order, which is one of chance.
 ///
 /// The standard error is by the central limit theorem. S is unchanged where a number is added to all y; with the mean of y at 0 let
-/// `w_k = y_k y_{k+1} - S y_k^2`, whose mean is 0 and whose mean over the variance of y is the error of S, to first order. At given x the w_k are independent but for
-/// next neighbours, about a mean g(x) that neighbours share; g(x) itself varies with the x that were drawn. With c_j the mean of
+/// `w_k = y_k y_{k+1} - S y_k^2`, whose mean is 0 and whose mean over the variance of y is the error of S, to first order. At given x the w_k are independent
+/// but for next neighbours, about a mean g(x) that neighbours share; g(x) itself varies with the x that were drawn. With c_j the mean of
 /// `w_k w_{k+j}`: c_0 is the variance of g and of w about g, c_1 the variance of g and the covariance of next neighbours, c_2 the variance of g. So
 ///
 /// ```text

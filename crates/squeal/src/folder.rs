@@ -19,7 +19,7 @@ const STAGE: &str = "results.partial";
 /// A folder in which this process alone works on one study, until it is dropped.
 pub struct RunFolder {
     path: PathBuf,
-    /// Identity of the study, one line: what tells its counts from those of another.
+    /// Identity of the study, one line: what tells its counts from the counts of another study.
     identity: String,
     /// Text that this process wrote into the lock file, its number and the time.
     owner: String,

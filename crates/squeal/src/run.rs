@@ -30,7 +30,7 @@ pub type DrawResults<'a, B, E = Error> = dyn FnMut(&Study<'_, B>, &Results, &Pat
 ///
 /// # Errors
 /// A folder that cannot be written, belongs to another study or is in use by another run; a checkpoint that is damaged or
-/// has more samples; those of the study.
+/// has more samples; errors of the study.
 pub fn run_study<B: UncertainBrake>(
     brake: &B,
     dir: &Path,
@@ -67,7 +67,7 @@ pub struct RunOptions<'a> {
     /// Number of worker threads; `None` is one per core.
     pub threads: Option<usize>,
     /// Half width to which every occurrence is sampled: instead of the samples of the plan, as many are taken as that needs, see
-    /// [`montecarlo::interim_looks`]. The bytes are those of [`run_study`] with the number of samples at which it stops.
+    /// [`montecarlo::interim_looks`]. The result has the bytes of [`run_study`] with the number of samples at which it stops.
     pub until_half_width: Option<f64>,
     /// Samples are kept, in [`StudyTally::kept`]. A folder has them from its first sample on or never.
     pub keeps_samples: bool,
@@ -167,7 +167,7 @@ pub(crate) fn sampled<B: UncertainBrake>(
     run_with(study, &sampling, empty, Some(checkpoint), options.progress.evaluation)
 }
 
-/// Function that may give the samples of a study that were taken elsewhere, with the parts that they are of; the checkpoint is that of the folder.
+/// Function that may give the samples of a study that were taken elsewhere, with the parts that they belong to, from the checkpoint of the folder.
 type Begin<'a, B> =
     dyn FnMut(&Study<'_, B>, &Checkpoint) -> Result<(Vec<PartManifest>, Option<Summary<StudyTally>>), Error> + 'a;
 

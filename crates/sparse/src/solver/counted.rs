@@ -13,7 +13,8 @@ const CIRCLES: usize = 9;
 /// Radius of the largest of these circles, as a multiple of the radius of the disc; chosen: the radius of the disc is 0.95 of the distance of what may be
 /// unknown.
 const BEYOND: f64 = 1.02;
-/// Radius of the largest of these circles, as a multiple of the radius of the circle around what the disc covers, where this is less than by [`BEYOND`]; chosen.
+/// Radius of the largest of these circles, as a multiple of the radius of the circle around what the disc covers, where this is less than by [`BEYOND`];
+/// chosen.
 const WIDEST: f64 = 1.5;
 /// Largest distance of eigenvalues that are counted together as copies of one, in blurs, the distance to which rounding moves one apart; chosen: with less, a
 /// circle about copies comes so near to them that rounding turns the phase; with more, neighbours are in it, too.

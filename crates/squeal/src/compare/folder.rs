@@ -52,7 +52,7 @@ pub(super) struct StudyFolder {
     /// Version and commit of the program.
     pub program: String,
     pub scenes: BTreeMap<SceneNames, Occurrences>,
-    /// Kept samples tell which verdicts are open; those of an earlier program do not.
+    /// True if kept samples tell which verdicts are open; samples of an earlier program do not.
     pub tells_open: bool,
     /// Kept samples by scene; empty where none were kept.
     pub kept: BTreeMap<SceneNames, Kept>,
@@ -184,7 +184,7 @@ impl StudyFolder {
         Some(())
     }
 
-    /// Inputs of which all draws that two studies have in common agree, and those of which not, or that one study alone has.
+    /// Inputs of which all draws that two studies have in common agree, and inputs of which some do not, or that one study alone has.
     pub fn draws_in_common(&self, other: &Self) -> [Vec<String>; 2] {
         let mut found = [Vec::new(), Vec::new()];
         for (input, cells) in &self.draws {
@@ -221,7 +221,7 @@ impl SetModes {
     }
 }
 
-/// The table of a CSV file; `None` where there is none.
+/// The table of a CSV file; `None` where there is no file.
 fn read(path: &Path) -> Result<Option<Table>, Error> {
     Table::read(path).map_err(|source| Error::Read { path: path.to_owned(), source: source.into() })
 }

@@ -46,7 +46,7 @@ impl Kept {
         if has_unnamed {
             modes.insert("unnamed".into(), if is_unnamed(&candidates) { Trial::Yes } else { Trial::Ambiguous });
         }
-        // No growth rate is that of a sample whose evaluation failed.
+        // A sample without growth rates is one whose evaluation failed.
         self.0.insert(index, (!growth.is_empty()).then_some(Unstable { modes, has_unnamed, is_open }));
     }
 

@@ -52,7 +52,7 @@ pub struct Link {
     pub by: Option<LinkedBy>,
 }
 
-/// The modes of two studies, linked: those of the first in their order, then those of the second that are left.
+/// The modes of two studies, linked: modes of the first study in their order, then the modes of the second that are left.
 pub(super) fn links(first: Option<&SetModes>, second: Option<&SetModes>) -> Vec<Link> {
     let none = SetModes::default();
     let (first, second) = (first.unwrap_or(&none), second.unwrap_or(&none));

@@ -50,9 +50,9 @@ impl Pairing {
 pub struct Compared {
     /// Constraints, law, speed, number in contact and arrangement.
     pub scene: SceneNames,
-    /// Link of the mode of the first study to that of the second; `None` of anything that is unstable, whichever mode it is.
+    /// Link of the mode of the first study to the mode of the second; `None` for anything that is unstable, whichever mode it is.
     pub link: Option<Link>,
-    /// Occurrence in the first study, and in the second; `None` where the mode is linked to none there.
+    /// Occurrence in the first study, and in the second; `None` where the mode is linked to no mode there.
     pub occurrences: [Option<Proportion>; 2],
     /// Difference, the second less the first; `None` of a mode without a link.
     pub difference: Option<(Difference, Pairing)>,

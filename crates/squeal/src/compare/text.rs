@@ -89,8 +89,8 @@ fn may_meet(a: &Compared, b: &Compared) -> bool {
 const LEFT: f64 = 0.2;
 
 impl Against {
-    /// The mode of the same scene of much the same frequency whose change cancels that of another, as where two modes that meet swap their names; `None`
-    /// where no change is sure, or none cancels it.
+    /// The mode of the same scene, of much the same frequency, whose change cancels the change of `row`, as where two modes that meet swap their names; `None`
+    /// where the change of `row` is not sure, or no sure change cancels it.
     #[must_use]
     pub fn swapped_with(&self, row: &Compared) -> Option<&Compared> {
         let change = sure_change(row)?;
@@ -136,7 +136,7 @@ impl Compared {
     }
 }
 
-/// Change of the occurrence of a mode, where it is sure: all of one that is linked to none.
+/// Change of the occurrence of a mode, where it is sure; the whole occurrence of a mode that is linked to no mode of the other study.
 fn sure_change(row: &Compared) -> Option<f64> {
     row.link.as_ref()?;
     let value = |at: usize| row.occurrences[at].and_then(|of| of.estimate()).map(|part| part.lower);

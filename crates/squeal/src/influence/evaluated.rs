@@ -14,7 +14,7 @@ const SAMPLES_PER_BLOCK: u64 = 128;
 pub(super) struct Evaluated {
     /// Values of the inputs.
     pub inputs: Vec<f64>,
-    /// Largest growth rate of an unstable mode, 1/s; 0 where there is none.
+    /// Largest growth rate of an unstable mode, 1/s; 0 without unstable modes.
     pub growth: f64,
     /// Growth rates of unstable modes that have one sure name.
     pub modes: Vec<(ModeLabel, f64)>,

@@ -21,7 +21,7 @@ const SHORTENED: f64 = 1e-6;
 pub struct CertifiedBound {
     /// Ranges of the parameter in which every system is certified to be stable.
     pub stable: Vec<[f64; 2]>,
-    /// Probability of all other values, above which that of squeal is not.
+    /// Probability of all other values, which the probability of squeal does not exceed.
     pub probability: f64,
 }
 

@@ -120,7 +120,7 @@ impl Kept {
         Ok(known.into_iter().filter_map(|known| known.or_else(|| found.next())).collect())
     }
 
-    /// Appends answers to the file, but for those that cannot be read back as they are: a number that is none, or infinite.
+    /// Appends answers to the file, but for answers that cannot be read back as they are, with NaN or an infinite number.
     fn keep<T: Serialize + DeserializeOwned + PartialEq>(
         &self,
         question: Question,

@@ -66,7 +66,7 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         Ok(self.study.brake().system(self.scene, &self.sample(u))?)
     }
 
-    /// The mode of the largest margin of those of a spectrum that are studied.
+    /// The mode of the largest margin among the modes of a spectrum that are studied.
     fn judged(&self, counted: CountedSpectrum) -> Option<Mode> {
         let plan = self.study.plan();
         // A reduced brake shows no divergence.

@@ -99,7 +99,7 @@ pub struct Rare {
 /// program has come so far: the results are the same. A file of another brake, scene, program or kind of processor is begun anew.
 ///
 /// # Errors
-/// A scene without inputs, or with one that is discrete; those of [`::rare::estimate`]; a certificate that says otherwise; a file that cannot be read or
+/// A scene without inputs, or with a discrete input; errors of [`::rare::estimate`]; a certificate that says otherwise; a file that cannot be read or
 /// written.
 pub fn rare<B: UncertainBrake>(
     study: &Study<'_, B>,
@@ -229,7 +229,7 @@ fn kept_moved<B: UncertainBrake>(
     Ok(state.kept.answers(Question::Moved, &[&asked], find)?.into_iter().flatten().next())
 }
 
-/// Distance of the onset of the full model from that of a reduced brake, in standard deviations to first order.
+/// Distance of the onset of the full model from the onset of a reduced brake, in standard deviations to first order.
 fn moved<B: UncertainBrake>(
     state: &SceneState<'_, B>,
     scene: &Scene,

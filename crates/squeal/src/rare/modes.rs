@@ -47,7 +47,7 @@ pub(super) fn named<B: UncertainBrake>(
     Ok(blocks.into_iter().flatten().collect())
 }
 
-/// The probability of each mode that grows in some witness, from the names in each; `lines` are those of each design point.
+/// The probability of each mode that grows in a witness, from the names in each witness; `lines` are the lines of each design point.
 pub(super) fn by_mode(
     witnesses: &[Witness],
     names: &[Vec<Vec<ModeLabel>>],
@@ -77,7 +77,7 @@ pub(super) fn by_mode(
     all
 }
 
-/// Mean over the lines of some witnesses, all other lines with 0.
+/// Sum over the design points of the mean over their lines, in which a line without a witness counts as 0.
 #[derive(Debug, Clone, Copy)]
 struct Mean {
     value: f64,
@@ -107,9 +107,9 @@ fn mean_and_error<'a>(witnesses: impl Iterator<Item = &'a Witness>) -> Mean {
     Mean { value, error: variance.sqrt(), squares: of_witnesses }
 }
 
-/// Lower 95 % limit of a mean of which few witnesses are all that is known: that of a sum of weights whose number is Poisson's, with the gamma
-/// distribution of Fay and Feuer (Statistics in Medicine 16, 1997, 791). With n = `value^2 / squares`, as many equal witnesses, it is `chi^2(2 n) / 2 n` of
-/// the value, here by the formula of Wilson and Hilferty, which is nowhere above it: 0.013 of the value for one witness, 0.11 for two.
+/// Lower 95 % limit of a mean of which few witnesses are all that is known: the limit of a sum of weights whose number has a Poisson distribution, with the
+/// gamma distribution of Fay and Feuer (Statistics in Medicine 16, 1997, 791). With n = `value^2 / squares`, as many equal witnesses, it is `chi^2(2 n) / 2
+/// n` of the value, here by the formula of Wilson and Hilferty, which is nowhere above it: 0.013 of the value for one witness, 0.11 for two.
 fn lower_limit(&Mean { value, squares, .. }: &Mean) -> f64 {
     if value <= 0.0 {
         return 0.0;
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     /// Modes that squeal on one line in 100 to one in 10 of 48 lines, with weights that differ tenfold: the lower limit is above the truth in at most
-    /// one of 40 repetitions, as 95 % intervals are; that of the logarithm alone is so in more than that.
+    /// one of 40 repetitions, as 95 % intervals are; the limit of the logarithm alone is above the truth in more.
     #[test]
     fn a_mode_that_is_seen_on_a_line_or_two_has_a_low_lower_end() {
         let lines = 48;

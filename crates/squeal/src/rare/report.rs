@@ -148,7 +148,7 @@ fn in_words(probability: &Probability) -> String {
     format!("{value:.3e} ({lower:.2e} to {upper:.2e} with 95 % confidence; standard error {relative:.1} %)")
 }
 
-/// The table `rare` of some scenes: a row for squeal of any mode, and one for each mode.
+/// The table `rare` of the scenes `of_scenes`: for each a row for squeal of any mode, and a row for each mode.
 pub fn rare_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Rare)>) -> Table {
     let own =
         ["probability", "lower", "upper", "standard_error", "open", "unproven", "certified_bound", "lines", "spectra"];
@@ -170,7 +170,7 @@ pub fn rare_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = (&'a Scen
     Table::new("rare", [&SceneLabels::MODE_COLUMNS[..], &own].concat(), rows)
 }
 
-/// The table `design_points` of some scenes: a row for each likely squealing brake and each of its inputs.
+/// The table `design_points` of the scenes `of_scenes`: a row for each likely squealing brake and each of its inputs.
 pub fn design_points_table<'a>(plan: &Plan, of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Rare)>) -> Table {
     let own = [
         "brake",

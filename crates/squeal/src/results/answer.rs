@@ -69,7 +69,7 @@ impl Results {
     }
 }
 
-/// Largest number of drawn inputs that are named; chosen: those of the laws of friction.
+/// Largest number of drawn inputs that are named; chosen: as many as the laws of friction have.
 const NAMED: usize = 8;
 
 /// True if an evaluation of a set of constraints failed, or has a verdict that is open.

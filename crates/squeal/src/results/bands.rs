@@ -38,8 +38,8 @@ struct InBand {
     is_median: bool,
 }
 
-/// Third octaves of a set of constraints, from the lowest to the highest in which modes are: those of the plan's band, of which the ends may be
-/// studied in part, or those of all modes, and of all measured frequencies.
+/// Third octaves of a set of constraints, from the lowest to the highest: of the plan's band, of which the ends may be studied in part, or, without a band, of
+/// all modes; and of all measured frequencies.
 fn studied(results: &Results, set: usize) -> Vec<ThirdOctave> {
     let modes = results.modes_of_set(set).into_iter().map(|(_, mode)| cea::frequency_hz(mode.lambda));
     let mut hertz: Vec<f64> = match results.plan().band {

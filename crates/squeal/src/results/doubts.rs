@@ -5,7 +5,7 @@ use study::{FullChecks, SceneTally, divergence_doubt, divergence_of_reduced};
 use super::Results;
 
 impl Results {
-    /// Reasons why the results may not be those of the full model, in sentences; none where nothing speaks against it.
+    /// Reasons why the results may differ from results of the full model, in sentences; empty where nothing speaks against them.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.plan().doubts.clone();
         if let Some(checks) = &self.full_checks {

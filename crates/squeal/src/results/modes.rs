@@ -86,7 +86,7 @@ pub(super) fn modes(results: &Results) -> Vec<Table> {
     tables
 }
 
-/// The table `links`: links of the modes of a set of constraints to those of one that holds more.
+/// The table `links`: links of the modes of a set of constraints to the modes of a set that holds more.
 pub(super) fn links_table(results: &Results, links: &[SetLinks]) -> Table {
     let (names, mut rows) = (&results.plan().labels.constraints, Vec::new());
     for link in links {

@@ -13,7 +13,7 @@ use crate::why::{Explainer, Influence, InfluenceKind, Why};
 
 /// Most parameters that a sentence names; chosen.
 const MOST_IN_A_SENTENCE: usize = 3;
-/// Largest relative distance of an eigenvalue from that of the same reference mode; chosen: both are solved to rounding.
+/// Largest relative distance of an eigenvalue from the eigenvalue of the same reference mode; chosen: both are solved to rounding.
 const SAME_MODE: f64 = 1e-6;
 
 /// The unstable modes of a scene at its medians, with the candidates for the name of each.

@@ -14,7 +14,7 @@ use crate::Error;
 pub struct UnstableHertz {
     /// Median over these draws, Hz; the frequency at the medians of a mode that never was surely the one that was unstable.
     pub median: f64,
-    /// Bound of the error of the median, Hz: that of its bucket.
+    /// Bound of the error of the median, Hz, from the width of its bucket.
     pub error: f64,
     /// Lowest and highest frequency, Hz, exact; `None` of a mode that never was surely the one that was unstable.
     pub range: Option<Interval>,
@@ -37,7 +37,7 @@ impl Display for UnstableHertz {
 }
 
 impl Results {
-    /// Frequency of a mode where it is unstable; `None` of what has none.
+    /// Frequency of a mode where it is unstable; else its frequency at the medians; `None` for a mode without a frequency.
     #[must_use]
     pub fn unstable_hertz(&self, constraints: usize, name: ModeLabel) -> Option<UnstableHertz> {
         let known = self.strength(constraints, name).and_then(|strength| UnstableHertz::new(&strength.frequency_hz));
@@ -125,7 +125,7 @@ pub(super) fn growth(results: &Results) -> Result<Table, Error> {
 fn ends_and_median(sketch: &QuantileSketch) -> Result<[String; 3], Error> {
     let median = sketch.median()?;
     let range = sketch.range().map_or([median; 2], |range| [range.lower, range.upper]);
-    // The median is that of a bucket, which may reach beyond the ends.
+    // The median is the middle of a bucket, which may reach beyond the ends.
     Ok([range[0], median.clamp(range[0], range[1]), range[1]].map(|number| number.to_string()))
 }
 

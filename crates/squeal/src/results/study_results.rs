@@ -63,13 +63,13 @@ pub struct Results {
     pub(super) drawn: Arc<[String]>,
     /// Counts of draws of a reduced brake checked against the full model.
     pub full_checks: Option<FullChecks>,
-    /// The brake finds its modes itself, those of a band, and so shows no divergence.
+    /// True if the brake finds its modes itself, in a band, and so shows no divergence.
     pub has_band_modes: bool,
     /// Shapes of the modes of each set of constraints at its origin in the full model of a reduced brake; `None` of another brake.
     pub(super) whole_shapes: Option<Arc<WholeShapes>>,
     /// Reason why nothing is known of the errors of each scene, where that is so.
     pub unknown_errors: Vec<Option<&'static str>>,
-    /// Relative error of the eigenvalues of each scene against those of the full model; 0 of a brake that is no reduction.
+    /// Relative error of the eigenvalues of each scene against the full model; 0 for a brake that is not reduced.
     pub errors_of_reduction: Vec<f64>,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
@@ -77,14 +77,14 @@ pub struct Results {
     notes: Mutex<Vec<String>>,
 }
 
-/// Names of the inputs that are drawn for the scenes of a plan, each once, those of the first scene first.
+/// Names of the inputs that are drawn for the scenes of a plan, each once, the inputs of the first scene first.
 fn drawn_names<S>(of: &dyn DrawnInputs<S>, plan: &Plan) -> Arc<[String]> {
     let mut known = BTreeSet::new();
     let names = plan.scenes.iter().flat_map(|scene| of.inputs(scene)).map(|input| input.name);
     names.filter(|name| known.insert(name.clone())).collect()
 }
 
-/// The modes of all origins, with the eigenvalues of the brake in the place of those of the systems in which its modes are followed.
+/// The modes of all origins, with the eigenvalues of the brake in place of the eigenvalues of the systems in which its modes are followed.
 fn with_own_eigenvalues(plan: &Plan, origins: &[Reference], source: &dyn ModeSource) -> Arc<[Reference]> {
     let mut own = origins.to_vec();
     for set in 0..plan.labels.constraints.len() {
@@ -100,7 +100,7 @@ impl Results {
         Self::with_references(study, study.shared_references(), summary)
     }
 
-    /// Results as by [`Results::new`], with the reference modes of the scenes named in another way: those of
+    /// Results as by [`Results::new`], with reference modes of the scenes that are named in another way, as by
     /// [`Study::references_by_likeness`].
     pub fn with_references<B: UncertainBrake>(
         study: &Study<'_, B>,
@@ -396,7 +396,7 @@ impl Results {
         })
     }
 
-    /// Difference of two panels per analysis, from that of the samples solved in both; in a sample that failed it may be any.
+    /// Difference of two panels per analysis, from the difference in the samples solved in both; a sample that failed may have any difference.
     fn difference(&self, of: &Comparison, differences: &BoundedMean, confidence: Confidence) -> Option<Estimate> {
         let arrangements = |panel: usize| self.panels[panel].arrangements as f64;
         let failed = |solved: &BoundedMean| self.summary.samples.saturating_sub(solved.count());

@@ -16,7 +16,7 @@ use crate::Error;
 impl Results {
     /// The numbers of a study as tables: `modes` with a table of shapes for each set of constraints, `links`, `occurrence`, `growth`,
     /// `panels`, `differences`, `net_work`, `family_work`, `sensitivities`, `failures`, `divergence` of a reduced brake whose draws were solved with the
-    /// full model, and `measured` of a brake on which squeal was measured; `reasons` and `links` are those of [`reasons_and_links`](super::reasons_and_links).
+    /// full model, and `measured` of a brake on which squeal was measured; `reasons` and `links` are made by [`reasons_and_links`](super::reasons_and_links).
     ///
     /// # Errors
     /// Counts that make no interval, or no quartile.

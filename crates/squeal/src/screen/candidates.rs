@@ -87,7 +87,8 @@ impl ChangeKind {
 /// Sizes of masses, springs and dashpots, and the factor by which parts are scaled.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sizes {
-    /// Mass, kg, or in the units of a case that does not say how its degrees of freedom move; `None`: [`Sizes::PART`] times the place's own mass, the least of those of its directions.
+    /// Mass, kg, or in the units of a case that does not say how its degrees of freedom move; `None`: [`Sizes::PART`] times the place's own mass, which is the
+    /// least mass over its directions.
     pub mass: Option<f64>,
     /// Stiffness of a spring, N/m; `None`: [`Sizes::PART`] times the direction's own stiffness.
     pub spring: Option<f64>,
@@ -107,7 +108,7 @@ impl Sizes {
     /// Factor by which parts are scaled; chosen: as far as a lining of another lot may be off.
     pub const FACTOR: f64 = 1.1;
 
-    /// Words for the sizes of some kinds where none is given, for people; nothing where they have none.
+    /// Words, for people, for the sizes in proportion of those of `kinds` whose size is not given; empty where no size is in proportion.
     pub fn in_proportion(&self, kinds: &[ChangeKind]) -> String {
         let has = |kind: ChangeKind, given: Option<f64>| kinds.contains(&kind) && given.is_none();
         let mut said = Vec::new();
@@ -262,17 +263,17 @@ impl Candidates {
         terms.len() == scaled
     }
 
-    /// The changes of some singles, in the order of `of`.
+    /// The changes of the single changes with the indices `of`, in this order.
     pub fn changes(&self, of: &[usize]) -> Vec<Change> {
         of.iter().map(|&single| self.singles[single].change.clone()).collect()
     }
 
-    /// Name of some single changes together.
+    /// Name of the single changes with the indices `of` together.
     pub fn name(&self, of: &[usize]) -> String {
         of.iter().map(|&single| self.singles[single].name.as_str()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Sizes of those of some single changes that have one, with their units, in the order of `of`; one where all are equal.
+    /// Sizes, with their units, of the single changes with the indices `of` that have a size, in this order; one size where all are equal.
     pub fn sizes(&self, of: &[usize], units: Units) -> Vec<(f64, &'static str)> {
         let singles = of.iter().map(|&single| &self.singles[single]);
         let size = |single: &SingleChange| Some((single.size()?, self.kind.unit(single.moves, units)));
@@ -311,7 +312,7 @@ fn attached(kind: ChangeKind, place: &Place, sizes: &Sizes) -> Vec<SingleChange>
     }
 }
 
-/// Kind of the motion of a place: that of its directions, where it is one.
+/// Kind of the motion of a place: the kind of its directions, where all have the same.
 fn moves_of(place: &Place) -> Moves {
     let mut moves = place.directions.iter().map(|direction| direction.moves);
     let first = moves.next().unwrap_or_default();

@@ -139,9 +139,9 @@ impl Change {
 #[derive(Debug, Clone)]
 pub(super) struct ChangedBrake {
     pub brake: Brake,
-    /// Indices of its channels among those of the brake without changes.
+    /// Indices of its channels among the channels of the brake without changes.
     channels: Vec<usize>,
-    /// Degrees of freedom that stay free, among those of the brake without changes.
+    /// Degrees of freedom that stay free, among the degrees of freedom of the brake without changes.
     kept: DofMap,
     has_term: bool,
     /// Indices of the terms that are scaled, and by how much more than 1: each a term of its own after the others.
@@ -149,7 +149,7 @@ pub(super) struct ChangedBrake {
 }
 
 impl ChangedBrake {
-    /// A brake with these changes; `contacts` are those of the brake.
+    /// A brake with these changes; `contacts` are the contacts of the brake.
     ///
     /// # Errors
     /// No degree of freedom left free, or one that the brake does not have.
@@ -212,7 +212,7 @@ impl ChangedBrake {
         all_channels && !self.has_term && self.scaled.is_empty() && self.kept.free().len() == self.kept.total()
     }
 
-    /// The operating point of the brake with changes from that of the one without.
+    /// The operating point of the brake with changes, from the operating point `at` of the brake without changes.
     pub fn point(&self, mut at: OperatingPoint) -> OperatingPoint {
         let scaled: Vec<f64> = self.scaled.iter().map(|&(term, more)| more * at.coefficients[term]).collect();
         if self.has_term {
@@ -223,9 +223,9 @@ impl ChangedBrake {
         at
     }
 
-    /// The equations of motion of the brake with changes at an operating point of its own, from those of the one without, `of` and `unchanged`: a contact keeps its
-    /// load, speed, spring and law. One that is taken out opens no more, and its spring stays where nothing says which is its own. A channel without a contact,
-    /// which is what the spring of one has beyond the term of all, is structure.
+    /// The equations of motion of the brake with changes at an operating point of its own, from the brake `of` without changes and its equations of motion
+    /// `unchanged`. A contact keeps its load, speed, spring and law. A contact that is taken out does not open any more, and its spring stays where nothing
+    /// says which spring is its own. A channel without a contact, which is what the spring of a contact has beyond the term of all contacts, is structure.
     ///
     /// # Errors
     /// A brake whose contacts are all taken out; a contact without a channel.

@@ -27,8 +27,8 @@ pub struct GrowingMode {
     pub shape: DVector<Complex<f64>>,
 }
 
-/// The unstable modes of a set of constraints at the medians: for each law and speed those of the scene with most in contact. A brake with loss factors finds
-/// its own, each with the names of the nearest mode of the system with dashpots.
+/// The unstable modes of a set of constraints at the medians: for each law and speed the modes of the scene with most in contact. A brake with loss factors
+/// finds its own modes, each with the names of the nearest mode of the system with dashpots.
 ///
 /// # Errors
 /// Modes that a brake with loss factors does not find.

@@ -32,11 +32,11 @@ pub struct Joined<'a, B> {
 struct Part<'a, B> {
     brake: &'a B,
     by_plan: ModifiablePlan<'a>,
-    /// Its configurations among those of the whole.
+    /// Its configurations among the configurations of the whole.
     configurations: Range<usize>,
-    /// Its sets of constraints among those of the whole, and the first of them in its own plan.
+    /// Its sets of constraints among the sets of the whole, and the first of them in its own plan.
     constraints: (Range<usize>, usize),
-    /// Its panels in those of the whole.
+    /// Indices of its panels among the panels of the whole.
     panels: Vec<usize>,
 }
 
@@ -44,7 +44,7 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
     /// A brake with its variants, each by a name, of which the set of constraints called as number `constraints` of the brake is taken, or the only one.
     ///
     /// # Errors
-    /// [`Error::Variant`]: what is counted in a variant cannot be compared, or its name is that of a set of constraints.
+    /// [`Error::Variant`]: what is counted in a variant cannot be compared, or a set of constraints has its name.
     pub fn new(brake: &'a B, variants: &[(&str, &'a B)], constraints: usize) -> Result<Self, Error> {
         let of = brake.plan();
         let identity = Identity::read(&of.name, &of.identity).part("variants", |to| {
@@ -240,7 +240,7 @@ impl<B: UncertainBrake> UncertainBrake for Joined<'_, B> {
         self.own(scene).map_or(0.0, |(_, part, own)| part.brake.error_of_reduction(&own))
     }
 
-    /// `None`: the scenes of a motion are those of one of the brakes.
+    /// `None`: the scenes of a motion belong to one of the brakes.
     fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {
         None
     }

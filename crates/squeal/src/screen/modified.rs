@@ -108,7 +108,7 @@ struct FromInner {
     changed: ChangedBrake,
 }
 
-/// Indices of the configurations that have been made, by the index of the inner configuration and that of the image of the changes.
+/// Indices of the configurations that have been made, by the index of the inner configuration and the index of the image of the changes.
 type LaidOut = HashMap<(usize, usize), usize>;
 
 impl<'a, B: UncertainBrake> Modified<'a, B> {
@@ -198,7 +198,7 @@ impl<B: UncertainBrake> Modified<'_, B> {
     }
 }
 
-/// Images of some changes under the symmetries of a brake.
+/// Images of a set of changes under the symmetries of a brake.
 struct Images {
     /// Images that differ.
     pub distinct: Vec<Vec<Change>>,
@@ -224,8 +224,8 @@ impl Images {
         images
     }
 
-    /// Index of the changes to be made in the configuration of a scene so that they are those of a member, onto which this
-    /// symmetry maps it.
+    /// Index of the changes to be made in the configuration of a scene so that they become the changes of a member onto which this
+    /// symmetry maps the configuration.
     fn of_member(&self, symmetry: usize) -> usize {
         self.by_inverse.get(symmetry).copied().unwrap_or(0)
     }
@@ -267,7 +267,7 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         unchanged.into_iter().map(|point| Ok(changed.point(point?))).collect()
     }
 
-    /// `None`: scenes here are not those of the inner brake, to which its inputs belong.
+    /// `None`: scenes here are not the scenes of the inner brake, to which its inputs belong.
     fn drawn_inputs(&self) -> Option<&dyn DrawnInputs<B::Sample>> {
         None
     }

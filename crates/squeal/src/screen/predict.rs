@@ -59,10 +59,10 @@ pub(super) struct Probes<'a> {
 struct Probe<'a> {
     configuration: &'a Configuration,
     contacts: Vec<WholeContact>,
-    /// Symmetry that maps changes of the arrangement to those of the configuration that is computed.
+    /// Symmetry that maps changes of the arrangement to changes of the configuration that is computed.
     symmetry: Option<Symmetry>,
     points: Vec<OperatingPoint>,
-    /// Equations of motion of all draws, without changes, where loudness is asked for; `None` of a draw whose contacts have none.
+    /// Equations of motion of all draws, without changes, where loudness is asked for; `None` for a draw whose contacts have no equations of motion.
     motions: Vec<Option<ContactSystem>>,
     /// Error of the eigenvalues, relative, where the brake is reduced.
     error: f64,
@@ -71,7 +71,7 @@ struct Probe<'a> {
 }
 
 impl<'a> Probes<'a> {
-    /// Probes: two arrangements of each panel of a set of constraints, with the same draws, which are not those of the study.
+    /// Probes: two arrangements of each panel of a set of constraints, with the same draws, which are not draws of the study.
     ///
     /// # Errors
     /// A draw without an operating point; where motions are to be followed, a brake that does not give its contacts.
@@ -82,7 +82,7 @@ impl<'a> Probes<'a> {
         following: Option<UntilStopped>,
     ) -> Result<Self, Error> {
         let plan = brake.plan();
-        // Streams from the other end than those of the samples of a study.
+        // Streams from the other end than the streams of the samples of a study.
         let samples = (0..draws).map(|draw| brake.draw(&mut stream(plan.seed, u64::MAX - draw)));
         let samples = samples.collect::<Result<Vec<_>, study::Error>>()?;
         let by_plan = ModifiablePlan(plan);
@@ -131,7 +131,7 @@ impl<'a> Probes<'a> {
         self.draws * self.probes.len() as u64
     }
 
-    /// The prediction of each of some sets of changes; progress advances by one for each.
+    /// The prediction of each of `sets` of changes; progress advances by one for each.
     pub fn predictions(&self, sets: &[Vec<Change>], progress: &dyn Progress) -> Vec<Result<Prediction, Error>> {
         let of_set = |set: &Vec<Change>| {
             progress.go_on()?;

@@ -15,9 +15,10 @@ pub struct ScreenedSet {
     pub kind: Option<ChangeKind>,
     /// Names of the places, or the name of a set of constraints.
     pub places: String,
-    /// Number of single changes; of a set of constraints the number of degrees of freedom that it holds beyond those of the brake as it is, 0 where it holds fewer.
+    /// Number of single changes; for a set of constraints, by how many more degrees of freedom it holds than the brake as it is, 0 where it holds fewer.
     pub count: usize,
-    /// Sizes with their units, one where all are equal, else those of the places in their order. A unit is empty where the brake does not say which it is.
+    /// Sizes with their units, one size where all are equal, else a size for each place in their order. A unit is empty where the brake does not say which it
+    /// is.
     pub sizes: Vec<(f64, &'static str)>,
     /// Prediction for the brake with the changes; `None` of the case's other sets of constraints.
     pub prediction: Option<Prediction>,
@@ -34,10 +35,10 @@ pub struct ScreenedSet {
 pub struct Screen {
     /// Criterion of the ranking.
     pub criterion: Criterion,
-    /// Sets: the brake as it is, its other sets of constraints, its variants, those of the largest effect first, then kind by kind: the largest sets first, then single changes, the best
-    /// first.
+    /// Sets: the brake as it is, its other sets of constraints, its variants, those with the largest effect first, then kind by kind: the largest sets first,
+    /// then single changes, the best first.
     pub sets: Vec<ScreenedSet>,
-    /// Differences `[i][j]`: mean number of unstable modes per analysis of confirmed set i minus that of set j, on the same draws, with 95 % limits.
+    /// Differences `[i][j]`: mean number of unstable modes per analysis of confirmed set i minus the number of set j, on the same draws, with 95 % limits.
     pub differences: Vec<Vec<Option<Estimate>>>,
     /// Prediction for the brake without changes.
     pub unchanged: Prediction,
@@ -59,12 +60,12 @@ pub struct Screen {
     pub failures: u64,
     /// Modes that are unstable at the medians without changes.
     pub growing: Vec<GrowingMode>,
-    /// Sentences that speak against the results: those of the brake and of its variants, and why divergence may be missing, as it is of a reduced brake.
+    /// Sentences that speak against the results: the doubts of the brake and of its variants, and why divergence may be missing, as for a reduced brake.
     pub doubts: Vec<String>,
 }
 
 impl ScreenedSet {
-    /// Predicted drop by a criterion: the value of the unchanged brake minus that of this set.
+    /// Predicted drop by a criterion: the value of the unchanged brake minus the value of this set.
     pub fn predicted_drop(&self, unchanged: &Prediction, criterion: Criterion) -> Option<f64> {
         Some(criterion.predicted(unchanged) - criterion.predicted(&self.prediction?))
     }

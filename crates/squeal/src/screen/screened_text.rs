@@ -218,7 +218,7 @@ impl Screen {
     }
 }
 
-/// A drop where the value before or after it is that of motions that could not be followed.
+/// Word for a drop where the motions of the value before or after it could not be followed.
 const NOT_KNOWN: &str = "not known";
 
 /// A drop times `times` with its 95 % limits.

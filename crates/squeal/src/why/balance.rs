@@ -32,7 +32,7 @@ pub struct TermShare {
     pub name: String,
     /// Fraction of the kinetic energy in the term.
     pub kinetic: f64,
-    /// Fraction of the strain energy in the term, which is that of its relaxed stiffness.
+    /// Fraction of the strain energy in the term, by its relaxed stiffness.
     pub strain: f64,
     /// Contribution to the growth of its damping, and of a stiffness that is not symmetric, 1/s.
     pub growth: f64,
@@ -70,7 +70,7 @@ impl Balance {
     /// The balance of a mode of a brake at an operating point.
     ///
     /// # Errors
-    /// An operating point of another brake; those of [`family_work`] and [`mode_energy`].
+    /// An operating point of another brake; errors of [`family_work`] and [`mode_energy`].
     pub fn new(brake: &Brake, at: &OperatingPoint, mode: &Mode) -> Result<Self, Error> {
         let work = mode_work(brake, at, mode)?;
         let cycle = TAU * mode.lambda.im;

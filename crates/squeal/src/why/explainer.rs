@@ -14,8 +14,8 @@ use super::balance::Balance;
 use super::influence::{Influence, InfluenceKind, between, of_friction, of_terms, rank};
 use crate::Error;
 
-/// Half of the step of the central differences that derivatives of matrices by a parameter are computed by, relative to its value: the square is the error of
-/// the first derivative, and machine epsilon over the square that of the second.
+/// Half of the step of the central differences that derivatives of matrices by a parameter are computed by, relative to its value: its square is the error of
+/// the first derivative, and machine epsilon over its square the error of the second.
 const DIFFERENCE: f64 = 1e-4;
 
 /// A mode of the structure without damping and friction.
@@ -51,7 +51,7 @@ pub struct Why {
     pub not_varied: Vec<String>,
     /// Energy balance: the forces that feed and drain the mode, and where its energy is.
     pub balance: Balance,
-    /// Modes of the structure in the mode, the largest part first; empty where the structure has none.
+    /// Modes of the structure in the mode, the largest part first; empty where the structure has no such modes.
     pub structure_modes: Vec<StructureMode>,
     /// Reason why the structure has no such modes.
     pub no_structure_modes: Option<String>,
@@ -81,11 +81,11 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         Ok(Self { brake, scene, at, system, spectrum, structure: RealModes::new(&structure.m, &structure.k) })
     }
 
-    /// Modes that surely are unstable, ascending in frequency: beyond the threshold of the plan by more than rounding; of a brake that finds its modes itself
-    /// those of which it says so, as in a study.
+    /// Modes that surely are unstable, ascending in frequency: beyond the threshold of the plan by more than rounding; for a brake that finds its modes itself
+    /// the modes that the brake says are unstable, as in a study.
     ///
     /// # Errors
-    /// Those of the brake and of [`verdicts_beyond`].
+    /// Errors of the brake and of [`verdicts_beyond`].
     pub fn unstable(&self, work: &mut Workspace) -> Result<Vec<Complex<f64>>, Error> {
         let (modes, threshold) = (self.oscillating(), &self.brake.plan().threshold);
         if let Some(source) = self.brake.mode_source() {
@@ -99,8 +99,8 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         Ok(unstable.filter(|(_, of)| *of == Verdict::Unstable).map(|(mode, _)| mode).collect())
     }
 
-    /// The eigenvalue of the system of this scene that stands for one of the brake, rad/s: itself, or the nearest within the error of the system where dashpots
-    /// stand in it for loss factors; `None` where there is none.
+    /// The eigenvalue of the system of this scene that stands for the eigenvalue `lambda` of the brake, rad/s: itself, or, where dashpots stand in the system
+    /// for loss factors, the nearest within the error of the system; `None` where no eigenvalue is so near.
     pub fn counterpart(&self, lambda: Complex<f64>) -> Option<Complex<f64>> {
         let error = self.brake.error_of_reduction(self.scene).max(EQUAL_BUT_FOR_ROUNDING);
         let distance = |own: &Complex<f64>| (own - lambda).norm();
@@ -128,7 +128,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
     /// Three factorisations of Q for each mode and two systems for each parameter, but no further spectrum.
     ///
     /// # Errors
-    /// A number that is no eigenvalue; those of the brake.
+    /// A number that is no eigenvalue; errors of the brake.
     pub fn why(&self, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Vec<Why>, Error> {
         let triples = lambdas.iter().map(|&lambda| Eigentriple::new(&self.system, lambda, work));
         let triples = triples.collect::<Result<Vec<_>, _>>()?;
@@ -229,7 +229,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
     }
 }
 
-/// The least damped of `modes`; `None` of none.
+/// The least damped of `modes`; `None` without modes.
 #[must_use]
 pub fn least_damped(modes: Vec<Complex<f64>>) -> Option<Complex<f64>> {
     modes.into_iter().min_by(|a, b| damping_ratio(*a).total_cmp(&damping_ratio(*b)))
