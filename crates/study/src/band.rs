@@ -18,16 +18,16 @@ pub(super) struct BandNames<'a> {
     pub solver: &'a dyn EigenSolver,
     pub plan: &'a Plan,
     pub reference: &'a Reference,
-    /// Modes are named by MAC with those of the origin too.
+    /// True if modes are also named by MAC with the modes of the origin.
     pub likeness_too: bool,
 }
 
 impl BandNames<'_> {
-    /// The modes found in one sample, those that are unstable, or may be, with names. `mass` is its mass matrix; `coarse` and `system` make the
+    /// The modes found in one sample; modes that are unstable, or may be, have names. `mass` is its mass matrix; `coarse` and `system` make the
     /// paths to the reference, where they are needed.
     ///
     /// # Errors
-    /// A system that cannot be made; those of the solver.
+    /// A system that cannot be made; errors of the solver.
     pub fn sector_modes<'p>(
         &self,
         found: Vec<BandMode>,

@@ -72,8 +72,8 @@ pub trait UncertainBrake: Sync {
         None
     }
 
-    /// Relative error of the eigenvalues of a scene against those of the model that the brake is a reduction of: a rule, not a bound; 0 of one that is none.
-    /// A mode whose distance from the threshold is within it is undecided.
+    /// Relative error of the eigenvalues of a scene against the full model that the brake is a reduction of: a rule, not a bound; 0 for a brake that is not
+    /// reduced. A mode whose distance from the threshold is within this error is undecided.
     fn error_of_reduction(&self, scene: &Scene) -> f64 {
         self.mode_source().map_or(0.0, |source| source.relative_error(scene))
     }

@@ -52,7 +52,7 @@ const SECONDS_BY_SCENE: f64 = 2e-7;
 /// degrees of freedom and one solution at a time 6.4 GB were taken while the second of two bases was made.
 const COLUMNS_OF_SET: usize = 300;
 const COLUMNS_IN_THE_MAKING: usize = 1700;
-/// Memory of a basis within that of a set, bytes by the square of its columns: its terms, residuals and anchors. With solutions measured with
+/// Memory of a basis within the basis of a set, bytes by the square of its columns: its terms, residuals and anchors. With solutions measured with
 /// cases/disc-pad and its refinement, 20 bases: 360 MB for 2,349 degrees of freedom (93 to 111 columns) and 1.6 GB for 14,985 (117 to 157).
 const BYTES_BY_BASIS: f64 = 900.0;
 /// Processor time for each basis, s, by the cube of its columns. Measured with the same: 10 and 30 s.

@@ -32,7 +32,7 @@ pub trait DrawnInputs<S>: Sync {
     /// coordinate d, the most important parameters first.
     fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> S;
 
-    /// The one parameter that the operating points of a scene are a function of; `None` where there are more, or none.
+    /// The one parameter that the operating points of a scene are a function of; `None` where they depend on more than one parameter, or on no parameter.
     fn single_parameter(&self, scene: &Scene) -> Option<SingleParameter<'_, S>>;
 }
 

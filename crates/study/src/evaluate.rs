@@ -28,11 +28,11 @@ pub use every_mode::SampledMode;
 pub struct Outcome {
     /// Unstable modes, ascending in frequency: their growth beyond [`Plan::threshold`] is more than its error bound.
     pub unstable: Vec<UnstableMode>,
-    /// The largest growth rate of an unstable mode or of a divergence, 1/s; 0 where there is none.
+    /// The largest growth rate of an unstable mode or of a divergence, 1/s; 0 where nothing is unstable.
     pub growth: f64,
     /// Number of real eigenvalues that grow beyond the threshold by more than their bounds: divergence.
     pub divergent: u32,
-    /// Largest eigenvalue that diverges, 1/s; 0 where there is none.
+    /// Largest eigenvalue that diverges, 1/s; 0 where none diverges.
     pub divergence: f64,
     /// Number of eigenvalues whose verdict the error bound leaves open, conjugate pairs once.
     pub undecided: u32,
@@ -54,9 +54,9 @@ pub struct OpenMode {
     pub rank: ModeLabel,
     /// Im lambda, rad/s.
     pub omega: f64,
-    /// Candidate names as those of an unstable mode.
+    /// Candidate names, as an unstable mode has them.
     pub names: Vec<ModeLabel>,
-    /// Names by MAC as those of an unstable mode.
+    /// Names by MAC, as an unstable mode has them.
     pub names_by_likeness: Option<Vec<ModeLabel>>,
 }
 
@@ -67,13 +67,13 @@ pub struct UnstableMode {
     pub rank: ModeLabel,
     /// Eigenvalue lambda, rad/s.
     pub lambda: Complex<f64>,
-    /// Candidate names as a tracked mode: one, or several near a coalescence, or none.
+    /// Candidate names as a tracked mode: one; several near a coalescence; empty where no name is known.
     pub names: Vec<ModeLabel>,
     /// Names by MAC, more than one half with the shape at the origin of names; in a study with [`StudyOptions::likeness_too`].
     pub names_by_likeness: Option<Vec<ModeLabel>>,
     /// Work in one period on each body; `None` in scenes that do not want it.
     pub work: Option<ModeWork>,
-    /// Residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    /// Residual in the full model that the brake is a reduction of; `None` for a brake that is not reduced.
     pub residual: Option<ModeResidual>,
 }
 
@@ -124,7 +124,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// secular equations and their anchors.
     ///
     /// # Errors
-    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and those of the solver. Memory and time that the study
+    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and errors of the solver. Memory and time that the study
     /// takes are not checked here: see [`Cost::check`](super::Cost::check).
     pub fn new(brake: &'a B, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
         Self::with_progress(brake, solver, &())

@@ -30,7 +30,7 @@ pub struct FullChecks {
     /// Divergence of the full model by the index of the scene, which no sample of a reduced brake shows.
     #[serde(serialize_with = "of_all_scenes")]
     pub divergence: BTreeMap<usize, DivergenceCounts>,
-    /// Largest distance of an eigenvalue of the full model from that of the reduced brake, relative to its absolute value.
+    /// Largest distance of an eigenvalue of the full model from the eigenvalue of the reduced brake, relative to its absolute value.
     pub largest_distance: f64,
     /// Number of times that the reduction was trained on because such draws did not agree.
     pub trained_on: u64,
@@ -61,7 +61,7 @@ impl DivergenceCounts {
         known.into_iter().chain(beyond).collect::<Vec<_>>().join(", ")
     }
 
-    /// Proportion of the draws that diverge; those of which it could not be told may.
+    /// Proportion of the draws that diverge; a draw of which this could not be told may diverge.
     #[must_use]
     pub fn proportion(&self) -> Proportion {
         Proportion::of_counts(self.diverging, self.open, self.draws)
@@ -81,8 +81,8 @@ impl DivergenceCounts {
 }
 
 impl FullChecks {
-    /// Divergence in all scenes together for whose index `is_of` is true. Each draw is of a scene chosen at random, all alike probable, so that its proportion
-    /// is that of the analyses of these scenes.
+    /// Divergence in all scenes together for whose index `is_of` is true. Each draw is of a scene chosen at random, all equally probable, so that the
+    /// proportion of the draws that diverge is the proportion of the analyses of these scenes.
     pub fn divergence_where(&self, is_of: impl Fn(usize) -> bool) -> DivergenceCounts {
         let of_scenes = self.divergence.iter().filter(|(scene, _)| is_of(**scene)).map(|(_, counts)| *counts);
         of_scenes.fold(DivergenceCounts::default(), DivergenceCounts::with)

@@ -28,7 +28,7 @@ pub struct BandMode {
     pub bound: f64,
     /// The mode is on the imaginary axis for a reason that no error changes, as of a brake without damping.
     pub is_on_axis: bool,
-    /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    /// The residual in the full model that the brake is a reduction of; `None` for a brake that is not reduced.
     pub residual: Option<ModeResidual>,
 }
 
@@ -56,12 +56,12 @@ pub struct WholeEigenvalue {
 pub struct CoarsePath<'a> {
     /// The brake at both points.
     pub systems: [SecondOrder; 2],
-    /// Basis of these coordinates in terms of those of the scene, orthonormal columns.
+    /// Basis of these coordinates in the coordinates of the scene, orthonormal columns.
     pub basis: &'a DMatrix<f64>,
 }
 
 /// Common subspace of an origin and a configuration: a larger brake, of which both are reductions, in coordinates that they have in common.
-/// There the modes of the origin are followed to those of the configuration.
+/// There the modes of the origin are followed to the modes of the configuration.
 #[derive(Debug)]
 pub struct Bridge {
     /// The larger brake at the operating point of the origin.
@@ -74,7 +74,7 @@ pub struct Bridge {
     pub origin: DMatrix<f64>,
     /// The coordinates of the configuration in terms of those in common, as columns.
     pub own: DMatrix<f64>,
-    /// The coordinates of the origin in terms of those of the configuration: the nearest that these have.
+    /// The coordinates of the origin in the coordinates of the configuration, as near as these come.
     pub between: DMatrix<f64>,
 }
 
@@ -86,8 +86,8 @@ pub trait ModeSource: Sync {
     /// Of a sample: an operating point of another scene, a system that is not supported.
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>>;
 
-    /// True if the system of a scene has dashpots where the brake has loss factors, which no real system has: its eigenvalues are then near those of
-    /// [`band_modes`](Self::band_modes) and no more.
+    /// True if the system of a scene has dashpots where the brake has loss factors, which no real system has: its eigenvalues are then only near the
+    /// eigenvalues of [`band_modes`](Self::band_modes).
     fn has_dashpots_for_losses(&self, scene: &Scene) -> bool;
 
     /// The modes as by [`band_modes`](Self::band_modes) with parameters at `values`, as [`Parametrised::system_with`](crate::Parametrised::system_with) takes
@@ -109,22 +109,22 @@ pub trait ModeSource: Sync {
         changed: &SecondOrder,
     ) -> Result<Vec<BandMode>, Error>;
 
-    /// The brake of a scene at two operating points in fewer coordinates, in which modes are followed from the one to the other; `None` where there are
-    /// none.
+    /// The brake of a scene at two operating points in fewer coordinates, in which modes are followed from the one to the other; `None` without such
+    /// coordinates.
     ///
     /// # Errors
     /// An operating point of another scene.
     fn coarse(&self, scene: &Scene, at: [&OperatingPoint; 2]) -> Result<Option<CoarsePath<'_>>, Error>;
 
     /// The common subspace of a configuration, by its index in the plan, and its origin; `None` where the degrees of freedom of both are
-    /// the same. `modes` are those of the origin and of the configuration.
+    /// the same. `modes` are the modes of the origin and of the configuration.
     ///
     /// # Errors
     /// Medians that have no operating point.
     fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, Error>;
 
-    /// Relative error of an eigenvalue of the reduced system of a scene against that of the full model: a rule, not a bound. That of a mode by
-    /// [`band_modes`](Self::band_modes) is smaller where a real system is no more than near the brake.
+    /// Relative error of an eigenvalue of the reduced system of a scene against the full model: a rule, not a bound. The error of a mode by
+    /// [`band_modes`](Self::band_modes) is smaller where a real system is only near the brake.
     fn relative_error(&self, scene: &Scene) -> f64;
 
     /// Reason why nothing is known of the errors of a scene, which leaves all its verdicts open; `None` where they are known.
@@ -142,8 +142,8 @@ pub trait ModeSource: Sync {
         near: Complex<f64>,
     ) -> Result<WholeEigenvalue, Error>;
 
-    /// The eigenvalue of the brake, rad/s, for that of a mode at the origin of a set of constraints in the system in which it is followed: another one where
-    /// dashpots stand there for loss factors.
+    /// The eigenvalue of the brake, rad/s, for the eigenvalue `lambda` of a mode at the origin of a set of constraints in the system in which the mode is
+    /// followed: the two differ where dashpots stand there for loss factors.
     fn eigenvalue_at_origin(&self, constraints: usize, lambda: Complex<f64>) -> Complex<f64>;
 
     /// The shape of a mode of the origin of a set of constraints at chosen degrees of freedom of the full model, by their names: few enough for a table, and

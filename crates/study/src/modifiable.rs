@@ -60,7 +60,7 @@ pub enum Moves {
     Along,
     /// A rotation.
     Turns,
-    /// Either, or an amplitude of something else: whoever made the brake does not say.
+    /// A translation, a rotation or an amplitude of something else: whoever made the brake does not say.
     #[default]
     Unknown,
 }

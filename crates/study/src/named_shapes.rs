@@ -20,8 +20,8 @@ pub(super) struct NamedShapes {
 }
 
 impl NamedShapes {
-    /// The names of each of `modes`, of a system with this mass matrix: those of the mode with the largest MAC, if it exceeds one
-    /// half, else none.
+    /// The names of each of `modes`, of a system with this mass matrix: the names of the mode of the origin with the largest MAC, if it exceeds one
+    /// half; else empty.
     pub fn names_of(&self, modes: &[Mode], mass: &DMatrix<f64>) -> Vec<Vec<ModeLabel>> {
         let like = |of_mode: RowDVector<f64>| {
             let best = (0..of_mode.len()).max_by(|&i, &j| of_mode[i].total_cmp(&of_mode[j]))?;

@@ -12,7 +12,7 @@ use crate::Error;
 /// The work in one mode of a brake at an operating point, by force family and body.
 ///
 /// # Errors
-/// An operating point of another system; those of [`work_of_forces`].
+/// An operating point of another system; errors of [`work_of_forces`].
 pub fn mode_work(brake: &Brake, at: &OperatingPoint, mode: &Mode) -> Result<ModeWork, Error> {
     work_with(&brake.system.mass(&at.coefficients)?, brake, at, mode.lambda, &mode.shape)
 }

@@ -30,7 +30,7 @@ pub struct Configuration {
 /// Origin of names: a brake and an operating point at which modes are called by frequency rank.
 #[derive(Debug, Clone)]
 pub struct Origin {
-    /// Brake of the origin; its degrees of freedom are those of every configuration named after it, but where a brake that finds its modes
+    /// Brake of the origin. Every configuration that is named after it has the same degrees of freedom, but where a brake that finds its modes
     /// itself has a [`Bridge`](crate::Bridge) between them.
     pub brake: Arc<Brake>,
     /// Operating point of the brake.
@@ -84,7 +84,7 @@ pub struct Plan {
     /// Naming points are the operating points of the medians, for each configuration in one of its scenes; a study checks it where this is
     /// set. [`Plan::add_constraint_set`] sets it.
     pub is_named_at_medians: bool,
-    /// Units in which numbers are printed; no number depends on it but those of the motion after the onset, which are in SI.
+    /// Units in which numbers are printed. No number depends on them but the numbers of the motion after the onset, which are in SI.
     pub units: Units,
     /// Squeal that was measured, with which results are compared, if there is any; no sample depends on it.
     pub measured: Option<Measured>,
@@ -137,7 +137,7 @@ impl Plan {
         }
     }
 
-    /// Adds a scene: a brake under a set of constraints, whose modes are named at an operating point of its own, that of the medians.
+    /// Adds a scene: a brake under a set of constraints, whose modes are named at an operating point of its own, at the medians.
     pub fn add_constraint_set(&mut self, name: &str, brake: Brake, naming_point: OperatingPoint) {
         let contacts: Vec<&str> = brake.system.contacts().map(|channel| channel.name.as_str()).collect();
         let contacts = contacts.join(" ");

@@ -3,12 +3,12 @@
 //! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator
 //! in contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point, linked to
 //! those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each scene has its own modes at
-//! median parameters of its law and speed, linked to those of its configuration. Samples are then matched to the modes of their scene.
+//! median parameters of its law and speed, linked to the modes of its configuration. Samples are then matched to the modes of their scene.
 //!
 //! Under [`ModeIdentity::Mac`] nothing is followed: a mode has the name of the mode of the origin that it resembles by MAC.
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
-//! Of equal modes of different sectors that of the smaller sector ranks first; names of equal modes of one sector are open
+//! Of equal modes of different sectors the mode of the smaller sector ranks first; names of equal modes of one sector are open
 //! between them.
 
 mod of_plan;
@@ -42,7 +42,7 @@ pub struct Reference {
     /// Oscillating modes of the system, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
     /// Names of each mode: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
-    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path, or resembles none.
+    /// sector have equal eigenvalues; empty where a mode did not oscillate at the beginning of the path, or resembles no mode of the origin.
     pub names: Vec<Vec<ModeLabel>>,
     /// Modes of the origin, where others are named by their MAC with these.
     shapes: Option<NamedShapes>,
@@ -51,14 +51,14 @@ pub struct Reference {
 /// Part of the squared length of a shape that fewer coordinates have to hold; chosen: less is another shape.
 const HELD: f64 = 0.98;
 
-/// A mode in fewer coordinates, those of a system on a basis of orthonormal columns; `None` where these do not hold its shape.
+/// A mode in the fewer coordinates of a system on a basis of orthonormal columns; `None` where the basis does not hold its shape.
 pub(crate) fn on_basis(mode: &Mode, system: &SecondOrder, basis: &DMatrix<f64>) -> Option<Mode> {
     let shape = real_times_complex(&basis.transpose(), &mode.shape);
     let is_held = shape.norm_squared() >= HELD * mode.shape.norm_squared();
     is_held.then(|| Mode::normalised(&system.m, mode.lambda, shape))
 }
 
-/// Those of `modes` that a basis of fewer coordinates holds, by their indices, in these coordinates.
+/// The modes of `modes` that a basis of fewer coordinates holds: their indices, and the modes in these coordinates.
 fn held(modes: &[Mode], system: &SecondOrder, basis: &DMatrix<f64>) -> (Vec<usize>, Vec<Mode>) {
     modes.iter().enumerate().filter_map(|(at, mode)| Some((at, on_basis(mode, system, basis)?))).unzip()
 }
@@ -73,7 +73,7 @@ pub struct SectoredReference {
 }
 
 impl Reference {
-    /// The reference in fewer coordinates, those of its system on a basis of orthonormal columns: the modes that these hold.
+    /// The reference in the fewer coordinates of its system on a basis of orthonormal columns: the modes that the basis holds.
     pub(crate) fn on_basis(&self, system: SecondOrder, basis: &DMatrix<f64>) -> Self {
         let held = self.modes.iter().zip(&self.names);
         let held = held.filter_map(|(mode, names)| Some((on_basis(mode, &system, basis)?, names.clone())));
@@ -161,7 +161,7 @@ impl Reference {
         }
     }
 
-    /// The modes of the whole brake, from those of all its sectors.
+    /// The modes of the whole brake, from the modes of all its sectors.
     fn joined(system: SecondOrder, sectors: &Sectors, of_sectors: &[Self]) -> Self {
         let named = |(sector, part): (&Sector, &Self)| {
             let whole = |mode: &Mode| Mode::normalised(&system.m, mode.lambda, sector.expand(&mode.shape));

@@ -83,7 +83,7 @@ impl SceneLabels {
         speed.map_or("all", |range| &self.speeds[range].name)
     }
 
-    /// Name of the degree of freedom `index`, from 0; its number, from 1, where it has none.
+    /// Name of the degree of freedom `index`, from 0; its number, from 1, where it has no name.
     pub fn dof(&self, index: usize) -> String {
         self.dofs.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
     }

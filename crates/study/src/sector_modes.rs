@@ -62,7 +62,8 @@ pub(super) struct SectorSolver<'a> {
     pub reference: &'a Reference,
     /// Plan, which says which modes are judged.
     pub plan: &'a Plan,
-    /// Relative error of eigenvalues against those of what the brake is a reduction of; see [`UncertainBrake::error_of_reduction`](crate::UncertainBrake::error_of_reduction).
+    /// Relative error of eigenvalues against the full model that the brake is a reduction of; see
+    /// [`UncertainBrake::error_of_reduction`](crate::UncertainBrake::error_of_reduction).
     pub relative_error: f64,
     /// Secular equation of the sector; `None` where spectra are computed instead, see [`Secular::new`].
     pub equation: Option<SectorEquation<'a>>,
@@ -239,7 +240,7 @@ impl ModesWithVerdicts {
         Self { modes, unstable, divergent: Vec::new(), undecided: Vec::new(), undecided_real: 0, marginal: 0 }
     }
 
-    /// The modes of a spectrum, whose eigenvalues have this relative error beside that of the solver.
+    /// The modes of a spectrum, whose eigenvalues have this relative error beside the error of the solver.
     fn new(
         system: &SecondOrder,
         spectrum: &Spectrum,

@@ -1,9 +1,9 @@
-//! Links between the modes of one set of constraints and those of another that holds more.
+//! Links between the modes of one set of constraints and the modes of another set that holds more.
 //!
 //! Modes have their names by frequency rank in each set of its own, so equal names of two sets say nothing. Between the two sets
 //! the coupling between the degrees of freedom that the second set holds and the others fades out, and each mode is followed by
 //! continuation. The path ends in the modes of the second set and, apart from them, in the modes of the held degrees of freedom. Springs to
-//! ground whose stiffness grows without limit would end in the same modes, but push those of the held degrees of freedom up through all
+//! ground whose stiffness grows without limit would end in the same modes, but push the modes of the held degrees of freedom up through all
 //! others, which exchange shapes with them on the way.
 
 use cea::{EigenSolver, Mode, Modes, Workspace};
@@ -17,7 +17,7 @@ use super::reference::bounded_workspace;
 use super::{Plan, Reference};
 use crate::Error;
 
-/// Links between the modes of one set of constraints and those of another that holds more.
+/// Links between the modes of one set of constraints and the modes of another set that holds more.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetLinks {
     /// Index of the set that holds less.

@@ -18,8 +18,7 @@ pub trait SlidingContacts: Sync {
 
 /// Contacts that may open, slide and stick, of samples.
 pub trait DrawnContacts<S>: Sync {
-    /// The equations of motion of a sample in a scene; `stick` is that of [`SlidingContacts::contact_system`], which at the medians are the
-    /// same equations.
+    /// The equations of motion of a sample in a scene; `stick` as in [`SlidingContacts::contact_system`], which has the same equations for the medians.
     ///
     /// # Errors
     /// As [`SlidingContacts::contact_system`].

@@ -22,7 +22,7 @@ pub struct StudyTally {
     /// that it is a whole number.
     pub comparisons: Vec<BoundedMean>,
     /// Strength of each mode by its tracked name, where that is sure, over all evaluations of a set of constraints under a law: all laws of
-    /// the first set, then those of the second, and so on. A symmetry class is evaluated once.
+    /// the first set, then all laws of the second, and so on. A symmetry class is evaluated once.
     pub strengths: Vec<BTreeMap<ModeLabel, Strength>>,
     /// Samples kept of each scene, in a study that keeps them.
     #[serde(default, skip_serializing_if = "Option::is_none")]

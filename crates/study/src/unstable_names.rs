@@ -52,7 +52,7 @@ impl Outcome {
         names
     }
 
-    /// Names that each unstable mode may have, and those of each mode whose verdict is open.
+    /// Names that each unstable mode may have, and names that each mode whose verdict is open may have.
     pub(crate) fn candidate_names(&self) -> [Vec<&[ModeLabel]>; 2] {
         let unstable = self.unstable.iter().map(|mode| mode.names.as_slice()).collect();
         [unstable, self.open.iter().map(|mode| mode.names.as_slice()).collect()]

@@ -11,7 +11,7 @@ use crate::Error;
 /// Checks a plan and what its brake computes, by a few operating points and assemblies.
 ///
 /// # Errors
-/// The first [`Contradiction`](super::Contradiction); those of the brake at its medians.
+/// The first [`Contradiction`](super::Contradiction); errors of the brake at its medians.
 pub fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     plan::check(brake.plan())?;
     samples::check(brake)?;

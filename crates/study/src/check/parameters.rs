@@ -1,4 +1,4 @@
-//! The named parameters of a brake: checks that the systems that they make are those of its samples, and change with each of them.
+//! The named parameters of a brake: checks that the systems that they make are the systems of its samples, and change with each parameter.
 
 use linsys::SecondOrder;
 

@@ -35,7 +35,7 @@ pub(super) fn points_differ(
 ) -> Option<Difference> {
     let (found, expected) = (numbers(system, found), numbers(system, expected));
     let differs = |(what, found): (String, f64), (_, expected): (String, f64)| {
-        // A number that is none stands for a lag that is not there.
+        // NaN stands for a lag that is not there.
         let is_same = found == expected
             || (found.is_nan() && expected.is_nan())
             || (found - expected).abs() <= part * found.abs().max(expected.abs()) + NOTHING;

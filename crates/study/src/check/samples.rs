@@ -34,7 +34,7 @@ pub(super) fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks that the naming point of each configuration is that of the medians in one of its scenes, if the plan says that it is.
+/// Checks that the naming point of each configuration is the operating point of the medians in one of its scenes, if the plan says that it is.
 fn medians<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     let (plan, median) = (brake.plan(), brake.median());
     if !plan.is_named_at_medians {
@@ -62,7 +62,7 @@ fn medians<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks that each input has a value, and that those of samples by quantiles are functions of their coordinates.
+/// Checks that each input has a value, and that the values in samples by quantiles are functions of their coordinates.
 fn inputs<B: UncertainBrake>(brake: &B, of: &dyn DrawnInputs<B::Sample>, scene: &Scene) -> Result<(), Error> {
     let (plan, median, inputs) = (brake.plan(), brake.median(), of.inputs(scene));
     let drawn = brake.draw(&mut stream(plan.seed, 0)).ok();

@@ -51,7 +51,7 @@ impl PendingCell {
 struct CellView<'a> {
     /// Bits of the directions in which the cell has an extent.
     sides: usize,
-    /// Numbers of the distinct corners: without an extent in a direction, those of its lower side.
+    /// Numbers of the distinct corners: in a direction without extent, the corners of its lower side.
     corners: Vec<usize>,
     /// mu and the modes at each of these corners.
     modes: Vec<(f64, &'a [SampledMode])>,
@@ -252,7 +252,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         ModeSet { sure: if names.len() == 1 { perhaps } else { 0 }, perhaps }
     }
 
-    /// The names of a mode near each corner. A corner where the mode is stable takes those of the nearest corner where it is
+    /// The names of a mode near each corner. A corner where the mode is stable takes the names of the nearest corner where it is
     /// unstable.
     fn corner_names(&self, view: &CellView<'_>, modes: &[(f64, &SampledMode)]) -> CornerNames {
         let near = |k: usize| {
@@ -268,7 +268,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
 impl<'a> CellView<'a> {
     /// True if a mode at a corner could reach the threshold somewhere in the cell.
     fn reaches(&self, threshold: &Threshold, mode: &SampledMode) -> bool {
-        // At other frequencies than that of the coordinates the slopes in the cell may differ more.
+        // At other frequencies than the frequency of the coordinates the slopes in the cell may differ more.
         let some = self.gains.iter().step_by(self.gains.len().div_ceil(SLOPES_PER_CELL));
         let away = some.map(|gain| (gain.complex_slope(mode.lambda) - mode.slope).norm_sqr());
         let extent = away.fold(self.extent * self.extent, f64::max).sqrt();

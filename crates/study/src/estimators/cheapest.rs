@@ -28,7 +28,7 @@ const FINEST_HALF_WIDTH: f64 = 1e-3;
 const FINEST_POINTS: f64 = 32_768.0;
 /// Least number of Sobol points per scrambling; chosen.
 const COARSEST_POINTS: f64 = 1_024.0;
-/// Number of scramblings for the mean of a prediction; chosen: its standard error is that of the means over each.
+/// Number of scramblings for the mean of a prediction; chosen: its standard error is the standard error of the means over the scramblings.
 const SCRAMBLINGS: u32 = 32;
 /// Number of scramblings of Sobol points that are solved; chosen.
 const SOBOL_SCRAMBLINGS: u32 = 16;
@@ -39,7 +39,7 @@ const SOBOL_POINTS: std::ops::RangeInclusive<u32> = 7..=16;
 const FEWEST_PROBES: f64 = 256.0;
 /// Most values at which a brake is looked at for being affine in its parameter; chosen: they take a second or so.
 const MOST_PROBES: f64 = 100_000.0;
-/// Largest distance of its numbers from affine ones, relative to the largest: rounding of some operations.
+/// Largest distance of the numbers of a system from affine ones, relative to the largest: rounding of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-11;
 
 /// A way to estimate occurrences.
@@ -224,7 +224,7 @@ fn by_integral<B: UncertainBrake>(
 ) -> Result<Result<SceneOccurrences, DoesNotApply>, EstimatorError> {
     let of_scene = &study.plan().scenes[scene];
     let does_not_apply = || Ok(Err(DoesNotApply { evaluations: 0 }));
-    // Onsets of a real system are not those of the brake where it has loss factors.
+    // Onsets of a real system are not the onsets of the brake where it has loss factors.
     if study.brake().source_with_losses(of_scene).is_some() {
         return does_not_apply();
     }

@@ -21,9 +21,9 @@ pub struct Rejected {
     pub because: String,
 }
 
-/// Contradiction between the samples of a scene and its estimated occurrences, if any: an occurrence, or that of anything unstable,
-/// whose limits in the samples (Clopper and Pearson at 1e-6) have no number in common with those of the estimate, widened from 95 % to
-/// as much by the ratio of the normal deviations.
+/// Contradiction between the samples of a scene and its estimated occurrences, if any: an occurrence of a mode, or of anything unstable,
+/// whose limits in the samples (Clopper and Pearson at 1e-6) have no number in common with the limits of the estimate, widened from 95 % to
+/// the same confidence by the ratio of the normal deviations.
 pub(super) fn contradiction(found: &SceneOccurrences, own: &SceneTally) -> Option<String> {
     let widened = Confidence::new(1.0 - 2.0 * TAIL).map_or(3.0, |level| level.z() / Confidence::P95.z());
     let estimated = |label: &ModeLabel| match found.modes.get(label) {

@@ -31,7 +31,7 @@ use crate::{ModeLabel, Scratch, Study, UncertainBrake};
 const FIRST_LOOK_WIDTH: f64 = 0.95;
 /// Fractions of the half width tried for Student's t, of which the cheapest is taken; chosen.
 const STUDENT_PARTS: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
-/// Cost of an uncertain sample over that of a clear one, whose modes need not be followed; chosen.
+/// Cost of an uncertain sample over the cost of a clear sample, whose modes need not be followed; chosen.
 const UNCERTAIN_PRICE: f64 = 2.0;
 /// Share of all samples in which a prediction is assumed to be wrong before any sample is solved; chosen.
 const PRIOR_WRONG_OF_ALL: f64 = 3e-4;
@@ -185,7 +185,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
             self.next += 1;
             let prediction = self.surrogate.predict(&self.friction.of(&sample)?);
             let waiting = &mut self.waiting[usize::from(prediction.is_uncertain)];
-            // While samples of a rare kind are drawn, those of the other kind are not all kept.
+            // While samples of a rare kind are drawn, not all samples of the other kind are kept.
             if waiting.len() < SAMPLES_PER_BLOCK {
                 waiting.push((sample, prediction.unstable));
             }

@@ -31,7 +31,7 @@ pub struct Exact {
     pub error: f64,
     /// Onsets of the unstable modes.
     pub onsets: Onsets,
-    /// Numbers of computations, without those of the reference.
+    /// Numbers of computations, without the computations of the reference.
     pub counters: Counters,
 }
 

@@ -14,7 +14,7 @@ use crate::ModeLabel;
 
 /// Error probability of the interval for the probability of an uncertain prediction; chosen, as a share of the 5 % of all looks.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
-/// Error probability of each interim look at the counts, and its number of samples as a multiple of that of the first.
+/// Error probability of each interim look at the counts, and its number of samples as a multiple of the number at the first.
 /// Chosen: with [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality).
 pub(super) const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
 /// Fraction of the error probability of a look that belongs to the clear samples; the rest belongs to Student's t. Chosen.

@@ -125,8 +125,8 @@ impl<'a> OneParameterFamily<'a> {
     }
 }
 
-/// True if the matrices at a value are `constant + value linear`, but for rounding: that of a difference of two systems grows
-/// with the value by which it is multiplied.
+/// True if the matrices at a value are `constant + value linear`, but for rounding: the rounding of a difference of two systems grows
+/// with the value by which the difference is multiplied.
 fn is_affine(constant: &SecondOrder, linear: &SecondOrder, value: f64, found: &SecondOrder) -> bool {
     let expected = affine(constant, linear, value);
     let parts =

@@ -20,7 +20,7 @@ const RIDGE: f64 = 1e-10;
 /// Largest distance from the threshold, in residuals of the polynomial, of an eigenvalue whose side is uncertain; chosen: with less, predictions that count as
 /// certain are more often wrong; with more, more samples have to be solved.
 const UNCERTAIN_RESIDUALS: f64 = 2.0;
-/// Largest distance of a slope from the centre of a cell at which the polynomial is relied on, as a multiple of that of the
+/// Largest distance of a slope from the centre of a cell at which the polynomial is relied on, as a multiple of the distance of the
 /// corners; chosen.
 const RELIABLE_RANGE: f64 = 1.25;
 

@@ -68,7 +68,7 @@ impl Stratum {
         name.and_then(|name| self.differences.get(&name)).copied().unwrap_or_default()
     }
 
-    /// Limits of the amounts by which the probability of a mode in this stratum is below and above that of the prediction.
+    /// Limits of the amounts by which the probability of a mode in this stratum is below and above the probability by the prediction.
     pub fn limits(&self, name: Option<ModeLabel>, tail: f64, is_joint: bool) -> [f64; 2] {
         let d = self.of(name);
         if is_joint {

@@ -10,7 +10,7 @@ use crate::{Error, ModeLabel, UncertainBrake};
 /// Mode of a sample, stable or not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledMode {
-    /// Candidate names: one, or several near a coalescence, or none.
+    /// Candidate names: one; several near a coalescence; empty where no name is known.
     pub names: Vec<ModeLabel>,
     /// Eigenvalue lambda, rad/s.
     pub lambda: Complex<f64>,

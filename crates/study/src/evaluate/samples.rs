@@ -114,8 +114,8 @@ impl<B: UncertainBrake> Study<'_, B> {
         }
     }
 
-    /// Writes the systems of each sector at those of `points` that are `open`, by sector and sample. A sample that cannot be
-    /// assembled takes no place: the next is written in its stead.
+    /// Writes the systems of each sector at the points of `points` that are `open`, by sector and sample. A sample that cannot be
+    /// assembled is left out: the next is written in its stead.
     pub(super) fn assemble(
         &self,
         scene: usize,
@@ -139,7 +139,7 @@ impl<B: UncertainBrake> Study<'_, B> {
         assembled
     }
 
-    /// The mass matrix at an operating point of a scene: that of its reference where both have the same coefficients.
+    /// The mass matrix at an operating point of a scene: the mass matrix of the scene's reference where both have the same coefficients.
     fn mass(&self, scene: usize, at: &OperatingPoint) -> Result<Cow<'_, DMatrix<f64>>, Error> {
         if at.coefficients == self.reference_points[scene].coefficients {
             return Ok(Cow::Borrowed(&self.references[scene].system.m));

@@ -129,8 +129,8 @@ fn of_configuration(
     SectoredReference::linked(&from, solver, &brake.sectors, system, (Way::Far, None), plan)
 }
 
-/// The modes of a configuration, by its index in the plan, named by those of an origin with other degrees of freedom, in coordinates that
-/// both have in common; `None` where both have the same.
+/// The modes of a configuration, by its index in the plan, named by the modes of an origin with other degrees of freedom, in coordinates that
+/// both have in common; `None` where both have the same degrees of freedom.
 fn across(
     source: &dyn ModeSource,
     place: usize,
