@@ -62,7 +62,7 @@ pub struct BoundaryPoint {
     pub at: [f64; 2],
     /// Frequency Im lambda, rad/s; 0 of divergence, and where a growing pair becomes real.
     pub omega: f64,
-    /// Growth rate Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
+    /// Growth rate Re lambda, 1/s: the growth rate of the threshold, but where a growing pair becomes real.
     pub growth: f64,
 }
 

@@ -33,13 +33,14 @@ const STEEPEST: f64 = 4.0;
 const LEAP: f64 = 200.0;
 /// Factor on the distance that is hidden; chosen: a power is told to some tenths.
 const SAFETY: f64 = 3.0;
-/// Largest growth next to a divergence that was hidden before it, as a multiple of that of a rigid motion; a larger one is a jump. Chosen.
+/// Largest growth next to a divergence that was hidden before it, as a multiple of the growth of a rigid motion; a larger growth is a jump. Chosen.
 const SLOW: f64 = 100.0;
 /// Largest growth with which a mode may begin, as a fraction of its frequency; one that seems to begin with more has begun with less. Chosen.
 const ROUNDED: f64 = 1e-8;
 /// Shortest step, as a fraction of the range, in which a least distance from the threshold is looked for; chosen.
 const SHORTEST_DIP: f64 = 1e-9;
-/// Ratio of the depth that a distance may have between three places to that of the parabola through them; chosen.
+/// Ratio of the depth that a distance may have between three places to the depth of the parabola through the three; chosen: with less, a dip between them may
+/// be passed over; with more, more spectra are taken.
 const DIP_MARGIN: f64 = 2.0;
 /// Largest number of spectra of one line beside the equal steps, for dips; chosen: steps that are left then are listed as unresolved.
 const MOST_DIPS: usize = 4096;
@@ -347,7 +348,7 @@ impl Along<'_> {
             let margin = |lambda: Complex<f64>| self.threshold.margin(lambda).abs();
             let stays = side.is_some() && from == side && to == side;
             let to_threshold = || three.into_iter().any(|l| self.is_studied(l)) && dips_to_zero(at, three.map(margin));
-            // Of a real eigenvalue the frequency is none.
+            // A real eigenvalue has no frequency.
             let grows = side == Some(true) && three.into_iter().all(|lambda| lambda.im > 0.0);
             let to_end = |end: Measure| {
                 let distances = three.map(|lambda| end.value(lambda));

@@ -33,8 +33,8 @@ pub struct Coalescence {
     pub at: f64,
     /// Distance of the branch point from the real axis, in units of the parameter; 0 within `error` is a coalescence in fact.
     pub distance: f64,
-    /// Estimate of the error of the branch point: its change in the last step of the search, or by which a polynomial of degree
-    /// three departs from that of degree five, whichever is larger.
+    /// Estimate of the error of the branch point: its change in the last step of the search, or its change from a polynomial of degree
+    /// three to the polynomial of degree five, whichever is larger.
     pub error: f64,
     /// Frequency Im lambda of both modes there, rad/s.
     pub omega: f64,

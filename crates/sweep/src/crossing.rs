@@ -133,8 +133,8 @@ pub(super) fn crossing(
     Ok((change.filter(is_inside).filter(counts), search.spectra))
 }
 
-/// Slope of a function by which the error of its zero follows from that of a value: over both sides of the zero, or where the function kinks that of the side that is
-/// less steep.
+/// Slope of a function by which the error of its zero follows from the error of a value: over both sides of the zero, or, where the function kinks, the slope
+/// of the side that is less steep.
 fn of_error(slope: f64, sides: [f64; 2]) -> f64 {
     let less = sides.into_iter().filter(|side| side.abs() < KINKED * slope.abs());
     less.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(slope)

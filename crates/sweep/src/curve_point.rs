@@ -67,7 +67,7 @@ pub(super) struct NullPair {
     sign: f64,
     /// Growth rate at which Q stands in the place of K, 1/s.
     at: f64,
-    /// Size of the border: that of K, but where K vanishes as a whole.
+    /// Size of the border: the size of K, but where K vanishes as a whole.
     size: f64,
 }
 
@@ -239,7 +239,7 @@ impl CurvePoint {
         }
     }
 
-    /// Growth rate Re lambda, 1/s: of two eigenvalues that meet that of their mean, else that of the threshold.
+    /// Growth rate Re lambda, 1/s: of the mean of two eigenvalues that meet, else the growth rate of the threshold.
     pub fn real_part(&self, threshold: &Threshold) -> f64 {
         match &self.crossing {
             Crossing::Double(double) => double.mean.re,

@@ -20,7 +20,7 @@ pub const EXCHANGE: &str = "flutter to divergence";
 pub fn named(mode: &str) -> String {
     if mode == DIVERGENCE || mode == EXCHANGE { mode.to_owned() } else { format!("mode {mode}") }
 }
-/// Smallest pivot, as a fraction of the largest, of a stiffness that has a sign; chosen: a free body's has none.
+/// Smallest pivot, as a fraction of the largest, of a stiffness whose determinant has a sign; chosen: the stiffness of a free body has none.
 const SINGULAR: f64 = 1e-12;
 /// Largest singular value of a stiffness that counts as zero, as a fraction of the size of stiffnesses next to it; chosen.
 const NULL: f64 = 1e-10;
@@ -40,8 +40,8 @@ pub(super) struct SignChange {
     pub error: f64,
 }
 
-/// The change of the sign of det Q(growth) between two places of a line; `None` where it is the same at both, or Q is singular there as
-/// that of a body that is free to move is everywhere.
+/// The change of the sign of det Q(growth) between two places of a line; `None` where the sign is the same at both, or Q is singular there, as it is everywhere
+/// for a body that is free to move.
 ///
 /// # Errors
 /// Those of the brake.

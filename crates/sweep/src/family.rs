@@ -71,7 +71,7 @@ pub(super) struct Family<'a, B: UncertainBrake> {
     pub solver: WholeSpectra<'a>,
     pub progress: &'a dyn Progress,
     pub parameters: Vec<SweptParameter>,
-    /// Fraction of the range that is asked for: 1, or that of a piece between openings.
+    /// Fraction of the range that is asked for: 1, or less for a piece between openings.
     pub share: f64,
 }
 
@@ -250,7 +250,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         Ok(family.study.brake().mode_source().map(found).transpose()?)
     }
 
-    /// Relative error of an eigenvalue against that of the full model; 0 of a brake that is not reduced.
+    /// Relative error of an eigenvalue against the full model; 0 for a brake that is not reduced.
     pub fn relative_error(&self) -> f64 {
         self.family.study.brake().mode_source().map_or(0.0, |source| source.relative_error(self.family.scene()))
     }
@@ -276,7 +276,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         self.family.counts_divergence()
     }
 
-    /// True if a change is of something that is studied.
+    /// True if a change is of oscillating modes, or of divergence where divergence is studied.
     pub fn counts(&self, change: &Change) -> bool {
         change.of.oscillates() || self.counts_divergence()
     }

@@ -39,7 +39,8 @@ impl Sweep {
     }
 }
 
-/// Largest distance of the onsets of the full model from those of its reduction; `None` where the brake is not reduced, or has none.
+/// Largest distance of an onset of the full model from the onset of its reduction; `None` where the brake is not reduced, or no onset of the full model is
+/// known.
 fn largest_move(sweep: &Sweep) -> Option<f64> {
     sweep.onsets.iter().filter_map(|onset| onset.moved.map(f64::abs)).reduce(f64::max)
 }

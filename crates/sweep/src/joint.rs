@@ -14,8 +14,8 @@ use super::results::Sweep;
 use super::sweep_onset::SweepOnset;
 use crate::Error;
 
-/// Largest change of an eigenvalue at an opening, relative to |lambda|, that is none; chosen: above rounding of the eigenvalue and the width of
-/// the opening.
+/// Largest change of an eigenvalue at an opening, relative to |lambda|, that does not count as a change; chosen: above rounding of the eigenvalue and the width
+/// of the opening.
 const CONTINUOUS: f64 = 1e-9;
 
 /// End of a piece: the brake just before or just beyond an opening.

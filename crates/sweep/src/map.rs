@@ -47,8 +47,8 @@ pub struct StabilityMap {
     pub counts_divergence: bool,
     /// Number of places at which a spectrum has the number of unstable modes that the curves say.
     pub checks: usize,
-    /// Largest distance of the boundary from that of the full model, as a fraction of the ranges, at the ends
-    /// and in the middle of each curve; `None` of a brake that is not reduced.
+    /// Largest distance of the boundary from the boundary of the full model, as a fraction of the ranges, at the ends
+    /// and in the middle of each curve; `None` for a brake that is not reduced.
     pub from_whole: Option<f64>,
     /// Numbers of spectra, vectors and eigenvalues computed.
     pub evaluations: Evaluations,
@@ -84,12 +84,11 @@ impl StabilityMap {
     }
 }
 
-/// The stability map of a scene of a study over two parameters: of modes that oscillate, and of divergence, but for that of a reduced
-/// brake.
+/// The stability map of a scene of a study over two parameters: of modes that oscillate and, unless the brake is reduced, of divergence.
 ///
 /// # Errors
 /// Parameters or ranges that the scene does not have, a value that the brake refuses,
-/// [`Error::MapContradicted`] where a spectrum contradicts the curves of the finest grid too, and those of the solver.
+/// [`Error::MapContradicted`] where a spectrum contradicts the curves of the finest grid too, and errors of the solver.
 pub fn stability_map<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,

@@ -1,4 +1,4 @@
-//! Names of branches: those of the modes that they are at the medians.
+//! Names of branches: the names of the modes that they are at the medians.
 
 use cea::Mode;
 use num_complex::Complex;
@@ -8,7 +8,7 @@ use tracking::{Ambiguity, Branches, TrackingError, follow_branch};
 use super::family::SHORTEST_STEP;
 use crate::Error;
 
-/// Candidates for the name of a branch, ascending: one, several where a coalescence leaves open which mode it is, or none.
+/// Candidates for the name of a branch, ascending: one; several where a coalescence leaves open which mode it is; empty where no name is known.
 pub(super) type Names = Vec<ModeLabel>;
 
 /// The names of the eigenvalues at `at`, each followed there from the medians at `median`.

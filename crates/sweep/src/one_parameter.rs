@@ -14,13 +14,13 @@ use super::remembered::Remembered;
 use super::results::{Miscount, Sweep};
 use crate::Error;
 
-/// Number of equal steps of the range at whose ends the unstable modes of a brake with loss factors are counted; chosen: as many as those of the largest brakes.
+/// Number of equal steps of the range at whose ends the unstable modes of a brake with loss factors are counted; chosen: as many as for the largest brakes.
 const LOSS_STEPS: usize = 64;
 
 /// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped, or diverges, ends.
 ///
 /// # Errors
-/// A parameter or range that the scene does not have, a value that the brake refuses, and those of `tracking::root_locus`.
+/// A parameter or range that the scene does not have, a value that the brake refuses, and errors of `tracking::root_locus`.
 pub fn sweep<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,

@@ -36,7 +36,7 @@ struct StateAt {
 /// Function that tells which contact points are closed at a place, a fraction of the range.
 pub(super) type ClosedAt<'a> = &'a (dyn Fn(f64) -> Result<Vec<bool>, Error> + Sync);
 
-/// The openings between two places, ascending; `value` is that of the parameter at a place.
+/// The openings between two places, ascending; `value` gives the value of the parameter at a place.
 ///
 /// # Errors
 /// Those of the brake.

@@ -27,7 +27,7 @@ impl std::fmt::Display for Over {
 /// Parameter that is swept.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SweptParameter {
-    /// Index of the parameter among those of the scene.
+    /// Index of the parameter among the parameters of the scene.
     #[serde(skip)]
     pub place: usize,
     /// Name of the parameter.
@@ -79,7 +79,7 @@ impl SweptParameter {
     }
 }
 
-/// The parameters that `over` asks for, of those of a scene, which is given in words.
+/// The parameters that `over` asks for, among the `parameters` of a scene; `scene` is the scene in words, for messages.
 ///
 /// # Errors
 /// A parameter that the scene does not have or that is named twice, and a range that does not go from a number to a larger one.

@@ -206,8 +206,8 @@ pub(super) fn steps_of_piece(steps: usize, share: f64) -> usize {
     ((steps as f64 * share).ceil() as usize).max(FEWEST_OF_PIECE)
 }
 
-/// Candidates for the mode of a change. Where a mode becomes real, or real eigenvalues a mode: those of all branches that end, or begin, in
-/// its step. Else those of all branches that end in an open step around it; without such a step, of the branch whose tangent passes nearest
+/// Candidates for the mode of a change. Where a mode becomes real, or real eigenvalues a mode: the names of all branches that end, or begin, in
+/// its step. Else the names of all branches that end in an open step around it; without such a step, of the branch whose tangent passes nearest
 /// to lambda.
 fn names_of_change(locus: &RootLocus, names: &[Names], &Change { at, lambda, of, starts, .. }: &Change) -> Names {
     if of == ChangeOf::Exchange {

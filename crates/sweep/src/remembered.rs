@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use cea::{CeaError, EigenSolver, Spectrum, Workspace};
 use linsys::SecondOrder;
 
-/// Most spectra that are kept; chosen: those of a piece of a sweep and its neighbour.
+/// Most spectra that are kept; chosen: as many as a piece of a sweep and its neighbour have.
 const MOST: usize = 32;
 
 /// Solver that keeps its last spectra with their systems.

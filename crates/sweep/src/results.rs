@@ -147,7 +147,7 @@ impl Sweep {
         }
     }
 
-    /// The sweep of the sectors so far together with that of another one.
+    /// The sweep of the sectors so far together with the sweep of another sector.
     pub(super) fn joined(mut self, other: Self) -> Self {
         let first = self.branches.len();
         let shifted = |branches: Vec<usize>| branches.into_iter().map(|branch| first + branch).collect();

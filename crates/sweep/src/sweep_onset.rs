@@ -23,7 +23,7 @@ pub struct SweepOnset {
     pub error: f64,
     /// Frequency Im lambda, rad/s; 0 of divergence, and where a growing pair becomes real.
     pub omega: f64,
-    /// Growth rate Re lambda, 1/s: that of the threshold, but where a growing pair becomes real or a growing mode enters or leaves the band.
+    /// Growth rate Re lambda, 1/s: the growth rate of the threshold, but where a growing pair becomes real or a growing mode enters or leaves the band.
     pub growth: f64,
     /// Start of an unstable mode: if true one more mode is unstable where the parameter is larger, if false one less; of a pair that
     /// becomes two real eigenvalues one more.
@@ -34,10 +34,11 @@ pub struct SweepOnset {
     pub mode: String,
     /// Number of unstable modes just beyond the onset, of all sectors.
     pub unstable: usize,
-    /// Shift of the onset of the full model from that of its reduction, in units of the parameter, of a reduced brake.
+    /// Shift of the onset of the full model from the onset of its reduction, in units of the parameter; `None` for a brake that is not
+    /// reduced, and where the onset of the full model was not found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved: Option<f64>,
-    /// The onset is that of the reduced brake, because that of the full model was not found.
+    /// True if the onset is the onset of the reduced brake, because the onset of the full model was not found.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_reduced: bool,
     /// Growth rates just before and just beyond an opening at which the growth jumps over the threshold, 1/s; `None` where it crosses it.
@@ -59,7 +60,7 @@ pub(super) enum WholeOnset {
     NotReduced,
     /// The onset, with the number of eigenvalues of the full model that it took.
     Found(Onset, u64),
-    /// The onset of the full model was not found; with the assumed error of that of the reduced brake, in fractions of the range.
+    /// The onset of the full model was not found; with the assumed error of the onset of the reduced brake, in fractions of the range.
     NotFound { error: f64 },
 }
 
@@ -108,7 +109,8 @@ impl WholeOnset {
         Self::not_found(part, onset, (measure, there), reduced)
     }
 
-    /// Not found, with the assumed error of the reduced one: that of the eigenvalue, by the speed at which it crosses, in the function that is zero there.
+    /// Not found, with the assumed error of the onset of the reduced brake: from the error of the eigenvalue, by the speed at which it crosses, in the
+    /// function that is zero there.
     fn not_found<B: UncertainBrake>(
         part: &Part<'_, B>,
         onset: &Onset,

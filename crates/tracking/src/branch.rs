@@ -1,8 +1,8 @@
 //! Branches of eigenvalues over one real parameter: which eigenvalue at one parameter continues which eigenvalue at another.
 //!
 //! The tangents at both ends of a step are extended to its middle. The two tangents of one analytic branch miss each other
-//! there by the third power of the step, and their slopes differ by its first power; those of two branches miss by more, also
-//! where the eigenvalues cross. A link is clear where its tangents meet far better than those of every other link from the
+//! there by the third power of the step, and their slopes differ by its first power; the tangents of two branches miss by more, also
+//! where the eigenvalues cross. A link is clear where its tangents meet far better than the tangents of every other link from the
 //! same mode; a step without a clear link is halved.
 
 use std::collections::BTreeSet;

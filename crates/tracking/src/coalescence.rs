@@ -41,7 +41,7 @@ struct PairContinuation<'a> {
 pub(crate) struct PastCoalescence {
     /// Position on the path.
     pub t: f64,
-    /// The eigenvalue of the followed mode, and that of the other mode of the pair.
+    /// The eigenvalue of the followed mode, and the eigenvalue of the other mode of the pair.
     pub lambdas: [Complex<f64>; 2],
 }
 
@@ -95,7 +95,7 @@ impl<'a> PairContinuation<'a> {
         !is_past && !self.steps.is_over(SHORTEST_PAIR_STEP)
     }
 
-    /// The error ratio of a step: the larger of those of the mean and of s.
+    /// The error ratio of a step: the error ratio of the mean or of s, whichever is larger.
     fn ratio(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> f64 {
         let (size, negligible) = (self.here.mean.norm(), tuning().negligible_error);
         let distance = self.here.half_gap_squared.norm().max(there.half_gap_squared.norm()).sqrt();

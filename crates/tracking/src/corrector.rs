@@ -1,8 +1,8 @@
 //! The corrector: from a guess of an eigenvalue at a point of a path to the mode there, by Newton's method.
 //!
 //! All paths go through here. From the eigenpair of a neighbouring system, without a path, leads
-//! [`cea::Eigentriple::of_neighbour`]; a Ritz value of a large system is polished in `sparse`, and digits beyond a double are those of
-//! `certified`.
+//! [`cea::Eigentriple::of_neighbour`]; a Ritz value of a large system is polished in `sparse`, and digits beyond a double are
+//! computed in `certified`.
 
 use std::{mem::discriminant, slice};
 

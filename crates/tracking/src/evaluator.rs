@@ -37,7 +37,7 @@ pub(crate) trait PathEvaluator: Copy {
     /// The shapes at converged eigenvalues, given with the vectors that their last Newton steps computed.
     fn shapes(at: Vec<(Guess<Self>, Self::Vector)>, work: &mut Workspace) -> Vec<Option<Shape>>;
 
-    /// The pairs of eigenvalues that guesses lead to, with their derivatives over t; `None` where there is none.
+    /// The pairs of eigenvalues that guesses lead to, with their derivatives over t; `None` where a guess leads to no pair.
     fn pairs(at: &[PairGuess<Self>], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>>;
 }
 

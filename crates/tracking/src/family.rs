@@ -19,8 +19,8 @@ const SHORTEST_PARAMETER_STEP: f64 = 1e-9;
 /// Every onset from one parameter to another: where, how fast and which way an eigenvalue of `system` crosses the imaginary
 /// axis. Steps of 1e-9 of the interval in which a mode only touches the axis are listed as unresolved.
 ///
-/// All modes must oscillate in all of the interval, and those that do not grow must decay: on the axis, as those of undamped
-/// systems, there is no onset to find.
+/// All modes must oscillate in all of the interval, and modes that do not grow must decay: modes that stay on the imaginary axis, as in undamped
+/// systems, have no onset to find.
 ///
 /// ```
 /// use linsys::SecondOrder;

@@ -9,8 +9,8 @@ use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 /// Least MAC of a match that is clear whatever other modes there are. A match with a smaller MAC is still clear where it is at
 /// least half of this and no other mode has more than 1 minus this. Chosen.
 const LEAST_CLEAR_MAC: f64 = 0.8;
-/// Largest amount by which the MAC of a rival is below that of the assigned mode; chosen, as the other numbers of the rule: with less, a match that counts as
-/// clear is more often wrong; with more, more modes have to be followed.
+/// Largest amount by which the MAC of a rival is below the MAC of the assigned mode; chosen, as the other numbers of the rule: with less, a match that counts
+/// as clear is more often wrong; with more, more modes have to be followed.
 const RIVAL_MAC_MARGIN: f64 = 0.4;
 /// Largest distance of a rival's eigenvalue from the old one, as a multiple of the assigned eigenvalue's distance; chosen likewise.
 const RIVAL_DISTANCE_RATIO: f64 = 8.0;
@@ -57,8 +57,8 @@ pub fn clear_matches(modes: &[Mode], weighted: &[DVector<Complex<f64>>], known: 
 /// Matches `old` modes to `new` ones by the assignment with the largest sum of MAC (Kuhn 1955, Munkres 1957).
 ///
 /// A match is clear, by a rule, where its MAC is at least 0.4 and it has no rival. A rival is another new mode with a MAC above
-/// 0.2 that is within 0.4 of that of the match, or any above 0.2 where that of the match is below 0.8, and whose eigenvalue is
-/// less than 8 times as far from the old one as that of the match. docs/error-bounds.md, section 14, says how often the rule
+/// 0.2 that is within 0.4 of the MAC of the match, or any MAC above 0.2 where the MAC of the match is below 0.8, and whose eigenvalue is
+/// less than 8 times as far from the old eigenvalue as the eigenvalue of the match. docs/error-bounds.md, section 14, says how often the rule
 /// was checked.
 pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Vec<Match> {
     match_weighted(old, &weighted(old, mass), new)

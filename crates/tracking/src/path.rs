@@ -40,7 +40,7 @@ pub type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
 
 /// A path that its owner evaluates, because it knows a cheaper way than by the matrices: between two frictions of one structure, say.
 pub trait OwnedPath: Debug + Sync {
-    /// The eigenvalue at `t` that a guess, rad/s, leads to, its derivative over t, and its shape up to a factor; `None` where there is none.
+    /// The eigenvalue at `t` that a guess, rad/s, leads to, its derivative over t, and its shape up to a factor; `None` where the guess leads to no eigenvalue.
     fn correct(&self, t: f64, lambda: Complex<f64>) -> Option<(NewtonStep, DVector<Complex<f64>>)>;
 
     /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros.

@@ -1,4 +1,4 @@
-//! Step-size control by the ratio of two predictor errors: that of the trapezoidal rule over that of the tangent.
+//! Step-size control by the ratio of two predictor errors: the error of the trapezoidal rule over the error of the tangent.
 //!
 //! At a distance d from the next branch point, an eigenvalue is a smooth function plus a square root. Over a step s the error of
 //! the trapezoidal rule for `d lambda / d t` is then `s / 4 d` times the error of the tangent, whatever the value and slope

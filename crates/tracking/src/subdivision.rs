@@ -121,7 +121,7 @@ impl<'a> Subdivision<'a> {
         if !last_try && !(0..matches.len()).all(is_decided) {
             return false;
         }
-        // The new modes that are followed on: those assigned to an old mode, then rivals that are assigned to none.
+        // The new modes that are followed on: modes that are assigned to an old mode, then rivals that are not.
         let mut indices: Vec<usize> = Vec::new();
         let mut position = |j: usize| {
             indices.iter().position(|&x| x == j).unwrap_or_else(|| {

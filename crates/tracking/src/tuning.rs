@@ -36,7 +36,7 @@ pub(crate) struct Tuning {
     pub converged: f64,
     /// Most corrections of one guess: a guess that needs more is near another mode.
     pub most_corrections: usize,
-    /// Largest ratio of the error of the trapezoidal rule to that of the tangent in a step that is taken: such a step is 1.2 times the
+    /// Largest ratio of the error of the trapezoidal rule to the error of the tangent in a step that is taken: such a step is 1.2 times the
     /// distance to the next branch point.
     pub largest_error_ratio: f64,
     /// The next step is chosen for a ratio of the largest divided by this, so that most steps are taken at the first attempt.

@@ -28,7 +28,7 @@ fn the_side_on_which_0_is_passed_decides() {
     assert!((end + 2.0_f64.sqrt()).norm() < 1e-12);
 }
 
-/// Two masses that flutter for mu above 2.27, and a third mass. The damping of the second exceeds that of the first by `more`.
+/// Two masses that flutter for mu above 2.27, and a third mass. The damping of the second exceeds the damping of the first by `more`.
 fn brake(more: f64) -> Secular {
     let c = DMatrix::from_diagonal(&nalgebra::dvector![0.02, 0.02 + more, 0.05]);
     let k = dmatrix![10.0, 0.6, 0.1; 0.6, 12.0, 0.2; 0.1, 0.2, 40.0];

@@ -24,7 +24,7 @@ pub(crate) fn end_of(path: Path<'_>, mode: &Mode, work: &mut Workspace) -> Optio
 }
 
 /// Modes followed to the nearest eigenvalue over 4000 steps: of each the eigenvalue at the end, and the least ratio, over all
-/// steps, of the distance of the second nearest eigenvalue to that of the nearest.
+/// steps, of the distance of the second nearest eigenvalue to the distance of the nearest.
 pub(crate) fn by_small_steps(path: Path<'_>) -> Vec<(Complex<f64>, f64)> {
     const STEPS: u32 = 4000;
     let lambdas = |t: f64| {

@@ -35,7 +35,7 @@ fn ends(seed: usize) -> [SecondOrder; 2] {
     })
 }
 
-/// Modes that reach the end of their path, those of them that do not end where small steps do, and factorisations for each.
+/// Number of modes that reach the end of their path, number of these that do not end where small steps do, and factorisations for each mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Effect {
     reached: usize,
