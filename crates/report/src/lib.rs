@@ -11,7 +11,7 @@
 //! | the influence of inputs | [`influence_figure`] | |
 //! | likely squealing brakes | [`rare_figure`] | |
 //!
-//! Numbers are those of the tables that `squeal` writes. Where the degrees of freedom of a brake are its owner says by a [`Geometry`].
+//! Numbers are the numbers of the tables that `squeal` writes. Where the degrees of freedom of a brake are its owner says by a [`Geometry`].
 
 mod error;
 mod html;

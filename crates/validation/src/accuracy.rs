@@ -67,7 +67,7 @@ const DISTANCES: [f64; 10] = [-1e-4, -1e-6, -1e-8, -1e-10, 1e-10, 1e-9, 1e-8, 1e
 /// Measures all routes and estimators on the lattice of `case`, and routes on the problems in the folder `nlevp`.
 ///
 /// # Errors
-/// A case without Coulomb friction shared by all contacts; those of the solvers and files.
+/// A case without Coulomb friction shared by all contacts; errors of the solvers and files.
 pub fn accuracy(case: &LatticeCase, nlevp: &Path, effort: &Effort) -> Result<AccuracyReport, ValidationError> {
     let with_laws = |laws: Vec<Law>| {
         let mut case = case.clone();

@@ -1,4 +1,4 @@
-//! Judges every route on a problem: those of this project, whose verdicts use error bounds, and those of libraries.
+//! Judges every route on a problem: routes of this project, whose verdicts use error bounds, and routes of libraries.
 
 use cea::{CeaError, Verdict, Workspace, certified, verdict};
 use num_complex::Complex;

@@ -84,7 +84,7 @@ impl RouteOutcome {
 }
 
 impl ReferenceProblem {
-    /// A problem whose reference is refined from the eigenvalues of QrSolver, without those of internal states.
+    /// A problem whose reference is refined from the eigenvalues of QrSolver, without the eigenvalues of internal states.
     ///
     /// # Errors
     /// Those of the solver and of [`Modes::classify`].

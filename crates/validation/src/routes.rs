@@ -20,7 +20,7 @@ pub struct SolverRoute {
     pub solve: fn(&[SecondOrder]) -> Spectra,
 }
 
-/// The routes of this project, and those of nalgebra for comparison.
+/// The routes of this project, and the routes of nalgebra for comparison.
 pub fn routes() -> Vec<SolverRoute> {
     vec![
         SolverRoute { name: "QrSolver", solve: |systems| by(&QrSolver, systems) },

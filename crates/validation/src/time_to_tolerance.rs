@@ -173,8 +173,8 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
     })
 }
 
-/// Samples of plain Monte Carlo for the tolerance, at 95 %, of the occurrence that takes most; without any, for knowing that
-/// there is none.
+/// Number of samples of plain Monte Carlo for the tolerance, at 95 %, of the occurrence that takes most; without occurrences, the number for an occurrence
+/// of 0.
 pub(crate) fn samples_to_tolerance(occurrences: impl Iterator<Item = f64>) -> f64 {
     let needed = |p: f64| trials_for_half_width(p, HALF_WIDTH, Confidence::P95);
     occurrences.map(needed).fold(needed(0.0), f64::max)

@@ -15,7 +15,7 @@ pub struct ForceFamily<'a> {
     pub name: &'a str,
     /// C, K and internal states of the forces, with the signs of `M u'' + C u' + K u = F z`; M is not read.
     ///
-    /// Forces that do no net work in any mode, such as those of an elastic, symmetric K, should be left out: their work on
+    /// Forces that do no net work in any mode, such as forces of an elastic, symmetric K, should be left out: their work on
     /// single bodies only moves energy between the bodies.
     pub system: &'a SecondOrder,
 }
@@ -79,7 +79,7 @@ impl ModeWork {
 /// Work of each family of forces in the mode (lambda, phi), summed over the degrees of freedom of each body.
 ///
 /// `mass` is M of the system that has the mode, n x n, which normalises the work. The system's C, K and internal states
-/// are the sum of those of all `families` and of an elastic K that is left out. `phi` has the n mechanical components of
+/// are the sum of the C, K and internal states of all `families` and of an elastic K that is left out. `phi` has the n mechanical components of
 /// the mode. Each entry of `bodies` lists the degrees of freedom of one body, from 0.
 ///
 /// ```

@@ -55,7 +55,7 @@ const ASSUMPTIONS: &str = "Contacts open, slide and stick; the structure between
                            32767th of the largest; tables have all digits. Motions that are not periodic have no harmonics, no figure and no moving \
                            picture: no spectrum of theirs is computed.";
 
-/// Writes `report.html` into `dir`, in which the tables of the same motions stand already; `figures` are those of [`cycle_figures`](crate::cycle_figures),
+/// Writes `report.html` into `dir`, in which the tables of the same motions stand already; `figures` are made by [`cycle_figures`](crate::cycle_figures),
 /// `scene` says at which parameters the motions are.
 ///
 /// # Errors
@@ -93,7 +93,7 @@ pub fn write_cycle_page(
     write(plan, found, (moving.collect(), geometry), figures, scene, dir)
 }
 
-/// Writes the page of branches of cycles as [`write_cycle_page`] does that of the motions at medians.
+/// Writes the page of branches of cycles, as [`write_cycle_page`] writes the page of the motions at medians.
 ///
 /// # Errors
 /// As [`write_cycle_page`].

@@ -112,7 +112,7 @@ impl<'a> Geometry<'a> {
         Self(Body::Nothing(why.into()))
     }
 
-    /// A brake whose degrees of freedom have no place: all of them side by side, those of one body joined by a line.
+    /// A brake whose degrees of freedom have no place: all of them side by side, the degrees of freedom of one body joined by a line.
     #[must_use]
     pub fn bodies(plan: &Plan) -> Self {
         let (mut points, mut lines) = (Vec::new(), Vec::new());

@@ -1,8 +1,8 @@
 //! `report.html`: one file that a person reads in a browser, without a network.
 //!
 //! The page says the answer in words, then shows it: figures whose points tell their numbers, modes that move, tables that sort
-//! and can be saved, and at the end everything from which the results came. Its numbers are those of the tables that stand beside
-//! it: they are read from these files. Words and facts are in the document itself and need no script; figures and tables are made
+//! and can be saved, and at the end everything from which the results came. Its numbers are the numbers of the tables that stand
+//! beside it: they are read from these files. Words and facts are in the document itself and need no script; figures and tables are made
 //! by `*.js` from one JSON element.
 //!
 //! The content security policy allows the page's own style and script, by their hashes, and nothing else.
@@ -69,8 +69,8 @@ fn damping_section(results: &Results) -> Result<String, Error> {
     Ok(if all.is_empty() { all } else { format!("{}{all}</section>\n", include_str!("damping.html")) })
 }
 
-/// Writes `report.html` into `dir`, in which the tables of the same results stand already; `motions` are those of its draws, where they were
-/// followed.
+/// Writes `report.html` into `dir`, in which the tables of the same results stand already; `motions` are the motions of the draws, where they
+/// were followed.
 ///
 /// # Errors
 /// A table that cannot be read, a file that cannot be written.

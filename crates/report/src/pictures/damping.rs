@@ -24,7 +24,7 @@ pub fn draw_damping(results: &Results, dir: &Path) -> Result<(), Error> {
 pub(crate) fn damping(results: &Results) -> Result<Vec<(String, Figure)>, Error> {
     let plan = results.plan();
     let mut found = Vec::new();
-    // Other names than those of tracked modes have no strengths: an unstable mode would be drawn as a stable one.
+    // Names other than names of tracked modes have no strengths: an unstable mode would be drawn as a stable one.
     if !results.has_strengths() {
         return Ok(found);
     }
