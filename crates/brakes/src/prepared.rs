@@ -322,7 +322,7 @@ impl Pieces<'_> {
         let mut brakes: Vec<(SystemTime, PathBuf)> = Vec::new();
         for entry in fs::read_dir(all)? {
             let path = entry?.path();
-            // What has no such file is none of ours.
+            // A folder without such a file is not the folder of a brake.
             if let Ok(used) = fs::metadata(path.join(OF_BRAKE)).and_then(|file| file.modified()) {
                 brakes.push((used, path));
             }

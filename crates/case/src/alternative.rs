@@ -22,7 +22,7 @@ pub enum Alternative {
     Preload(Preload),
     /// R9: another sigma1 as a function of speed; `None` is 0.
     BristleDamping(Option<BristleDamping>),
-    /// R9: another law in place of LuGre, which separates the effect of the bristles from that of the steady curve.
+    /// R9: another law in place of LuGre, which separates the effect of the bristles from the effect of the steady curve.
     InPlaceOfLuGre(Law),
 }
 

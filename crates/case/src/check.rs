@@ -157,7 +157,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// The half width that a case asks for; `None` where it asks for none.
+    /// The half width that a case asks for; `None` where it asks for no half width.
     pub fn half_width(&self, accuracy: Option<Accuracy>) -> Result<Option<f64>, CaseError> {
         let given = accuracy.map(|accuracy| accuracy.half_width);
         match given.filter(|half_width| !is_half_width(*half_width)) {

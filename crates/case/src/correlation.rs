@@ -47,7 +47,7 @@ pub(super) struct Correlated<'a> {
     pub contacts: &'a [[f64; 3]],
     /// True if the friction parameters of a contact can be named with its number, as `mu@1`.
     pub has_numbers: bool,
-    /// Parameters of which the brake has one value, after those of all contacts: name and distribution.
+    /// Parameters of which the brake has one value, after the parameters of all contacts: name and distribution.
     pub others: Vec<(&'a str, &'a Distribution)>,
 }
 
@@ -172,8 +172,8 @@ impl Check<'_> {
         Ok(Correlation { places: places.collect(), named, copula })
     }
 
-    /// The correlation of values by their own names: friction parameters of contacts, as `mu@1`, which a field correlates with those of all other contacts, and
-    /// what the brake has one value of.
+    /// The correlation of values by their own names: friction parameters of contacts, as `mu@1`, which a field correlates with the parameters of all other
+    /// contacts, and parameters of which the brake has one value.
     fn of_values(
         &self,
         parameters: &[String],
@@ -315,7 +315,7 @@ impl Correlation {
         self.copula.factor()
     }
 
-    /// True if a value of a draw, by its index, depends on others: those of the friction of all contacts, one after the other, are before all others.
+    /// True if a value of a draw, by its index, depends on others. The friction values of all contacts, contact by contact, come before all other values.
     pub fn holds(&self, value: usize) -> bool {
         self.places.contains(&value)
     }

@@ -1,4 +1,4 @@
-//! Loss factors that feed vibration: those of terms whose coefficient is below zero.
+//! Loss factors that feed vibration: loss factors of terms whose coefficient is below zero.
 
 use std::iter;
 

@@ -61,7 +61,7 @@ impl CaseHeader {
 }
 
 impl Check<'_> {
-    /// The header of a case from the fields that every kind has; its notes are those of [`Check::notes`], once all is read.
+    /// The header of a case from the fields that every kind has; its notes are [`Check::notes`], once all is read.
     pub fn header(
         &self,
         text: String,

@@ -26,7 +26,7 @@ enum ToleranceEntry {
 }
 
 impl Check<'_> {
-    /// The measured squeal of a case; `None` where it has none.
+    /// The measured squeal of a case; `None` for a case without measured squeal.
     pub fn measured(&self, table: Option<MeasuredTable>) -> Result<Option<Measured>, CaseError> {
         let Some(MeasuredTable { frequencies, tolerance, share }) = table else { return Ok(None) };
         if frequencies.is_empty() {

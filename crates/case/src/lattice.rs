@@ -134,7 +134,7 @@ fn lattice_parameters(
     Ok(parameters)
 }
 
-/// A value for each member of all chains, which `chains` makes from those of walls and inner members.
+/// A value for each member of all chains, which `chains` makes from the values of walls and of inner members.
 fn of_chains(values: &Values, chains: impl Fn(f64, f64) -> Vec<f64>) -> Vec<f64> {
     match values {
         Values::All(value) => chains(*value, *value),

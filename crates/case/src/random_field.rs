@@ -158,7 +158,7 @@ mod tests {
         }
     }
 
-    /// A length without end is one number for all points; a point of no area has the field of those beside it.
+    /// A length without end is one number for all points; a point of no area has the field of the points beside it.
     #[test]
     fn an_infinite_length_is_one_mode_of_ones() {
         let (points, mut weights) = line(30);

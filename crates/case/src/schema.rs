@@ -50,7 +50,7 @@ pub(super) struct StudyTable {
     pub seed: u64,
 }
 
-/// Values of a field: one for all, one for each, or those of outer and inner springs of each chain.
+/// Values of a field: one for all, one for each, or one for the outer and one for the inner springs of each chain.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]
 pub(super) enum Values {

@@ -14,7 +14,7 @@ pub(super) struct SquealTable {
 }
 
 impl Check<'_> {
-    /// The threshold that a case asks for; the axis where it asks for none.
+    /// The threshold that a case asks for; the imaginary axis where it asks for no threshold.
     pub fn threshold(&self, table: Option<SquealTable>) -> Result<Threshold, CaseError> {
         let Some(SquealTable { growth_above, damping_ratio_below }) = table else { return Ok(Threshold::AXIS) };
         let (growth, ratio) = (growth_above.unwrap_or(0.0), damping_ratio_below.unwrap_or(0.0));

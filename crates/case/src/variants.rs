@@ -34,8 +34,8 @@ struct VariantTable {
 }
 
 impl Variant {
-    /// Reads the variants of a case: each is the case, or another one that it names, with fields set as by [`CaseFile::read_with`], those of the
-    /// case (`set`) first. Paths are relative to the folder of the file.
+    /// Reads the variants of a case: each is the case, or another one that it names, with fields set as by [`CaseFile::read_with`], first the
+    /// fields of the case (`set`). Paths are relative to the folder of the file.
     ///
     /// # Errors
     /// The first fault, in one line that names the file and the variant.

@@ -56,7 +56,7 @@ pub struct Certified {
 /// for each group that is tried for an eigenvalue whose first-order bound does not hold.
 ///
 /// # Errors
-/// [`CertifiedError::NoEigenvector`] where an eigenvalue is none of this system.
+/// [`CertifiedError::NoEigenvector`] where `spectrum` has a number that is no eigenvalue of this system.
 pub fn certify(
     system: &SecondOrder,
     spectrum: &GeneralSpectrum,
@@ -116,7 +116,7 @@ impl<'a> SingleCertifier<'a> {
     /// Bound and verdict of the `i`-th of all eigenvalues; it may be improved.
     ///
     /// # Errors
-    /// [`CertifiedError::NoEigenvector`] where it is none of this system.
+    /// [`CertifiedError::NoEigenvector`] where it is no eigenvalue of this system.
     pub fn certify(
         &self,
         eigenvalues: &[Complex<f64>],
@@ -181,7 +181,7 @@ fn first_look<'a>(
     problem.first_look(sigmas[i], gap(sigmas, i), threshold)
 }
 
-/// The eigenvalues of `spectrum`, those improved that have more than rounding for a backward error.
+/// The eigenvalues of `spectrum`; an eigenvalue whose backward error is more than rounding is improved.
 ///
 /// # Errors
 /// As [`certify`].

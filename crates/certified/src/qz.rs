@@ -202,7 +202,7 @@ impl<T: Lane> HessenbergTriangular<T> {
 
 /// H's column j made zero below its second entry from below, by rotations of neighbouring rows; these fill T's
 /// subdiagonal, which rotations of columns clear again (Golub and Van Loan, section 7.7.4). All rotations of rows come
-/// first: those of columns leave column j of H alone, which they are made of.
+/// first: rotations of columns leave column j of H alone, which they are made of.
 fn clear_below_subdiagonal<T: Lane>(h: &mut Planar<T>, t: &mut Planar<T>, j: usize) {
     let size = h.rows();
     let mut rotations = Vec::with_capacity(size - j);

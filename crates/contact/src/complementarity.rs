@@ -158,7 +158,7 @@ fn solved(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<Complem
     is_one.then(|| Complementary { z: z.map(|z| z.max(0.0)), w: w.map(|w| w.max(0.0)) })
 }
 
-/// Solutions w and z, all of them, from the 2^n sets of zeros; those that differ in z alone are one. Sets whose equations are singular are
+/// Solutions w and z, all of them, from the 2^n sets of zeros; solutions that differ in z alone count as one. Sets whose equations are singular are
 /// passed over.
 ///
 /// # Errors

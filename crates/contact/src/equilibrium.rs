@@ -123,8 +123,8 @@ impl Condensed {
     }
 }
 
-/// The solution, or the reason why there is none, where Lemke's method found nothing. Of several solutions it is any, the first of
-/// [`all_solutions`]; [`Equilibrium::uniqueness`] says that there are several.
+/// The solution, or the reason why there is no solution, where Lemke's method found nothing. Of several solutions it is an arbitrary one,
+/// the first of [`all_solutions`]; [`Equilibrium::uniqueness`] says that there are several.
 fn otherwise(q: &DVector<f64>, m: &DMatrix<f64>, unsolved: Unsolved) -> Result<Complementary, ContactError> {
     if unsolved == Unsolved::Ray && is_monotone(m) {
         let reason = "the loads pull the bodies off what holds them, or push one that nothing holds";

@@ -182,7 +182,7 @@ pub enum ContactError {
     /// No state of open and closed contacts is in balance.
     #[error("there is no equilibrium: {reason}")]
     NoEquilibrium {
-        /// Reason why it is known that there is none, in words.
+        /// Reason why it is known that there is no equilibrium, in words.
         reason: &'static str,
     },
     /// An iteration that did not end.

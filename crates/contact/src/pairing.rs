@@ -193,8 +193,8 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// The face opposite to a point, whose own face looks outwards: among those within reach the one that the point is over, and of two
-    /// the nearer one.
+    /// The face opposite to a point, whose own face looks `outwards`: among the faces within reach the face that the point is over, and of two
+    /// such faces the nearer one.
     fn opposite(
         &mut self,
         at: &Vector3<f64>,
@@ -202,7 +202,7 @@ impl<'a> Search<'a> {
         node: i64,
     ) -> Result<Option<(&'a Face, Projection)>, ContactError> {
         let mut best: Option<(&Face, Projection)> = None;
-        // The least of those that are over the point and look elsewhere.
+        // The least cosine of a face that is over the point and looks elsewhere.
         let mut contradicting: Option<f64> = None;
         for place in self.grid.near(at) {
             let face = &self.master[place];

@@ -127,5 +127,5 @@ pub(crate) fn faces(mesh: &Mesh, ids: &[elements::FaceId], side: Side) -> Result
     ids.iter().map(face).collect()
 }
 
-/// An area of this part of the square of the size is none; chosen, above rounding.
+/// Fraction of the square of the size up to which an area counts as zero; chosen, above rounding.
 const NO_AREA: f64 = 1e-10;

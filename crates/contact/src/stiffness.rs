@@ -39,7 +39,7 @@ impl Stiffness {
         }
     }
 
-    /// The force of the points of these areas at an overlap (0 where there is none), and its derivative, N and N/m.
+    /// The force of the points of these areas at an overlap, N, 0 without overlap, and its derivative, N/m.
     pub(crate) fn force(&self, area: f64, whole: f64, overlap: f64) -> (f64, f64) {
         let overlap = overlap.max(0.0);
         match *self {

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::shape::Shape;
 use crate::{ElementsError, Kind, Mesh};
 
-/// A determinant of this part of the largest that edges of this length have is none; chosen, above rounding.
+/// Fraction of the largest determinant that edges of the same lengths can have up to which a determinant counts as zero; chosen, above rounding.
 const NO_VOLUME: f64 = 1e-12;
 
 /// Point of integration of an element: shape functions, their gradients, where it is, and what it weighs.

@@ -166,7 +166,8 @@ pub(super) fn y_title(canvas: &mut Canvas, right: f64, area: Area, text: &str) {
     }
 }
 
-/// Largest excess of a vertical title over the length of its panel, pt; chosen: less breaks titles that have room, more lets them meet those of the next panel.
+/// Largest excess of a vertical title over the length of its panel, pt; chosen: less breaks titles that have room, more lets them meet the titles of the next
+/// panel.
 const LARGEST_TITLE_OVERHANG: f64 = 14.0;
 
 /// Width that [`y_title`] takes.

@@ -70,8 +70,9 @@ enum Piece {
     Balanced,
 }
 
-/// Draws loudness and frequency of cycles over the parameter, stable ones solid, others dashed, with folds and onsets, and beside the frequencies
-/// those of the modes, thick where they grow. How many modes have other frequencies is said. The table has the onsets, the cycles and the modes.
+/// Draws loudness and frequency of cycles over the parameter, stable cycles solid, others dashed, with folds and onsets, and beside the frequencies of the
+/// cycles the frequencies of the modes, thick where the modes grow. How many modes have other frequencies is said. The table has the onsets, the cycles and
+/// the modes.
 ///
 /// # Errors
 /// [`FigureError::Empty`] without branches, [`FigureError::NotFinite`] or [`FigureError::OutOfRange`] for a value that the axes cannot show.

@@ -46,7 +46,7 @@ pub struct DropBar {
     pub predicted: Option<f64>,
 }
 
-/// Distance from the middle of a bar to that of the next, pt; chosen.
+/// Distance from the middle of a bar to the middle of the next, pt; chosen.
 const PITCH: f64 = 13.0;
 /// Thickness of a bar, pt; chosen.
 const THICKNESS: f64 = 8.0;

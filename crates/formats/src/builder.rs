@@ -271,7 +271,7 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// Keeps a matrix, or the reason why it is none of real numbers.
+    /// Keeps a matrix, or the reason why it is no matrix of real numbers.
     pub fn keep(&mut self, name: &str, read: Result<Matrix, Problem>) -> Result<(), Problem> {
         match read {
             Ok(matrix) => self.matrices.push(matrix),

@@ -41,7 +41,7 @@ pub(crate) fn kind_of(name: &str) -> Option<Kind> {
 /// True for a name of structural damping, which is neither a viscous damping nor a stiffness.
 pub(crate) fn is_structural(name: &str) -> bool {
     let plain = plain(name);
-    // A word may begin so, as that of viscous damping does not.
+    // Words that begin so; the words of viscous damping do not.
     let mut words = name.split(|letter: char| !letter.is_ascii_alphanumeric()).map(str::to_uppercase);
     ["STRUCT", "HYST"].iter().any(|part| plain.contains(part))
         || words.any(|word| word.starts_with("SDAMP") || word.starts_with("DMPS"))

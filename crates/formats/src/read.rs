@@ -153,8 +153,8 @@ impl File {
         )
     }
 
-    /// Indices, of several matrices, of those that may be one of a model: square and larger than 1 x 1, as numbers `k` and `m` among
-    /// variables of MATLAB are not. All of `places` where there is none such.
+    /// The indices of `places` whose matrix may be a matrix of a model: square and larger than 1 x 1, as numbers `k` and `m` among
+    /// variables of MATLAB are not. All of `places` where no matrix may be one.
     fn sizeable(&self, places: Vec<usize>) -> Vec<usize> {
         let is_sizeable =
             |at: &&usize| self.matrices[**at].rows > 1 && self.matrices[**at].rows == self.matrices[**at].columns;

@@ -2,7 +2,7 @@
 //! `*MATRIX, TYPE=MASS`, as `*SUBSTRUCTURE MATRIX OUTPUT, OUTPUT FILE=USER DEFINED` writes them, in CalculiX too.
 //!
 //! The nodes stand in comments after `** ELEMENT NODES`. The first line after the keyword gives the directions of the first node of the
-//! element; each further one, `position, direction, direction, ...`, those of the node at that position, from 1. Directions hold for all nodes
+//! element; each further line, `position, direction, direction, ...`, gives the directions of the node at that position, from 1. Directions hold for all nodes
 //! from there to the next position. Rows are ordered by node, and within a node by direction as listed. A symmetric matrix is its upper
 //! triangle by columns, each column from the top to the diagonal; an unsymmetric one all its columns (the order in which Abaqus's
 //! results file has them). A column begins a new line and wraps after a few numbers; where lines end is not relied on.

@@ -3,7 +3,7 @@
 use crate::error::{non_negative, positive, static_not_below_kinetic};
 use crate::{FrictionError, FrictionLaw, Steady, Tangent};
 
-/// Parameters of [`Stribeck`], the static part of those of [`LuGre`](crate::LuGre).
+/// Parameters of [`Stribeck`], the static part of the parameters of [`LuGre`](crate::LuGre).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StribeckParameters {
     /// Static coefficient, the limit at speed 0; >= `mu_k`.

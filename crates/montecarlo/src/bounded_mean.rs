@@ -14,7 +14,7 @@ pub struct Bounds {
     pub least: f64,
     /// Greatest value that is possible.
     pub greatest: f64,
-    /// Largest distance of a value that was not seen beyond those seen, where at least one of these was not zero.
+    /// Largest distance of a value that was not seen beyond the values that were seen, where at least one of these was not zero.
     pub step: f64,
     /// Least and greatest value that was not seen, where all that were seen are zero.
     pub unseen: [f64; 2],
@@ -95,11 +95,11 @@ impl BoundedMean {
         }
     }
 
-    /// A confidence interval for the expectation, within the bounds; all of them without values. The widest of three at each end:
+    /// A confidence interval for the expectation, within the bounds; without values the bounds. The widest of three intervals at each end:
     ///
     /// - Student's, [`IntegerMean::interval`];
-    /// - for what is rare: the limit of Clopper and Pearson of the part p that is not zero, times the mean of those that are not
-    ///   with one value more, that lies `step` beyond the extreme seen, at `unseen` where none was seen;
+    /// - for what is rare: the limit of Clopper and Pearson of the fraction p of values that are not zero, times the mean of these values
+    ///   and of one value more, which lies `step` beyond the extreme seen, at `unseen` where all values are zero;
     /// - where all values are equal: `mean + q (x - mean)`, in which x is that value more and q the limit of the part that was not
     ///   seen, `1 - tail^(1/n)`.
     ///

@@ -8,8 +8,8 @@ use crate::confidence::{Confidence, Interval};
 /// know their mean to 10 %, and the skewness of a Poisson count of 100 is 0.1.
 const MANY: f64 = 100.0;
 
-/// Data for the interval of a sum of few positive terms. The number of terms is one of chance, and a term that did not come up may
-/// be as large as those that did, so that a sum of none says little.
+/// Data for the interval of a sum of few positive terms. The number of terms is a matter of chance, and a term that did not come up may
+/// be as large as the terms that did, so that a sum without terms says little.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct FewTerms {
     sum: f64,
@@ -30,7 +30,7 @@ impl FewTerms {
     }
 
     /// The interval of the expected sum, less the offset: with weighted Poisson counts, by the gamma distribution (Fay and Feuer, Stat. Med.
-    /// 16, 1997), whose limits are those of Garwood for equal terms. It covers more often than it says, where the terms are few by far.
+    /// 16, 1997), which for equal terms has Garwood's limits. It covers more often than it says; where the terms are few, by far.
     #[must_use]
     pub fn interval(&self, confidence: Confidence) -> Interval {
         let Self { sum, squares, typical, offset } = *self;

@@ -94,15 +94,14 @@ pub struct Proportion {
 }
 
 impl Proportion {
-    /// A proportion from counts; no trial is counted both as a certain and as an ambiguous hit, and those that would be more than
-    /// all trials are left out.
+    /// A proportion from counts; no trial is counted both as a certain and as an ambiguous hit, and hits beyond the number of trials are left out.
     #[must_use]
     pub fn of_counts(hits: u64, ambiguous: u64, trials: u64) -> Self {
         let hits = hits.min(trials);
         Self { hits, ambiguous: ambiguous.min(trials - hits), trials }
     }
 
-    /// A copy with more trials of which nothing is known, as those are that failed: they are ambiguous.
+    /// A copy with more trials of which nothing is known, such as failed trials: they are ambiguous.
     #[must_use]
     pub fn and_unknown(self, trials: u64) -> Self {
         Self { ambiguous: self.ambiguous + trials, trials: self.trials + trials, ..self }

@@ -244,7 +244,7 @@ impl PythonBrake {
         sample
     }
 
-    /// The operating point at a sample, that of the medians without asking for it again.
+    /// The operating point at a sample; the operating point of the medians is not asked for again.
     fn point(&self, sample: &Vec<f64>) -> Result<OperatingPoint, squeal::study::Error> {
         match &self.median {
             Some(median) if *sample == self.inner.case.medians() => Ok(median.clone()),
@@ -252,7 +252,7 @@ impl PythonBrake {
         }
     }
 
-    /// The operating points at the first draws, of those that have one.
+    /// The operating points at the first draws; draws without an operating point are left out.
     fn first(&self) -> HashMap<Vec<u64>, OperatingPoint> {
         let seed = self.inner.plan.seed;
         let draws: Vec<_> = (0..FIRST_DRAWS).filter_map(|index| self.draw(&mut stream(seed, index)).ok()).collect();

@@ -69,7 +69,7 @@ pub(super) struct Coarse {
 pub struct CoarseBasis {
     /// W, k x w, orthonormal.
     pub basis: DMatrix<f64>,
-    /// Directions of internal states; `None` where there are none, or they spare nothing.
+    /// Directions of internal states; `None` for a brake without internal states, and where the directions spare nothing.
     pub states: Option<CoarseStates>,
     /// The largest distance of a mode, relative to |lambda|, at the points that it was made of.
     pub error: f64,
@@ -81,7 +81,7 @@ pub struct CoarseBasis {
 pub(super) type Polished = (Vec<Complex<f64>>, DMatrix<f64>);
 
 impl Coarse {
-    /// The coarse basis of the modes of a reduced brake at `points`; `None` where there is none that spares anything.
+    /// The coarse basis of the modes of a reduced brake at `points`; `None` where it would spare nothing.
     pub fn new(reduced: &Reduced, points: &[OperatingPoint]) -> Result<Option<Self>, ReductionError> {
         let systems =
             points.iter().map(|point| reduced.system().assemble(point)).collect::<Result<Vec<SecondOrder>, _>>()?;

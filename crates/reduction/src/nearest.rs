@@ -31,7 +31,7 @@ pub(super) fn nearest_of<T: Clone>(
     are_apart.then(|| nearest(to, &lambdas, count).into_iter().map(|at| found[at].clone()).collect())
 }
 
-/// True if an eigenvalue is none of `others`.
+/// True if an eigenvalue is not one of `others`.
 pub(super) fn is_apart(others: &[Complex<f64>], lambda: Complex<f64>) -> bool {
     others.iter().all(|other| (other - lambda).norm() > SAME * lambda.norm())
 }

@@ -107,7 +107,7 @@ pub(super) fn reduced_residual(system: &SecondOrder, lambdas: &[Complex<f64>], y
     out
 }
 
-/// Largest of `residuals`: zero if there are none, not a number if one is not.
+/// Largest of `residuals`: 0 for an empty list, NaN if one of them is NaN.
 pub fn largest_residual(residuals: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |largest: f64, own: f64| if largest.is_nan() || own <= largest { largest } else { own };
     residuals.into_iter().fold(0.0, larger)

@@ -14,7 +14,7 @@ pub struct SparseTerm {
     pub name: String,
     /// The family to which the work of its damping, and of a stiffness that is not symmetric, belongs.
     pub family: String,
-    /// Matrices M, C and K, without internal states and structural damping. A part that has none of one holds an empty matrix of full order.
+    /// Matrices M, C and K, without internal states and structural damping. For a matrix that the term does not have this holds an empty matrix of full order.
     pub matrices: SparseSecondOrder,
     /// Loss factor eta of the stiffness, >= 0: `K (1 + i eta)` above the real axis. 0 of most.
     pub loss: f64,

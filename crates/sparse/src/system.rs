@@ -17,8 +17,8 @@ pub struct SparseSecondOrder {
     pub c: CscMatrix<f64>,
     /// Stiffness matrix K, n x n.
     pub k: CscMatrix<f64>,
-    /// Structural damping H, n x n, `eta K` of parts with a loss factor eta; `None` where there is none. The stiffness is `K + i H` above the real axis and
-    /// `K - i H` below it, where eigenvalues are the conjugates of those above.
+    /// Structural damping H, n x n, `eta K` of parts with a loss factor eta; `None` without structural damping. The stiffness is `K + i H` above the real axis
+    /// and `K - i H` below it, where eigenvalues are the conjugates of the eigenvalues above.
     pub h: Option<CscMatrix<f64>>,
     /// The first-order states, none for most systems.
     pub states: Vec<State>,

@@ -191,7 +191,7 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
         pool.install(|| Study::with_options(brake, solver, prepared, progress.preparation)).map_err(Error::from)?;
     seconds.references = start.elapsed().as_secs_f64();
 
-    // Not before the study is known to work: a case that has no reference modes leaves no folder behind, nor do parts that are none of it.
+    // Not before the study is known to work: a case that has no reference modes leaves no folder behind, nor do parts of another study.
     let checkpoint = checkpoint(dir, identity.clone());
     let (parts, state) = begin(&study, &checkpoint)?;
     let folder = RunFolder::take(dir, &identity)?;

@@ -27,8 +27,8 @@ use super::{CoarsePath, ModeIdentity, ModeLabel, Plan};
 use crate::Error;
 
 /// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
-/// than a double's are computed. Where no system is stiff there are none; where some are, each step of a mode that has to be
-/// followed needs some. One takes about 5e-7 s times the cube of the order; chosen: a fifth of a second, and 16 in any case.
+/// than a double's are computed. Where no system is stiff no such spectrum is computed; where systems are stiff, each step of a mode that has to be
+/// followed needs such spectra. One takes about 5e-7 s times the cube of the order; chosen: a fifth of a second, and 16 in any case.
 pub(super) fn bounded_workspace(order: usize) -> Workspace {
     let most = 4e5 / (order as f64).powi(3);
     Workspace::with_most_certified_solves((most as u64).max(16))

@@ -50,7 +50,7 @@ pub struct SpeedLabel {
 /// Panel as reports call it: all arrangements with one number in contact.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PanelLabel {
-    /// Number of closed contacts; 0 for a brake that has none, whose friction is in its terms.
+    /// Number of closed contacts; 0 for a brake without contacts, whose friction is in its terms.
     pub in_contact: usize,
     /// Arrangements in words, one text each.
     pub arrangements: Vec<String>,

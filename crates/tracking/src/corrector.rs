@@ -66,8 +66,8 @@ pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<
     found.into_iter().zip(at).map(mode).collect()
 }
 
-/// The pair of eigenvalues that each guess leads to, with its derivative over t; `None` where there is none, or the matrices of its ends
-/// evaluate the path.
+/// The pair of eigenvalues that each guess leads to, with its derivative over t; `None` where a guess leads to no pair, or where
+/// the matrices of its ends evaluate the path.
 pub(crate) fn pairs_on_paths(at: &[PairGuess<Path<'_>>], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
     let mut found = Vec::with_capacity(at.len());
     let blocks = at.chunk_by(|a, b| discriminant(&a.0.start) == discriminant(&b.0.start));

@@ -126,7 +126,7 @@ impl Command {
     }
 }
 
-/// Difference of two tables of counts: a name that is open in one may be any of several modes, and counts as none.
+/// Difference of two tables of counts: a name that is open in one may be any of several modes, so that a count that is certain in the other is the same count.
 fn compared(expected: &str, counts: &str) -> String {
     if expected == counts {
         return "same".into();

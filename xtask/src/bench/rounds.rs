@@ -26,7 +26,7 @@ pub struct RouteTime {
     pub us: f64,
     /// Quartiles of that time.
     pub us_quartiles: [f64; 2],
-    /// Median over the rounds of the time over that of dgeev; `null` where dgeev is not built in.
+    /// Median over the rounds of the ratio of the time to the time of dgeev; `null` where dgeev is not built in.
     pub ratio_to_dgeev: Option<f64>,
     /// Largest relative error of a wanted eigenvalue, infinite where one is missing; `null` where no system with known
     /// eigenvalues was solved.

@@ -70,7 +70,7 @@ fn is_allowed(licence: &str) -> bool {
     plain.split(" AND ").all(|part| part.split(" OR ").any(|one| ALLOWED.contains(&one.trim())))
 }
 
-/// Texts of the licence and notice files of a package that offers neither MIT nor Apache 2.0 alone: of these one text stands for all.
+/// Texts of the licence and notice files of a package that offers neither MIT nor Apache 2.0 alone: these two are quoted once for all packages.
 fn notices_of(package: &Value) -> Vec<String> {
     let licence = text_of(package, "license");
     let needs_none = ["MIT", "Apache-2.0"]

@@ -59,7 +59,7 @@ impl Packages {
         while let Some(id) = waiting.pop() {
             let node = list(&self.0["resolve"], "nodes").find(|node| text_of(node, "id") == id);
             let needed = node.into_iter().flat_map(|node| list(node, "deps")).filter(|needed| {
-                // A kind without a name is that of what is linked.
+                // A dependency of a kind without a name is linked.
                 list(needed, "dep_kinds").any(|kind| kind["kind"].is_null())
             });
             for needed in needed.map(|needed| text_of(needed, "pkg")) {

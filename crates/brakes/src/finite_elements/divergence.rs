@@ -1,10 +1,10 @@
 //! Divergence of a finite element brake: what grows faster than it oscillates, whatever the band of the case.
 //!
 //! Up to the end of the band in size the whole brake is searched. Far beyond, single pairs of nodes, which have little mass, grow where the curve of friction
-//! falls more steeply than their damping holds. A basis of modes of the band does not have that; but at an eigenvalue s that contacts make, a mode is a combination
-//! of the responses `Q_0(s)^-1 b_i` and `Q_0(s)^-1 r_i` of the brake at its medians without friction to forces along all directions of friction b_i and
-//! readings r_i. These are smooth in s to the right of the band, so that those at a few real numbers hold them between. Loss factors have no part in it:
-//! what does not oscillate has no complex stiffness.
+//! falls more steeply than their damping holds. A basis of modes of the band does not have that; but at an eigenvalue s that contacts make, a mode is a
+//! combination of the responses `Q_0(s)^-1 b_i` and `Q_0(s)^-1 r_i` of the brake at its medians without friction to forces along all directions of friction
+//! b_i and readings r_i. These are smooth in s to the right of the band, so that the responses at a few real numbers hold the responses in between. Loss
+//! factors have no part in it: what does not oscillate has no complex stiffness.
 
 use std::f64::consts::TAU;
 use std::iter::repeat_n;
@@ -87,9 +87,9 @@ pub(super) fn expected_columns(case: &FiniteElementCase) -> usize {
     ((OF_THEIR_OWN * responses as f64) as usize).min(MOST_COLUMNS)
 }
 
-/// True if the whole brake has an eigenvalue larger than the `end` that passes a test of those that grow faster than they oscillate, next to one of a
-/// reduced brake: `None` where that has none, `false` where nothing is found in the whole one. Shapes are lifted to its rows. A whole spectrum, which takes the
-/// longest, is made where neither proof says.
+/// True if the whole brake has an eigenvalue that grows faster than it oscillates, is larger than the `end` and passes a test, next to such an eigenvalue of a
+/// reduced brake: `None` where the reduced brake has none, `false` where nothing is found in the whole brake. Shapes are lifted to the rows of the whole
+/// brake. A whole spectrum, which takes the longest, is made where neither proof says.
 fn in_whole(
     reduced: &SecondOrder,
     lift: impl Fn(&DVector<Complex<f64>>) -> DVector<Complex<f64>>,
@@ -121,8 +121,8 @@ fn slowest_divergence(case: &FiniteElementCase) -> f64 {
 }
 
 /// Eigenvalues that surely are beyond a threshold and grow faster than they oscillate in a whole brake, 1/s, Im >= 0, by ascending growth:
-/// divergence, whatever the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is free to move are
-/// zero, to the highest in size. `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
+/// divergence, whatever the band of the case. It is looked for from a thousandth of the lowest frequency of the band, as the eigenvalues of a body that is
+/// free to move are zero, to the highest in size. `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
 fn diverging(case: &FiniteElementCase, system: &SparseSecondOrder, threshold: &Threshold) -> Option<Vec<Complex<f64>>> {
     let [_, highest] = rectangle(case).im;
     let from = threshold.growth_above().max(slowest_divergence(case));

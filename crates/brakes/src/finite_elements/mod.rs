@@ -152,7 +152,7 @@ impl FiniteElementBrake {
             // The findings of a study say of whose errors nothing is known.
             Purpose::Study => return Self::checked_of((case, pieces), progress),
             Purpose::Analysis => Self::with_points((case, pieces), Bases::OfEach, (&[], &[]), progress),
-            // Errors of the reduced brake are none of what is asked for.
+            // Errors of the reduced brake are not asked for.
             Purpose::Point => {
                 let swept = swept::points(&case, &[])?;
                 return Self::with_points((case, pieces), Bases::OfEach, (&swept, &[]), progress);

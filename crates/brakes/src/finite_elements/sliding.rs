@@ -113,7 +113,8 @@ impl Sliding<'_> {
         patches.map(|((&number, tangents), springs)| in_motion(number, tangents, springs)).collect()
     }
 
-    /// The gains of the closed patches, with the factor of the stiffness of all of them. Of a patch with a scale those are of its pairs without it.
+    /// The gains of the closed patches, with the factor of the stiffness of all of them. The gains of a patch with a scale are the gains of its pairs without
+    /// the scale.
     pub fn gains(&self, coefficients: &[f64], factor: f64) -> Result<Vec<ChannelGain>, Error> {
         let Loaded { tangents, springs, load_factor, state } = self.loaded(coefficients, factor)?;
         let mut gains = Vec::new();

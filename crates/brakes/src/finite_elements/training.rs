@@ -18,8 +18,8 @@ const LEAST_GROWTH_SEARCHED: f64 = 0.25;
 /// Most draws that are taken from a stream until one has an operating point; chosen: with fewer, the medians stand more often for a scene most of whose draws
 /// have none; with more, a scene without any takes longer.
 const MOST_DRAWS: usize = 20;
-/// Number of the first stream of the draws that the basis of a set of constraints is made of. Samples have the streams from 0 up, full checks those
-/// from `u64::MAX / 2` up, training points those from `u64::MAX` down.
+/// Number of the first stream of the draws that the basis of a set of constraints is made of. Samples have the streams from 0 up, full checks the streams
+/// from `u64::MAX / 2` up, training points the streams from `u64::MAX` down.
 const FIRST_STREAM: u64 = u64::MAX / 4;
 /// Step by which the scene advances from one of these draws to the next, as a fraction of the number of scenes: (sqrt 5 - 1) / 2, the golden ratio,
 /// by which any thirteen draws in a row reach all of ten scenes.

@@ -23,9 +23,9 @@ pub(super) struct Operators;
 
 impl MakeOperators<f64> for Operators {
     fn make<'a>() -> Vec<Operator<'a, f64>> {
-        // The precedence is that of exmex's own operators; operators of equal precedence are evaluated from left to right. None is said to
-        // commute: exmex 0.21 then evaluates `2 + 3` of `f(1 + p^2 + 2 + 3)` before the sum in front of it, and applies f to a part of its
-        // argument.
+        // The precedence is as among exmex's own operators; operators of equal precedence are evaluated from left to right. No operator is said to
+        // commute: with operators that do, exmex 0.21 then evaluates `2 + 3` of `f(1 + p^2 + 2 + 3)` before the sum in front of it, and applies f to a part
+        // of its argument.
         let binary = |sign, apply, prio| Operator::make_bin(sign, BinOp { apply, prio, is_commutative: false });
         let signs = [
             binary("+", |a: f64, b| a + b, 0),

@@ -35,10 +35,10 @@ pub(super) struct GivenContacts {
     pub friction: Option<FrictionTable>,
 }
 
-/// The contact of a case with its terms and channels; `None` where it has none.
+/// The contact of a case with its terms and channels; `None` for a case without contact.
 ///
 /// # Errors
-/// Tables that nothing uses, and what is wrong with those that there are.
+/// Tables that nothing uses, and what is wrong in the tables of the contact.
 pub(super) fn read_contact(
     model: &Model<'_>,
     formulas: &mut Formulas<'_>,
@@ -228,7 +228,7 @@ fn load_exponent(check: &Check<'_>, tables: &[FacesTable], is_drawn: bool) -> Re
     Ok(first)
 }
 
-/// True if friction acts across the sliding too. That depends on a speed; where nobody says which there is none, and a line that says so.
+/// True if friction acts across the sliding too. This friction depends on the speed; where the case gives no speed it is left out, and a note says so.
 fn lateral(check: &Check<'_>, table: &str, given: Option<LateralEntry>, no_speed: bool) -> bool {
     if given.is_none() && no_speed {
         check.note(format!(

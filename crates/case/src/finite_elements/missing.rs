@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Nodes that a field names and that lack rows. They count as held, as those are that a finite element program leaves out.
+/// Nodes that a field names and that lack rows. They count as held, like the nodes that a finite element program leaves out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingRows {
     /// The field.

@@ -79,7 +79,7 @@ impl<'t> SurfaceContact<'t> {
                 key("sliding")
             ));
         }
-        // Of a whole body those that are met.
+        // Of a whole body the faces that are met.
         let master: BTreeSet<FaceId> = interface.points().iter().map(|point| point.master_face).collect();
         let master = master.into_iter().collect();
         Ok(Self { table, interface, law, slave, master })

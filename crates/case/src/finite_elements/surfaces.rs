@@ -170,7 +170,8 @@ struct Made<'a> {
 
 impl Made<'_> {
     /// Adds a patch of these points: its springs as a term, friction in each of them along the sliding and then across it, and in equilibrium what
-    /// opening and closing adds to each spring, or else what parameters of each point add to it, where some do. The springs of a patch in equilibrium are those that are closed at the medians.
+    /// opening and closing adds to each spring, or else what parameters of each point add to it, where some do. In equilibrium the term has the springs that
+    /// are closed at the medians.
     fn patch(&self, name: &str, own: &[usize], out: &mut Patches) -> Result<(), CaseError> {
         let Self { solids, contact, number, forces, stiffness, is_lateral, has_springs, mean_speed, balance } = self;
         let (mesh, rows) = (&solids.mesh, &solids.rows);

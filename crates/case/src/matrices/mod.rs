@@ -40,8 +40,8 @@ pub struct MatricesCase {
     pub dofs: Vec<String>,
     /// Kinds of their motions, as far as the files of the matrices say them.
     pub moves: Vec<Moves>,
-    /// Terms and channels over all degrees of freedom: those of contacts, then those of branches. The dashpots of loss factors are not in it, as they
-    /// are others with each set of constraints.
+    /// Terms and channels over all degrees of freedom: channels of contacts, then channels of branches. The dashpots of loss factors are not in it, as
+    /// each set of constraints has its own.
     pub system: AffineSystem,
     /// How each matrix was taken.
     pub taken: Vec<TakenMatrix>,

@@ -11,7 +11,7 @@ use crate::check::{Check, field};
 use crate::{CaseError, Expression};
 
 impl MatricesCase {
-    /// The contacts of `channels`, which are those of the case with a set of constraints, with their gains at values of the parameters. A contact
+    /// The contacts of `channels`, which are the channels of the case with a set of constraints, with their gains at values of the parameters. A contact
     /// sticks below `stick` of its speed.
     ///
     /// # Errors

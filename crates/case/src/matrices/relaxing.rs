@@ -118,7 +118,8 @@ mod tests {
         }
     }
 
-    /// Random structures with a viscoelastic term of some rank and some branches: det Q is zero at each eigenvalue, and there are as many as states.
+    /// Random structures with a viscoelastic term of a random rank and number of branches: det Q is zero at each eigenvalue, and there are as many
+    /// eigenvalues as states.
     #[test]
     fn terms_of_any_rank_are_their_formula() {
         let rng = &mut stream(71, 0);

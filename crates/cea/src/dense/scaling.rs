@@ -93,7 +93,7 @@ impl StandardForm {
         self.is_strongly_damped() || self.fastest_state() > FASTEST_STATE_IN_LANE
     }
 
-    /// Matrices for a QR iteration whose eigenvalues together are those of the state matrix; `None` where the dashpots are too
+    /// Matrices for a QR iteration whose eigenvalues together are the eigenvalues of the state matrix; `None` where the dashpots are too
     /// strong, or some but not all internal states are too fast.
     pub(crate) fn into_blocks(self) -> Option<Vec<DMatrix<f64>>> {
         if self.is_strongly_damped() {

@@ -54,7 +54,7 @@ pub fn verdict(
 /// Else the sign of Re lambda decides where it is beyond what the solver's errors may do to it. The rule: |Re lambda| is more than 1e-6
 /// of the scale S = [`Spectrum::scale`](crate::Spectrum::scale), rad/s, and the product of the distances from i Im lambda to the m nearest eigenvalues
 /// is more than 1e-12 S s^(m-1) for m = 3 and 4: with m eigenvalues that meet in one vector a perturbation of 1e-12 could otherwise put one on the axis
-/// (m = 2 follows from the first). The coupling s, rad/s, of vibrations is at most S, and far less where S is that of fast internal states
+/// (m = 2 follows from the first). The coupling s, rad/s, of vibrations is at most S, and far less where S is the scale of fast internal states
 /// (docs/error-bounds.md, section 8). Elsewhere bound and verdict come from
 /// [`certified::certify`](crate::certified::certify).
 ///
@@ -62,7 +62,7 @@ pub fn verdict(
 /// [`certified::certify`](crate::certified::certify): so the zeros of a body that is free to move are marginal.
 ///
 /// # Errors
-/// [`CertifiedError::NoEigenvector`] where an eigenvalue near the axis is none of this system to working precision.
+/// [`CertifiedError::NoEigenvector`] where an eigenvalue near the axis is no eigenvalue of this system to working precision.
 pub fn verdicts(
     system: &SecondOrder,
     lambdas: &[Complex<f64>],

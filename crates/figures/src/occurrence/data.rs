@@ -45,7 +45,7 @@ pub struct OccurrenceMark {
     pub percent: f64,
     /// Text in the legend.
     pub text: String,
-    /// Panels that the line is drawn in: the index of a law and that of a panel.
+    /// Panels that the line is drawn in: the index of a law and the index of a panel.
     pub panels: Vec<[usize; 2]>,
 }
 

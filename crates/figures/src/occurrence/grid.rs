@@ -63,7 +63,7 @@ impl PanelGrid {
         Self { columns, ticks: scale.ticks(0), scale, modes, labels, label_ends, left, width, shrink }
     }
 
-    /// Height of a panel of this law: that of its rows together.
+    /// Height of a panel of this law: the height of its rows together.
     pub fn height(&self, law: &OccurrenceLaw) -> f64 {
         let least = LEAST_ROW_HEIGHT * self.modes.len() as f64;
         (self.shrink * comfortable_height(law, self.modes.len())).max(least).max(2.0 * LEAST_ROW_HEIGHT)

@@ -48,7 +48,7 @@ const REFUSED: [(&str, &[&str]); 5] = [
 pub(super) struct Keyword {
     /// The name in capitals without blanks and the star.
     pub name: String,
-    /// Parameters: the name as that of the keyword, and the value as it is written.
+    /// Parameters: the name, written like the name of the keyword, and the value as it is written.
     options: Vec<(String, String)>,
     line: String,
 }
@@ -65,7 +65,7 @@ impl Keyword {
         Self { name, options: options.collect(), line: line.to_owned() }
     }
 
-    /// The value of a parameter, empty where it has none.
+    /// The value of a parameter, empty where the parameter has no value.
     pub fn option(&self, key: &str) -> Option<&str> {
         self.options.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
     }
@@ -93,7 +93,7 @@ impl Keyword {
         Problem::Keyword { what: "keyword", found: cut(&self.line), allowed }
     }
 
-    /// An error where the keyword, which is none of those that are read, changes the model or may do so; within a step only known ones do.
+    /// An error where the keyword, which is not read, changes the model or may do so; within a step only a known keyword is taken to do so.
     pub fn check_harmless(&self, is_in_step: bool) -> Result<(), Problem> {
         let name = self.name.as_str();
         if name == "RESTART" && self.option("READ").is_none() {

@@ -177,7 +177,7 @@ fn blocks(archive: &mut Archive, (rows, columns): (usize, usize), limits: &Limit
     })
 }
 
-/// `dia`: diagonals, each as far as the matrix is wide, of which those places count that are within it.
+/// `dia`: diagonals, each as long as the matrix is wide; entries outside of the matrix do not count.
 fn diagonals(archive: &mut Archive, (rows, columns): (usize, usize), limits: &Limits) -> Result<Builder, FormatsError> {
     let offsets = with(archive, "offsets.npy", limits, |header, bytes| {
         let (length, storage) = (header.length("the offsets")?, header.storage()?);

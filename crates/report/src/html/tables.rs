@@ -46,7 +46,7 @@ pub(super) fn on_page(table: &Table, file: &str, about: &str) -> Value {
 /// rows with equal first `key` columns as one group, which has the names in the next column, those in the one after it, and
 /// for each of the latter a row of indices into `values`, one for each of the former.
 ///
-/// `None` for a table whose groups are no such products, which is none of this program's.
+/// `None` for a table whose groups are no such products: no table of this program.
 pub(super) fn grouped_on_page(table: &Table, file: &str, about: &str, key: usize) -> Option<Value> {
     let mut values: Vec<&[String]> = Vec::new();
     let mut place_of = HashMap::new();

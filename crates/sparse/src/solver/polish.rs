@@ -34,11 +34,11 @@ const ONE_GROUP: f64 = 1e-8;
 /// Smallest reciprocal condition of the couplings of a group whose left vectors can be paired with its right ones; chosen: below,
 /// the pairs would keep less than half of their digits and the vectors stay as they are.
 const PAIRED: f64 = 1e-6;
-/// Factor on motion times backward error, a first-order estimate; that of `cea::certified`, docs/error-bounds.md.
+/// Factor on motion times backward error, a first-order estimate; the factor of `cea::certified`, docs/error-bounds.md.
 const FIRST_ORDER_SAFETY: f64 = 4.0;
 /// Largest backward error that is nothing but rounding.
 pub(super) const ROUNDING_ONLY: f64 = 16.0 * f64::EPSILON;
-/// Largest tolerance of a marginal eigenvalue, relative to |lambda|; that of `cea::certified`.
+/// Largest tolerance of a marginal eigenvalue, relative to |lambda|; the tolerance of `cea::certified`.
 const LARGEST_MARGINAL_TOLERANCE: f64 = 1e-6;
 
 type Vector = DVector<Complex<f64>>;

@@ -106,7 +106,7 @@ fn real_reach(system: &SparseSecondOrder, scale: &[f64], tau: f64) -> Result<Opt
 }
 
 impl Reach {
-    /// The part of a rectangle in which eigenvalues can be; `None` where there is none. The bounds are widened by `blur`, rad/s: how far rounding
+    /// The part of a rectangle in which eigenvalues can be; `None` where it is empty. The bounds are widened by `blur`, rad/s: how far rounding
     /// of the matrices moves an eigenvalue.
     pub(super) fn within(&self, rectangle: &Rectangle, blur: f64) -> Option<Rectangle> {
         let side = |[from, to]: [f64; 2], most: f64| [from.max(-most - blur), to.min(most + blur)];

@@ -14,9 +14,9 @@ use super::polish::pair_of;
 use super::types::{Circle, Count, Disc, Eigenpair, Found, Reach};
 use crate::{SparseSecondOrder, State};
 
-/// Number of rounds of choosing gamma and equilibrating in turn; that of `cea::certified`.
+/// Number of rounds of choosing gamma and equilibrating in turn; the number of `cea::certified`.
 const ROUNDS: usize = 5;
-/// Most sweeps of Ruiz's iteration in each; that of `cea::certified`.
+/// Most sweeps of Ruiz's iteration in each round; the number of `cea::certified`.
 const SWEEPS: usize = 8;
 /// Largest distance from one of the largest entries of all rows and columns after which no further sweep is made; chosen: factors become powers of two.
 const EVEN: f64 = 0.02;

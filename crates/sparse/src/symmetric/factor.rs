@@ -70,7 +70,7 @@ impl Factor {
         Ok(factor)
     }
 
-    /// Backward error of the solution for a right-hand side without pattern; infinite where there is none, as with a pivot that is zero.
+    /// Backward error of the solution for a right-hand side without pattern; infinite where there is no solution, as with a pivot that is zero.
     fn backward_error(&self, a: &CscMatrix<f64>) -> f64 {
         let b = DMatrix::from_fn(a.nrows(), 1, |i, _| unpatterned((i + 1) as f64) - 0.3);
         let x = self.solve(&b);

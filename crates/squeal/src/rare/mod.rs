@@ -73,7 +73,7 @@ pub struct Rare {
     pub unproven: f64,
     /// Factor by which the intervals are wider because the brake is reduced: 1 of another one, and where it was not compared.
     pub widened: f64,
-    /// The brake is reduced, and a likely squealing brake could not be compared with the full model: an input is none of its parameters.
+    /// True if the brake is reduced, and a likely squealing brake could not be compared with the full model, because an input is not one of its parameters.
     pub is_not_compared: bool,
     /// Certified bound, where there is one.
     pub bound: Option<CertifiedBound>,

@@ -244,7 +244,7 @@ impl Candidates {
         self.images.iter().map(image).min().unwrap_or_else(|| of.to_vec())
     }
 
-    /// True if every symmetry maps the set `of` onto itself; false where there is none but the identity.
+    /// True if every symmetry maps the set `of` onto itself; false where the identity is the only symmetry.
     pub fn is_symmetric(&self, of: &[usize]) -> bool {
         let is_same = |image: &Vec<usize>| of.iter().all(|&single| of.contains(&image[single]));
         self.images.len() > 1 && self.images.iter().all(is_same)

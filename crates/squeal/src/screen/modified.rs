@@ -164,7 +164,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         Ok(())
     }
 
-    /// Index of the configuration of a scene with changes; it is made where there is none yet.
+    /// Index of the configuration of a scene with changes; the configuration is made if it does not exist yet.
     fn configuration(
         &mut self,
         scene: &Scene,

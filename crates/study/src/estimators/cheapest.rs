@@ -240,7 +240,7 @@ fn by_integral<B: UncertainBrake>(
     };
     let found = match exact(&study.references()[scene], &mut family) {
         Ok(found) => found,
-        // Solver errors are none of tracking: see `EstimatorError`.
+        // Solver errors are not errors of tracking: see `EstimatorError`.
         Err(EstimatorError::Tracking(_) | EstimatorError::NotOneParameter { .. }) => {
             return Ok(Err(DoesNotApply { evaluations: family.counters().eigenvalue_solves }));
         }
@@ -271,8 +271,8 @@ fn single_parameter<'a, B: UncertainBrake>(brake: &'a B, scene: &Scene) -> Optio
 }
 
 /// True if the coefficients and gains of a scene are affine in its one parameter at values of equal probability, of which a quarter of the
-/// half width lies between two: a formula that changes within an interval as narrow as the half width is seen. A value at which the brake
-/// does not exist is none of an affine one.
+/// half width lies between two: a formula that changes within an interval as narrow as the half width is seen. A brake that does not
+/// exist at one of these values is not affine.
 fn is_affine_throughout<B: UncertainBrake>(
     brake: &B,
     scene: &Scene,

@@ -121,7 +121,7 @@ mod tests {
         let all = found(Some([1.0 - 1e-12, 1.0, 1.0]), 1e-12);
         assert!(contradiction(&all, &tally(9_999, 10_000)).is_some());
         assert!(contradiction(&all, &tally(10_000, 10_000)).is_none());
-        // What has no name, and what diverges, is none of the modes.
+        // What has no name, and what diverges, is not one of the modes.
         let diverging = SceneTally { diverging: 5, any_unstable: 5, ..tally(0, 100) };
         assert!(contradiction(&none, &diverging).unwrap().starts_with("divergence"));
     }

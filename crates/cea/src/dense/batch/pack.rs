@@ -1,6 +1,6 @@
 //! Scaled state matrices of a batch, written straight into the lanes.
 //!
-//! The scaling is that of [`StandardForm`]. Systems with a diagonal mass matrix (lumped masses, modal coordinates) are scaled
+//! The scaling is the scaling of [`StandardForm`]. Systems with a diagonal mass matrix (lumped masses, modal coordinates) are scaled
 //! here, in all lanes at once; any other system goes through `StandardForm`.
 
 use certified::lanes::Ops;
