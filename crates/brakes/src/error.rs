@@ -39,7 +39,7 @@ pub enum Error {
         /// The part of the file that is wrong.
         source: montecarlo::Damage,
     },
-    /// A prepared brake of another program, or of a processor that rounds differently: this program would have other last bits.
+    /// A prepared brake of another program, or of a processor that rounds differently: its numbers are not those of this one to the last bit.
     #[error("{}: prepared by squeal {found}; allowed: by squeal {expected}", path.display())]
     PreparedElsewhere {
         /// The file.

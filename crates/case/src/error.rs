@@ -66,7 +66,7 @@ pub enum CaseError {
         /// The values allowed.
         allowed: String,
     },
-    /// A contact, a body or a balance of forces that `contact` refuses.
+    /// A contact, a body or a balance of forces that is none.
     #[error("{}: {field}: {source}", path.display())]
     Contact {
         /// The file.

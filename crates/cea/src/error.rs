@@ -26,7 +26,7 @@ pub enum CeaError {
          a double's were not enough; allowed: up to 100 times as fast, which needs none"
     )]
     TooStiff {
-        /// Norm of the damping, or the rate of the fastest internal state, over the norm of the vibrations.
+        /// Norm of the damping, or the fastest internal state, over that of the vibrations.
         ratio: f64,
         /// Number of spectra with more digits than a double's that there were.
         solves: u64,
@@ -41,7 +41,7 @@ pub enum CeaError {
         /// Number of eigenvalues expected: 2 n + s.
         expected: usize,
     },
-    /// A solver that gives eigenvalues that no real system has, or does not sort them.
+    /// A solver whose eigenvalues are not those of a real system, sorted.
     #[error(
         "the solver gave {lambda} where an eigenvalue of a real system would not stand; allowed: finite ones, sorted by frequency, complex \
          ones in exact conjugate pairs"

@@ -67,7 +67,7 @@ pub enum ContactError {
     Apart {
         /// The number of the node of the slave next to the point.
         node: i64,
-        /// Distance of the point from the nearest face that it is over; infinite where it is over no face.
+        /// Distance of the point from the nearest face that it is over; infinite where it is over none.
         distance: f64,
         /// The largest that is allowed.
         reach: f64,
@@ -173,7 +173,7 @@ pub enum ContactError {
         "nothing holds the bodies: with all contacts closed there is a motion without stiffness (a solution has the size {growth:e} of what the stiffness asks for)"
     )]
     NothingHolds {
-        /// The norm of the solution times the norm of the stiffness over the norm of the forces; infinite where there is no solution.
+        /// The norm of the solution times that of the stiffness over that of the forces; infinite where there is none.
         growth: f64,
     },
     /// Friction that locks.
@@ -182,7 +182,7 @@ pub enum ContactError {
     /// No state of open and closed contacts is in balance.
     #[error("there is no equilibrium: {reason}")]
     NoEquilibrium {
-        /// Reason why it is known that there is no equilibrium, in words.
+        /// Reason why it is known that there is none, in words.
         reason: &'static str,
     },
     /// An iteration that did not end.

@@ -94,13 +94,13 @@ pub enum ElementsError {
         /// The number of the node.
         node: i64,
     },
-    /// An axis whose direction is 0 or not finite.
+    /// An axis without direction, or none.
     #[error("the axis has the direction {direction:?}; three finite numbers are allowed, not all 0")]
     Axis {
         /// The direction.
         direction: [f64; 3],
     },
-    /// A number of a material that is not allowed.
+    /// A number of a material that is none.
     #[error("{what} is {value}; allowed is {allowed}")]
     Material {
         /// Name of the number.
@@ -110,7 +110,7 @@ pub enum ElementsError {
         /// Values that are allowed, in words.
         allowed: &'static str,
     },
-    /// Displacements of another number of nodes than the mesh has.
+    /// Displacements that are not those of the nodes of the mesh.
     #[error("there are displacements of {found} nodes; the mesh has {expected}")]
     Displacements {
         /// Number of displacements that there are.

@@ -190,7 +190,7 @@ pub struct DistributionFault {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Damage {
-    /// A file whose first line is not the first line of a checkpoint.
+    /// The first line is not that of a checkpoint.
     #[error("it does not begin with the header of such a file")]
     Header,
     /// Another version of the format.

@@ -26,7 +26,7 @@ pub enum ReductionError {
     /// Loss factors of a structure without real modes, of which dashpots could stand for them.
     #[error("loss factors need real modes of the structure, and {source}")]
     NoDashpots {
-        /// Reason why there are no real modes.
+        /// Reason why there are none.
         source: NoRealModes,
     },
     /// The large system, or a search in it.

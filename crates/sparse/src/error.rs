@@ -66,7 +66,7 @@ pub enum SparseError {
         /// Order of the projected problem.
         order: usize,
     },
-    /// A candidate that inverse iteration did not make an eigenpair.
+    /// A pair that inverse iteration did not make one.
     #[error("an eigenvalue near {lambda:.6e} rad/s does not converge: its backward error stays at {residual:.1e}")]
     NotConverged {
         /// Eigenvalue near which the pair was sought, rad/s.
@@ -104,7 +104,7 @@ pub enum SparseError {
         /// Upper border of that side, rad/s.
         to: f64,
     },
-    /// A loss factor that is negative or not finite, or structural damping in the matrices of a term, where a loss factor says it.
+    /// A loss factor that is none, or structural damping in the matrices of a term, where a loss factor says it.
     #[error(
         "term {term:?} has structural damping, loss factor {loss}; allowed: a finite loss factor >= 0 of the stiffness, and no matrix of it"
     )]

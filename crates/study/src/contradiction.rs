@@ -159,7 +159,7 @@ pub enum Contradiction {
         /// Coordinate of the input in [`DrawnInputs::quantile_sample`](crate::DrawnInputs::quantile_sample).
         coordinate: u32,
     },
-    /// An input that changes with the coordinate of another input, although it is said to depend on no other.
+    /// An input that changes with the coordinate of another, although it is said to depend on none.
     #[error(
         "{scene}: the input {input:?} changes with coordinate {coordinate} of quantile_sample(), which is that of {other:?}; allowed: \
          is_correlated, for inputs that depend on others"
