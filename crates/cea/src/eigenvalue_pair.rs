@@ -17,9 +17,10 @@ const CIRCLE_VALUES: usize = 8;
 const CIRCLE_RADIUS: f64 = 1.25;
 /// Least radius of the circle, relative to the mean of the pair; chosen.
 const LEAST_CIRCLE_RADIUS: f64 = 1e-3;
-/// Least distance of the next eigenvalue from the centre, in radii, estimated by the ratio of two Taylor coefficients; chosen.
+/// Least distance of the next eigenvalue from the centre, in radii, estimated by the ratio of two Taylor coefficients; chosen: with a nearer eigenvalue no
+/// pair is found.
 const LEAST_ISOLATION: f64 = 1.2;
-/// Most steps of Bairstow's method; chosen.
+/// Most steps of Bairstow's method; chosen: a pair that needs more is not found.
 const MOST_BAIRSTOW_STEPS: usize = 12;
 /// Largest change, in radii, of the last step of Bairstow's method; chosen.
 const BAIRSTOW_CONVERGED: f64 = 1e-13;

@@ -129,7 +129,8 @@ impl RealModes {
     }
 }
 
-/// Largest square of the frequency of a motion that no stiffness resists, as a fraction of the largest of all; chosen.
+/// Largest square of the frequency of a motion that no stiffness resists, as a fraction of the largest of all; chosen: such a motion gets
+/// no dashpots.
 const STILL: f64 = 1e-12;
 
 /// Shapes with the motions without mass that K gives them: `B - W (W^T K W)^-1 W^T K B`.

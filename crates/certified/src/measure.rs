@@ -17,7 +17,8 @@ use crate::{CertifiedError, Verdict};
 
 /// Largest backward error that is nothing but rounding, and not worth a Newton step.
 pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
-/// Largest error of a refined eigenvalue, as a fraction of what rounded data move it by; chosen.
+/// Largest error of a refined eigenvalue, as a fraction of what rounded data move it by; chosen: with less, refinement takes more steps; with more, a
+/// larger error is left.
 const REFINED_PART: f64 = 1e-6;
 
 /// State of one eigenvalue in the course of its certification, in scaled quantities.
@@ -32,7 +33,8 @@ pub(super) struct State {
     /// Backward error for the scaled matrices.
     pub(super) scaled_error: f64,
     pub(super) scaled_condition: f64,
-    /// Distance that sigma may move, to first order, for a rounding of each entry of the matrices: far less than for one of their norms, where rows differ in size.
+    /// Distance that sigma may move, to first order, for a rounding of each entry of the matrices: far less than for one of their norms, where rows differ in
+    /// size.
     pub(super) data_shift: f64,
     /// |sigma - exact| estimated, in the scaled problem.
     pub(super) bound: f64,
@@ -209,8 +211,8 @@ impl Measure {
         }
     }
 
-    /// Distance that sigma may move, to first order, for a rounding of each entry, `u |y|^T (|sigma|^2 |M| + |sigma| |C| + |K|) |x| / |y^H Q' x|`, which no scaling of
-    /// rows and columns changes.
+    /// Distance that sigma may move, to first order, for a rounding of each entry, `u |y|^T (|sigma|^2 |M| + |sigma| |C| + |K|) |x| / |y^H Q' x|`, which no
+    /// scaling of rows and columns changes.
     fn data_shift(&self, sigma: Complex<f64>, x: &Vector, y: &Vector) -> f64 {
         let (s, size) = (&self.scaled, sigma.norm());
         let slope = y.dotc(&s.derivative_times(sigma, x)).norm();

@@ -20,7 +20,7 @@ use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
 /// Most steps with one factorisation; chosen: each step gains as many digits as the factorisation has, sixteen less the digits of the condition number.
 const MOST_NEWTON_STEPS: usize = 6;
-/// Most factorisations, each at the sigma that the last one led to; chosen.
+/// Most factorisations, each at the sigma that the last one led to; chosen: an eigenpair that needs more is not refined.
 const MOST_FACTORISATIONS: usize = 4;
 /// Least relative error claimed: the rounding of double-double.
 const DOUBLE_DOUBLE_ROUNDING: f64 = 1e-31;

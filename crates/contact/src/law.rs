@@ -10,7 +10,7 @@ use crate::{Condensed, ContactError, Stiffness};
 const STEPS: usize = 100;
 /// Most halvings of one step; chosen: if nothing gets better after these, what is left is rounding, or is refused.
 const HALVINGS: usize = 30;
-/// Largest residual at the end, relative to the largest gap; chosen.
+/// Largest residual at the end, relative to the largest gap; chosen: with less, rounding may not reach it; with more, gaps have fewer digits.
 const ENOUGH: f64 = 1e-13;
 
 impl Condensed {

@@ -7,9 +7,9 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 const STEPS: usize = 50;
 /// Largest change of own coordinates by the last step; chosen: some roundings.
 const ENOUGH: f64 = 1e-14;
-/// Longest step in own coordinates; chosen.
+/// Longest step in own coordinates, to which longer ones are cut; chosen.
 const LONGEST: f64 = 1.0;
-/// Largest own coordinate of a search that is not given up; chosen.
+/// Largest own coordinate of a search; chosen: a search that leads farther out is given up, and the point has no projection onto the face.
 const FAR_OUT: f64 = 20.0;
 
 /// Projection of a point on a face.

@@ -7,7 +7,7 @@ use crate::{ContactError, Side};
 
 /// Least speed along the face as a fraction of the velocity; chosen: nearer to the normal, rounding would say where it slides.
 const LEAST_ALONG: f64 = 1e-6;
-/// Most steps of Newton's method for the point at which an axis goes through a face; chosen.
+/// Most steps of Newton's method for the point at which an axis goes through a face; chosen: where more are needed the axis is taken to pass the face by.
 const STEPS: usize = 25;
 /// Largest last step of it, and largest distance of its point from the face, in own coordinates; chosen.
 const NEAR: f64 = 1e-10;

@@ -15,7 +15,7 @@ use crate::vector::{norm, scaled, unit};
 
 /// Distance before the tangent plane of a design point up to which a failure counts as one of this design point; chosen: surfaces bend.
 const BEFORE: f64 = 0.5;
-/// Most failures that are followed to a design point, the weightiest first; chosen.
+/// Most failures that are followed to a design point, the weightiest first; chosen: each costs a search.
 const MOST_FOLLOWED: usize = 4;
 
 /// Points evaluated together; chosen: full lanes.

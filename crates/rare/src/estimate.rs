@@ -15,15 +15,16 @@ use crate::sampled::Sampled;
 use crate::search::{DesignPoint, design_points};
 use crate::vector::{norm, unit};
 
-/// Part of the budget for points elsewhere; chosen.
+/// Part of the budget for points elsewhere; chosen: with less, a failure that the lines do not have is seen less surely; with more, fewer lines are evaluated.
 const ELSEWHERE: f64 = 0.2;
-/// Part of the probability of the nearest design point that lies beyond the ends of a line; chosen.
+/// Part of the probability of the nearest design point that lies beyond the ends of a line; chosen: with less, lines are longer; with more, what lies beyond
+/// widens the interval more.
 const BEYOND_LINES: f64 = 2e-3;
 /// Part of the probability of the nearest design point below which one has no lines of its own, and widens the interval instead; chosen.
 const MATERIAL: f64 = 1e-3;
-/// Plain samples where no failure is found; chosen.
+/// Plain samples where no failure is found; chosen: with n of them, none failing, the upper limit of the probability is about 3 / n.
 const PLAIN: usize = 1_000;
-/// Fewest failures elsewhere of which the mean has an error of its own; chosen.
+/// Fewest failures elsewhere of which the mean has an error of its own; chosen: of fewer the mean is not compared with the lines.
 const FEWEST_HITS: usize = 30;
 /// Standard errors that two estimates may be apart; chosen: by chance they are farther apart in some 3 of 1,000 runs.
 const APART: f64 = 3.0;

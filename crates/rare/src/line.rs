@@ -8,7 +8,7 @@ use crate::normal::Interval;
 
 /// Length of a step, in standard deviations; chosen: beside it the density changes by a factor of some hundreds where failure is rare.
 pub(crate) const STEP: f64 = 1.0;
-/// Shortest step about a place at which the margin comes near zero; chosen.
+/// Shortest step about a place at which the margin comes near zero; chosen: with less, more points are evaluated; with more, a shorter failure is passed over.
 const SHORTEST: f64 = STEP / 20.0;
 /// Error of an end of an interval, in standard deviations; chosen: some 1e-3 of the probability beyond.
 pub(crate) const PRECISION: f64 = 5e-4;

@@ -14,9 +14,9 @@ use crate::window::Window;
 
 /// Distance from the medians up to which failure is looked for, in standard deviations; chosen: 1.3e-12 lies beyond, one input alone.
 pub(crate) const REACH: f64 = 7.0;
-/// Largest number of moves to a design point; chosen.
+/// Largest number of moves to a design point; chosen: after as many the last point is kept, marked as not settled.
 const MOST_MOVES: usize = 40;
-/// Largest number of steps up the gradient from one direction to failure; chosen.
+/// Largest number of steps up the gradient from one direction to failure; chosen: after as many only nearer points of the direction itself are looked at.
 const MOST_CLIMBS: usize = 4;
 /// Part of the way to the next direction that is not halved any more where no nearer onset is found, and the same for windows; chosen: with less, more
 /// points are evaluated before a search ends; with more, it ends farther from the design point.
@@ -26,7 +26,8 @@ const SMALLEST_OF_WINDOWS: f64 = 0.01;
 const NEARER: [f64; 3] = [0.8, 0.6, 0.4];
 /// Cosine between ray and gradient at a design point; chosen: 1.1 degrees, beyond which the distance changes by less than an end of an interval.
 const RIGHT_ANGLE: f64 = 1.0 - 2e-4;
-/// Cosine of the directions, and difference of the distances, of two design points that are one; chosen.
+/// Least cosine of the directions, and largest difference of the distances, of two design points that count as one; chosen: stricter numbers may keep one point
+/// twice, looser ones lose one of two points.
 const SAME: (f64, f64) = (0.97, 0.25);
 
 /// A design point: the likeliest failure next to it.

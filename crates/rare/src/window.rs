@@ -9,11 +9,11 @@ use crate::vector::{along, dot};
 
 /// Distances beyond an onset at which the end of a window is looked for, in standard deviations; chosen: farther apart outwards, down to the precision of onsets.
 const BEYOND: [f64; 8] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 0.6, STEP];
-/// Precision of the width of a window, as a part of it; chosen.
+/// Precision of the end of a window, as a part of the distance beyond the onset at which failure was seen; chosen.
 const OF_WIDTH: f64 = 0.1;
 /// Distance between the places that are looked at about a window, in widths; chosen: at least one of them is inside.
 const SPACING: f64 = 0.5;
-/// Number of these places on either side; chosen.
+/// Number of these places on either side; chosen: a window that lies farther from where it is expected is lost.
 const ON_A_SIDE: i32 = 6;
 /// Part of the way across of the first move, and the smallest; chosen: a window that moves by three widths in the smallest is lost.
 const MOVES: (f64, f64) = (0.5, 1.0 / 128.0);

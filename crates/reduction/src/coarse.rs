@@ -29,7 +29,8 @@ const WANTED_ERROR: f64 = 1e-5;
 const LEAST_ERROR: f64 = 1e-9;
 /// Largest distance from the rectangle, as a fraction of |lambda|, of modes that shape the basis too; chosen: others come into it from there.
 const MARGIN: f64 = 0.01;
-/// Largest distance of a sample over the largest one at these points; chosen.
+/// Factor from the largest distance at these points to the distance that is assumed of a mode of a sample; chosen: with less, distances of samples may be
+/// larger than assumed; with more, more modes are polished.
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest error, relative to |lambda|, that a coarse mode of a sample may be thought to have; chosen: as far apart two modes may be one.
 const MOST_ERROR: f64 = 1e-3;

@@ -36,7 +36,7 @@ const CONVERGED: f64 = 5e-5;
 const MOST_CORRECTIONS: usize = 4;
 /// Largest relative correction of an eigenvalue that is to be told apart from others; chosen.
 const LAST_DIGITS: f64 = 1e-6;
-/// Most corrections of an eigenvalue that is to be told apart from others; chosen.
+/// Most corrections of an eigenvalue that is to be told apart from others; chosen: where one needs more, the eigenvalues are not told apart.
 const MOST_ROUNDS: usize = 8;
 /// Number of inverse iterations for a vector that is not known; chosen.
 const STEPS_FROM_ANY: usize = 3;

@@ -28,7 +28,7 @@ const MARGIN: f64 = 0.02;
 const INVERSES: usize = 8;
 /// Most corrections at one point, after which all modes are found there anew; chosen: that takes a whole spectrum on the larger basis.
 const MOST_CORRECTIONS: usize = 4;
-/// Largest change of an eigenvalue that is taken as it is estimated, as a fraction of its size; chosen.
+/// Largest change of an eigenvalue that is taken as it is estimated, as a fraction of its size; chosen: with a larger estimate the eigenvalue stays as it is.
 const SHIFTED: f64 = 0.02;
 /// Most changes of a smaller basis; chosen: one that does not hold the modes after the last change is marked as such.
 const MOST_ROUNDS: i32 = 12;

@@ -14,7 +14,8 @@ use crate::real_system::check_real;
 
 /// Number of samples that are solved together; chosen, so that batched solvers are filled.
 const BLOCK: u64 = 32;
-/// Number of blocks whose rows are in memory at once, for each thread; chosen.
+/// Number of blocks whose rows are in memory at once, for each thread; chosen: with fewer, threads wait for each other more often; with more, more memory is
+/// taken.
 const BLOCKS_PER_THREAD: usize = 4;
 
 /// Name of the table of every mode, for refusals: it needs whole spectra of real systems.

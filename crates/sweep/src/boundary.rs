@@ -33,7 +33,8 @@ const LARGEST_DEPARTURE: f64 = 0.05;
 const LEAST_LIKENESS: f64 = 0.8;
 /// Largest distance from the curve of a point that is on it; chosen: rounding of coordinates near 1.
 const ON_CURVE: f64 = 1e-13;
-/// Largest distance of a point that is on the curve if corrections do not fall any more; chosen.
+/// Largest distance of a point that counts as on the curve if corrections do not fall any more; chosen: with less, points whose
+/// corrections are rounding are not found; with more, points are farther from the curve.
 const ROUNDING: f64 = 1e-9;
 /// Most corrections; chosen: a step that needs more is halved.
 const MOST_CORRECTIONS: usize = 8;

@@ -26,7 +26,7 @@ const LEAST_ERROR: f64 = 1e-10;
 const NEXT_TO: f64 = 1e-5;
 /// Least growth by which its law is told, as a multiple of the largest that is hidden; chosen: a growth with the cube of the distance has it twice as far away.
 const CLEAR: f64 = 8.0;
-/// Largest power of the distance with which growth may begin; chosen.
+/// Largest power of the distance with which growth may begin; chosen: a growth that seems to begin with a larger power is taken to begin with this one.
 const STEEPEST: f64 = 4.0;
 /// Largest growth to which a law leads within twice a distance at which it is not yet clear, as a multiple of the largest that is hidden; chosen: a fourth
 /// power makes 128 of 8.
@@ -37,7 +37,7 @@ const SAFETY: f64 = 3.0;
 const SLOW: f64 = 100.0;
 /// Largest growth with which a mode may begin, as a fraction of its frequency; one that seems to begin with more has begun with less. Chosen.
 const ROUNDED: f64 = 1e-8;
-/// Shortest step, as a fraction of the range, in which a least distance from the threshold is looked for; chosen.
+/// Shortest step, as a fraction of the range, in which a least distance from the threshold is looked for; chosen: shorter ones are listed as unresolved.
 const SHORTEST_DIP: f64 = 1e-9;
 /// Ratio of the depth that a distance may have between three places to the depth of the parabola through the three; chosen: with less, a dip between them may
 /// be passed over; with more, more spectra are taken.

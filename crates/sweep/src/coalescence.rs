@@ -18,7 +18,8 @@ use crate::Error;
 pub(super) const FARTHEST: f64 = 0.02;
 /// Least distance of the three parameters, as a fraction of the range; chosen: nearer to a branch point eigenvalues lose digits.
 const LEAST_SPACING: f64 = 1e-4;
-/// Largest last change of a branch point that has settled, as a fraction of the range; chosen.
+/// Largest last change of a branch point that has settled, as a fraction of the range; chosen: with less, more moves are needed, and a point may not settle
+/// within [`MOST_MOVES`].
 const SETTLED: f64 = 1e-9;
 /// Most moves of a branch point; chosen: one that needs more is not listed.
 const MOST_MOVES: usize = 8;

@@ -22,7 +22,8 @@ pub fn named(mode: &str) -> String {
 }
 /// Smallest pivot, as a fraction of the largest, of a stiffness whose determinant has a sign; chosen: the stiffness of a free body has none.
 const SINGULAR: f64 = 1e-12;
-/// Largest singular value of a stiffness that counts as zero, as a fraction of the size of stiffnesses next to it; chosen.
+/// Largest singular value of a stiffness that counts as zero, as a fraction of the size of stiffnesses next to it; chosen: with a larger singular value a
+/// change of the sign is taken for rounding.
 const NULL: f64 = 1e-10;
 /// Distance from a place without a sign at which the sign is looked for, as a fraction of the line; chosen.
 pub(super) const BESIDE: f64 = 1e-7;

@@ -19,7 +19,8 @@ use crate::Error;
 
 /// Number of equal steps of a line without openings at which unstable modes are counted; chosen.
 const STEPS: usize = 64;
-/// Number of lines each way on whose crossings contact points are asked for their state; chosen.
+/// Number of lines each way on whose crossings contact points are asked for their state; chosen: with fewer, an opening between two crossings is passed over;
+/// with more, more states are computed.
 const ASKED: usize = 17;
 
 /// A change of the number of unstable modes on a line of a map.

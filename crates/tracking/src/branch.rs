@@ -14,7 +14,8 @@ use num_complex::Complex;
 
 use crate::step_control::PredictorErrors;
 
-/// Weight of the change of slope, relative to the distance of the tangents, in the error of a link; chosen.
+/// Weight of the change of slope, relative to the distance of the tangents, in the error of a link; chosen: with less, the slope tells branches apart less;
+/// with more, a branch that turns has a larger error.
 const DIRECTION_WEIGHT: f64 = 0.25;
 /// Largest error of a clear link, as a fraction of the error of the second best link; chosen: with less, more steps are halved; with more, a link may lead to
 /// another branch.

@@ -130,7 +130,8 @@ fn common_rows(check: &Check<'_>, all: &mut [ReadTerm]) -> Result<Vec<Dof>, Case
     Ok(labels.unwrap_or_else(|| (1..=order as i64).map(|node| Dof { node, direction: 0 }).collect()))
 }
 
-/// Largest difference of an entry of a symmetric matrix from its mirror image, as a fraction of the largest entry; chosen.
+/// Largest difference of an entry of a symmetric matrix from its mirror image, as a fraction of the largest entry; chosen: a stiffness with a larger
+/// difference is refused a loss factor.
 const SYMMETRIC: f64 = 1e-10;
 
 /// The terms, with Rayleigh damping and loss factors at a frequency in C, and their coefficients. A loss factor without a frequency is that of a complex

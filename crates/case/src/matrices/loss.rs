@@ -12,7 +12,8 @@ use super::elsewhere::{Places, damping, on, sum, with_stiffness};
 use crate::CaseError;
 use crate::check::{Check, field};
 
-/// Largest difference of an entry of a symmetric matrix from its mirror image, as a fraction of the largest entry; chosen.
+/// Largest difference of an entry of a symmetric matrix from its mirror image, as a fraction of the largest entry; chosen: a stiffness with a larger
+/// difference is refused a loss factor.
 const SYMMETRIC: f64 = 1e-10;
 /// Least damping ratio to which an error of the damping is compared: a mode with less has no loss. Chosen: above rounding of eigenvalues.
 const NO_LOSS: f64 = 1e-7;

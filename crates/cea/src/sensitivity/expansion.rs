@@ -7,7 +7,8 @@ use num_complex::Complex;
 use super::{Eigentriple, Perturbation};
 use crate::{CeaError, Workspace};
 
-/// Largest second order, as a fraction of the first, with which the first is said to hold; chosen.
+/// Largest second order, as a fraction of the first, with which the first is said to hold; chosen: with less, it is said to hold for smaller changes only; with
+/// more, also where its error is larger.
 const TOLERATED: f64 = 0.1;
 
 /// Derivatives of an eigenvalue by a parameter.

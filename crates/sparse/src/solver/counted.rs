@@ -19,9 +19,11 @@ const WIDEST: f64 = 1.5;
 /// Largest distance of eigenvalues that are counted together as copies of one, in blurs, the distance to which rounding moves one apart; chosen: with less, a
 /// circle about copies comes so near to them that rounding turns the phase; with more, neighbours are in it, too.
 const CLUSTER: f64 = 100.0;
-/// Radii of the circles about copies of one eigenvalue, as fractions of the distance of the nearest other one; chosen.
+/// Radii of the circles about copies of one eigenvalue, as fractions of the distance of the nearest other eigenvalue; chosen: half the distance is as far from
+/// the other as from the copies, and smaller circles are tried where the phase jumps on it.
 const FRACTIONS: [f64; 4] = [0.5, 0.3, 0.1, 0.03];
-/// Largest distance from the centre of a disc, in its radii, of Ritz values that are divided out though they are not in the list; chosen.
+/// Largest distance from the centre of a disc, in its radii, of Ritz values that are divided out though they are not in the list; chosen: what is
+/// known outside of a circle only makes the phase along it smoother.
 const NEAR: f64 = 3.0;
 
 /// Counts the pairs again, in a circle about each disc. Known are the pairs of the list wherever they were searched, in both half planes, and outside of the

@@ -24,7 +24,8 @@ const SEEN: f64 = 1e-6;
 const NEARLY: f64 = 1e-8;
 /// Largest backward error of a wanted right Ritz vector that is good enough: some rounding errors.
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
-/// Largest relative residual of a Ritz value whose vector is good enough though its backward error does not become so small; chosen.
+/// Largest relative residual of a Ritz value whose vector is good enough though its backward error does not become so small; chosen: with less, spaces grow
+/// though no backward error becomes smaller; with more, vectors have fewer digits.
 const CONVERGED: f64 = 1e-13;
 /// Radius of a disc, as a fraction of the distance of the first Ritz value not yet known; chosen: with less, discs are smaller; with more, that value may be
 /// inside, as its place is not known.

@@ -53,9 +53,10 @@ struct Norms {
     states: Vec<f64>,
 }
 
-/// Least blur of an eigenvalue, relative to |lambda|: eigenvalues that are farther apart than their blur are told apart. Chosen.
+/// Least blur of an eigenvalue, relative to |lambda|: eigenvalues that are farther apart than their blur are told apart. Chosen, with the effect of [`APART`].
 const TOLD_APART: f64 = 1e-7;
-/// Blur of an eigenvalue with one vector, in roots of a rounding error times the scale of the problem; chosen.
+/// Blur of an eigenvalue with one vector, in roots of a rounding error times the scale of the problem; chosen: with less, copies of one eigenvalue may count as
+/// neighbours; with more, neighbours count as one group.
 const APART: f64 = 4.0;
 
 /// Vectors in columns.

@@ -26,7 +26,7 @@ const INVERSE_STEPS: usize = 3;
 const FACTORISATIONS: [usize; 2] = [2, 8];
 /// Largest backward error with which no further factorisation is made: some rounding errors.
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
-/// Largest step of an eigenvalue by one factorisation, relative to it; chosen.
+/// Largest step of an eigenvalue by one factorisation, relative to it; chosen: where the quotient of the vectors leads farther, it is not taken.
 const FARTHEST: f64 = 0.1;
 /// Largest distance of two eigenvalues whose vectors may be any of a common space, relative to |lambda|; chosen:
 /// with less, left vectors of a multiple eigenvalue are paired with wrong right ones; with more, vectors of neighbours are mixed.

@@ -29,7 +29,7 @@ const FOUND_TWICE: f64 = 1e-9;
 /// Smallest length of the component of a unit eigenvector outside the span of others, for it to be a vector of its own; chosen: with less, the errors of a
 /// vector that was found twice count as a second vector; with more, two eigenvectors that are nearly one count once.
 const INDEPENDENT: f64 = 1e-4;
-/// Largest backward error in the whole problem of a pair of a projected one that is kept; chosen.
+/// Largest backward error in the whole problem of a pair of the projected problem; chosen: a pair with a larger error is not kept.
 const CONVERGED: f64 = 1e-9;
 /// Number of vectors that are iterated beside the vectors of a group, to find its space.
 const BESIDE_VECTORS: usize = 2;

@@ -6,13 +6,14 @@ use num_complex::Complex;
 
 use super::folder::SetModes;
 
-/// Least fraction of the degrees of freedom of either study that both must have for their shapes to be compared; chosen.
+/// Least fraction of the degrees of freedom of either study that both must have for their shapes to be compared; chosen: with
+/// less in common, modes are linked by their frequencies.
 const COMMON_DOFS: f64 = 0.5;
-/// Least MAC of a link by shapes; chosen.
+/// Least MAC of a link by shapes; chosen: with less, modes of other shapes are linked; with more, modes are left without a link.
 const LEAST_MAC: f64 = 0.6;
 /// Least amount by which that MAC is above the next one; chosen: modes next to a coalescence are alike, so that a larger margin would leave them without links.
 const MAC_MARGIN: f64 = 0.1;
-/// Largest distance of two frequencies that are linked, relative; chosen.
+/// Largest distance of two frequencies that are linked, relative; chosen: with less, modes are left without a link; with more, other modes are linked.
 const FREQUENCY_DISTANCE: f64 = 0.05;
 
 /// Ground on which two modes are linked.

@@ -17,7 +17,8 @@ use crate::{ModeLabel, Study, UncertainBrake};
 const FIRST_HALVINGS: u32 = 2;
 /// Number of steps of the finest grid in each direction; chosen.
 const GRID_STEPS: u32 = 1 << 16;
-/// Number of points for each one that is left outside the cells, at each end of each direction; chosen.
+/// Number of points for each one that is left outside the cells, at each end of each direction; chosen: with fewer, more points belong to a cell that does not
+/// reach them; with more, single far points make all cells larger.
 const POINTS_PER_OUTLIER: usize = 4096;
 /// Number of points of which the nearest gives the gain of a sample point; chosen: with more, finding it takes longer.
 const TANGENT_CANDIDATES: usize = 2048;

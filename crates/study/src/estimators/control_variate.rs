@@ -29,9 +29,10 @@ use crate::{ModeLabel, Scratch, Study, UncertainBrake};
 /// Half width for which the samples of the first look are planned, as a fraction of the half width asked for; chosen: with 1, a further look is needed as often
 /// as not.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
-/// Fractions of the half width tried for Student's t, of which the cheapest is taken; chosen.
+/// Fractions of the half width tried for Student's t, of which the cheapest is taken; chosen: with fewer, the division is less cheap.
 const STUDENT_PARTS: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
-/// Cost of an uncertain sample over the cost of a clear sample, whose modes need not be followed; chosen.
+/// Cost of an uncertain sample over the cost of a clear sample, whose modes need not be followed; chosen: it decides how the half width is divided between the
+/// two.
 const UNCERTAIN_PRICE: f64 = 2.0;
 /// Share of all samples in which a prediction is assumed to be wrong before any sample is solved; chosen.
 const PRIOR_WRONG_OF_ALL: f64 = 3e-4;

@@ -11,7 +11,8 @@ use crate::{Spectrum, Workspace};
 const GAIN_DIFFERENCE: f64 = 1e-4;
 /// Largest |Im sigma| / |sigma| at which an eigenvalue counts as real; chosen, above the spread of a cluster by rounding.
 const NEARLY_REAL: f64 = 1e-4;
-/// Least and largest ratio of [`reach`] by which the shift of an anchor's internal eigenvalues is scaled; chosen.
+/// Least and largest ratio of [`reach`] by which the shift of an anchor's internal eigenvalues is scaled; chosen: with a ratio farther from 1 the shift is
+/// scaled by the nearer of these.
 const REACH_RATIO: (f64, f64) = (0.25, 4.0);
 
 /// Gains of one structure whose eigenvalues are known.
