@@ -159,7 +159,7 @@ pub(super) fn all_bases(
         found
     };
     let parts = asked.par_iter().enumerate().map(part).collect::<Result<Vec<_>, Error>>()?;
-    let whole = |(set, &origin): (&ReducedSet, &usize)| {
+    let modes_of_whole = |(set, &origin): (&ReducedSet, &usize)| {
         let (asked, first) = (&asked[origin], &parts[origin].first);
         let inputs = |to: &mut Vec<u8>| {
             case.constraints[asked.set].fixed.put(to);
@@ -169,7 +169,7 @@ pub(super) fn all_bases(
         pieces.item("whole", inputs, || modes_at_medians(case, set, &asked.arrangements[0], first))
     };
     let by_set: Vec<(&ReducedSet, &usize)> = sets.iter().zip(&of_origins).collect();
-    let whole = together.map(by_set, whole)?;
+    let whole = together.map(by_set, modes_of_whole)?;
     for (at, ((set, whole), &origin)) in sets.iter_mut().zip(whole).zip(&of_origins).enumerate() {
         set.compared = compared(&whole, parts[origin].first.clone());
         set.modes = whole;

@@ -25,7 +25,7 @@ pub(super) fn points(case: &FiniteElementCase, over: &[Over]) -> Result<Vec<Oper
     let scene = SceneOf { case, closed: &closed, state };
     let swept = swept(&parameters::named(&scene), "the first scene of this case", over)?;
     let along = if swept.len() == 1 { ALONG_ONE } else { ALONG_EACH };
-    let values = |parameter: &SweptParameter| {
+    let values_of = |parameter: &SweptParameter| {
         let median = parameter.part(parameter.median);
         let (first, last) = (median.min(0.0), median.max(1.0));
         let value = |at: usize| parameter.at(first + (last - first) * at as f64 / (along - 1) as f64);
@@ -33,7 +33,7 @@ pub(super) fn points(case: &FiniteElementCase, over: &[Over]) -> Result<Vec<Oper
     };
     let mut grid: Vec<Vec<(usize, f64)>> = vec![Vec::new()];
     for parameter in &swept {
-        let values = values(parameter);
+        let values = values_of(parameter);
         let with = |point: &Vec<(usize, f64)>, value: f64| [point.as_slice(), &[(parameter.place, value)]].concat();
         grid = grid.iter().flat_map(|point| values.iter().map(move |&value| with(point, value))).collect();
     }
