@@ -133,8 +133,8 @@ impl ContactBalance {
         let of_structure: Vec<f64> = self.stiff.iter().map(|&term| acting.coefficients[term]).collect();
         let key = [&of_structure, acting.loads, acting.mu, acting.stiffness].concat();
         self.states.get(STATES, key, || {
-            let condensed = || Condensed::new(&structure(), &self.gaps, &self.slips, &self.springs, &self.loads);
-            let condensed = self.structures.get(STRUCTURES, of_structure.clone(), condensed)?;
+            let condense = || Condensed::new(&structure(), &self.gaps, &self.slips, &self.springs, &self.loads);
+            let condensed = self.structures.get(STRUCTURES, of_structure.clone(), condense)?;
             let springs: Vec<f64> = self.springs.iter().zip(acting.stiffness).map(|(k, factor)| k * factor).collect();
             let kept: Vec<usize> = (0..self.points()).filter(|&at| springs[at] > 0.0).collect();
             let balance = Balance {
@@ -201,12 +201,12 @@ impl<T> Recent<T> {
         make: impl FnOnce() -> Result<T, ContactError>,
     ) -> Result<Arc<T>, ContactError> {
         // What another thread kept before it panicked is right all the same.
-        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, found)) = known().iter().find(|(of, _)| *of == key) {
+        let locked = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = locked().iter().find(|(of, _)| *of == key) {
             return Ok(Arc::clone(found));
         }
         let found = Arc::new(make()?);
-        let mut known = known();
+        let mut known = locked();
         known.push_back((key, Arc::clone(&found)));
         if known.len() > most {
             known.pop_front();
