@@ -28,7 +28,7 @@ impl PreparedArgs {
     /// # Errors
     /// A file of pieces that cannot be read, or for a case that nothing is prepared of.
     pub(super) fn open(&self, case: &CaseFile) -> Result<Prepared, Error> {
-        let CaseFile::FiniteElements(of) = case else {
+        let CaseFile::FiniteElements(finite_elements) = case else {
             return match &self.prepared {
                 Some(path) => Err(none_prepared("--prepared", path)),
                 None => Ok(Prepared::default()),
@@ -36,7 +36,7 @@ impl PreparedArgs {
         };
         let prepared = Prepared::default();
         let prepared = if let Some(path) = &self.prepared { prepared.from_file(path)? } else { prepared };
-        let beside = of.header.path.parent().unwrap_or(Path::new(""));
+        let beside = finite_elements.header.path.parent().unwrap_or(Path::new(""));
         Ok(if self.no_cache { prepared } else { prepared.in_folder(beside.join(FOLDER)) })
     }
 }

@@ -86,8 +86,8 @@ struct Model<'a> {
 
 impl Model<'_> {
     fn lines(&self) -> Result<Lines, Error> {
-        let Self { set, name, mass, rectangle: [re, im], region, system } = self;
-        let name = |row: &usize| name(*row);
+        let Self { set, name: name_of, mass, rectangle: [re, im], region, system } = self;
+        let name = |row: &usize| name_of(*row);
         let mut lines = Lines::default();
         for (letter, matrix) in [("M", &system.m), ("C", &system.c), ("K", &system.k)] {
             let health = MatrixHealth::of(matrix)?;
