@@ -314,15 +314,15 @@ impl AffineSystem {
             wanted().nth(LEAST_DENSE - 1).is_some() && wanted().all(|(channel, _)| channel.is_dense(self.order()));
         if are_dense {
             // Of a reduced brake: one product for all.
-            let wanted: Vec<(&Channel, &ChannelGain)> = wanted().collect();
+            let all: Vec<(&Channel, &ChannelGain)> = wanted().collect();
             let of = |side: fn(&Channel) -> &[(usize, f64)], gain: fn(&ChannelGain) -> f64| {
-                DMatrix::from_fn(wanted.len(), self.order(), |at, dof| side(wanted[at].0)[dof].1 * gain(wanted[at].1))
+                DMatrix::from_fn(all.len(), self.order(), |at, dof| side(all[at].0)[dof].1 * gain(all[at].1))
             };
             let force = of(|channel| &channel.force, |_| 1.0).transpose();
-            if wanted.iter().any(|(_, gain)| gain.mu != 0.0) {
+            if all.iter().any(|(_, gain)| gain.mu != 0.0) {
                 out.k.gemm(1.0, &force, &of(|channel| &channel.reading, |gain| gain.mu), 1.0);
             }
-            if wanted.iter().any(|(_, gain)| gain.slope != 0.0) {
+            if all.iter().any(|(_, gain)| gain.slope != 0.0) {
                 out.c.gemm(1.0, &force, &of(|channel| &channel.force, |gain| gain.slope), 1.0);
             }
         }
