@@ -191,9 +191,9 @@ impl PickFreeze<'_> {
         if !has_variance(variance, mean) {
             return None;
         }
-        let term = |[a, b, mixed]: [f64; 3]| term(a, b, mixed);
-        let value = rows().map(term).sum::<f64>() / n as f64 / variance;
-        let left = rows().map(|row| (term(row) - value * of_variance(row)).powi(2)).sum::<f64>();
+        let term_of = |[a, b, mixed]: [f64; 3]| term(a, b, mixed);
+        let value = rows().map(term_of).sum::<f64>() / n as f64 / variance;
+        let left = rows().map(|row| (term_of(row) - value * of_variance(row)).powi(2)).sum::<f64>();
         let standard_error = (left / (n - 1) as f64 / n as f64).sqrt() / variance;
         Some(SobolIndex { value, standard_error, samples: n as u64, few: None })
     }
