@@ -93,13 +93,13 @@ pub(crate) fn elsewhere<L: LimitState>(
     // Of the inputs across a direction of failure the sum of squares is about d - 1.
     let longest = reach.hypot(if d > 1 { ((d - 1) as f64).sqrt() + 3.0 } else { 0.0 });
     let lengths = Lengths::new(d, known.first().map_or(0.0, |nearest| nearest.beta), longest);
-    let drawn = |index: usize| {
+    let draw = |index: usize| {
         let mut rng = montecarlo::stream(seed, index as u64);
         let length = lengths.length(std::array::from_fn(|_| StandardUniform.sample(&mut rng)));
         let direction = unit((0..d).map(|_| StandardNormal.sample(&mut rng)).collect())?;
         Some((scaled(length, &direction), lengths.weight(length)))
     };
-    let drawn: Vec<(Vec<f64>, f64)> = (0..points).filter_map(drawn).collect();
+    let drawn: Vec<(Vec<f64>, f64)> = (0..points).filter_map(draw).collect();
     let failing = |drawn: &[(Vec<f64>, f64)]| -> Result<Vec<(Vec<f64>, f64)>, L::Error> {
         let points: Vec<Vec<f64>> = drawn.iter().map(|(u, _)| u.clone()).collect();
         let worst = of.worst_of_all(&points)?;

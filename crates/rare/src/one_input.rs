@@ -34,11 +34,11 @@ pub(crate) fn estimate<L: LimitState>(of: &Counted<'_, L>, options: &Options) ->
     let open = between(&of.proven());
     let places: Vec<Vec<f64>> = points(&open, SCANNED * options.budget as f64);
     let flat: Vec<f64> = places.iter().flatten().copied().collect();
-    let margins = |chunk: &[f64]| -> Result<Vec<f64>, L::Error> {
+    let evaluate = |chunk: &[f64]| -> Result<Vec<f64>, L::Error> {
         let all: Vec<Vec<f64>> = chunk.iter().map(|u| vec![*u]).collect();
         Ok(of.worst_of_all(&all)?.iter().map(|mode| mode.margin).collect())
     };
-    let found = flat.par_chunks(AT_ONCE).map(margins).collect::<Result<Vec<_>, L::Error>>()?;
+    let found = flat.par_chunks(AT_ONCE).map(evaluate).collect::<Result<Vec<_>, L::Error>>()?;
     let mut margins = found.into_iter().flatten();
     let mut margin = |u: f64| Ok::<f64, L::Error>(of.worst(&[u])?.margin);
     let (mut intervals, mut widest) = (Vec::new(), 0.0_f64);

@@ -72,7 +72,7 @@ impl Spread {
         let eigen = (0.5 * (&projected + projected.transpose())).symmetric_eigen();
         let hazard = density(point.beta) / tail(point.beta);
         let deviation = |curvature: &f64| (1.0 - (hazard * curvature).min(LARGEST)).powf(-0.5);
-        let direction = |j: usize| {
+        let principal = |j: usize| {
             let zero = vec![0.0; of.dimensions()];
             directions
                 .iter()
@@ -80,7 +80,7 @@ impl Spread {
                 .fold(zero, |sum, (own, part)| along(&sum, *part, own))
         };
         let wide = eigen.eigenvalues.iter().enumerate().filter(|(_, curvature)| **curvature > FLAT);
-        Ok(Self { wide: wide.map(|(j, curvature)| (direction(j), deviation(curvature))).collect() })
+        Ok(Self { wide: wide.map(|(j, curvature)| (principal(j), deviation(curvature))).collect() })
     }
 
     /// The point across, drawn from the normal distribution and widened if `is_wide`, half of the time; and its density there over that with which it was

@@ -66,8 +66,8 @@ impl Window {
         line: &dyn Fn(f64) -> Vec<f64>,
         expected: f64,
     ) -> Result<Option<Seen>, L::Error> {
-        let at = |place: i32| expected + SPACING * self.width * f64::from(place);
-        let at: Vec<f64> = (-ON_A_SIDE..=ON_A_SIDE).map(at).collect();
+        let about = |place: i32| expected + SPACING * self.width * f64::from(place);
+        let at: Vec<f64> = (-ON_A_SIDE..=ON_A_SIDE).map(about).collect();
         let points: Vec<Vec<f64>> = at.iter().map(|t| line(*t)).collect();
         let margins = of.worst_of_all(&points)?.into_iter().map(|mode| mode.margin);
         Ok(Seen::new(at.into_iter().zip(margins).collect(), expected))
