@@ -204,11 +204,11 @@ impl Coarse {
         let systems: Vec<SecondOrder> = made.iter().flatten().cloned().collect();
         let found = spectra(&systems);
         let slack = MORE_DISTANCE * self.own.error;
-        let near = |found: &Result<Spectrum, CeaError>| match found {
+        let near_rectangle = |found: &Result<Spectrum, CeaError>| match found {
             Ok(found) => reduced.next_to_rectangle(found, slack),
             Err(_) => Vec::new(),
         };
-        let near: Vec<Vec<Complex<f64>>> = found.iter().map(near).collect();
+        let near: Vec<Vec<Complex<f64>>> = found.iter().map(near_rectangle).collect();
         let of: Vec<(&SecondOrder, &[Complex<f64>])> = systems.iter().zip(near.iter().map(Vec::as_slice)).collect();
         let mut shapes = right_vectors_of_all(&of, &mut Workspace::default()).into_iter();
         let mut found = found.into_iter().zip(near);

@@ -30,11 +30,11 @@ impl CoarseStates {
         points: &[OperatingPoint],
         states: &[Shapes],
     ) -> Result<Option<Self>, ReductionError> {
-        let with_states = |point: &OperatingPoint| with_states(of, point);
-        let Some(channels) = points.iter().map(with_states).find(|channels| !channels.is_empty()) else {
+        let channels_at = |point: &OperatingPoint| with_states(of, point);
+        let Some(channels) = points.iter().map(channels_at).find(|channels| !channels.is_empty()) else {
             return Ok(None);
         };
-        let of_these = points.iter().zip(states).filter(|(point, _)| with_states(point) == channels);
+        let of_these = points.iter().zip(states).filter(|(point, _)| channels_at(point) == channels);
         let columns: Shapes = of_these.flat_map(|(_, states)| states).cloned().collect();
         if columns.is_empty() {
             return Ok(None);

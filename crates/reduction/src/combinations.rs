@@ -45,10 +45,10 @@ impl Combinations {
         let of_term = |SparseTerm { matrices: SparseSecondOrder { m, c, k, .. }, .. }: &SparseTerm| [m, c, k].map(of);
         let terms = system.terms().iter().map(of_term).collect();
         let channels = system.channels();
-        let force = |row: usize, at: usize| {
+        let combined = |row: usize, at: usize| {
             channels[at].force.iter().map(|&(dof, value)| value * combinations[(row, dof)]).sum::<f64>()
         };
-        let force = DMatrix::from_fn(COMBINATIONS, channels.len(), force);
+        let force = DMatrix::from_fn(COMBINATIONS, channels.len(), combined);
         Self { terms, basis: dense::product(&combinations, basis), force, norms: Norms::new(system) }
     }
 }
