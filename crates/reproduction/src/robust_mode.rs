@@ -127,8 +127,8 @@ pub(super) fn robust_work(
     let scenes = full_contact(results, UNCONSTRAINED).count();
     let oscillators = brake_oscillators(results, UNCONSTRAINED);
     let limits = judgement.of(candidates.len() * scenes * oscillators);
-    let margins = |name: ModeLabel| work_dominance(results, UNCONSTRAINED, name, &paper.corners, &limits);
-    let of_each = candidates.iter().map(|&name| margins(name)).collect::<Result<Vec<_>, Error>>()?;
+    let margins_of = |name: ModeLabel| work_dominance(results, UNCONSTRAINED, name, &paper.corners, &limits);
+    let of_each = candidates.iter().map(|&name| margins_of(name)).collect::<Result<Vec<_>, Error>>()?;
     let Some(ours) = of_each.first().filter(|margins| !margins.is_empty()) else {
         return Ok(claim.undetermined("the mode is never unstable with every oscillator in contact"));
     };
@@ -139,7 +139,7 @@ pub(super) fn robust_work(
     };
     let holds = agreed(&of_each.iter().map(verdict).collect::<Vec<_>>());
     let of_theirs = of_paper_modes(results, paper, |mode| {
-        let margins = margins(mode)?;
+        let margins = margins_of(mode)?;
         Ok(if margins.is_empty() { "none".into() } else { format!("{:+.3}", smallest(&margins).value) })
     })?;
     let list: Vec<String> = ours.iter().map(|(law, margin)| format!("{law} {:+.3}", margin.value)).collect();

@@ -100,7 +100,7 @@ pub fn run(args: &ReadingsArgs, root: &Path) -> Result<(), Error> {
     let paper = product::paper_modes(&path, &case)?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let workers = args.threads.map_or_else(cores, |threads| usize::try_from(threads).unwrap_or(usize::MAX));
-    let coarse = |combination: &Combination| {
+    let coarse_case = |combination: &Combination| {
         let mut case = of(combination, args.samples)?;
         // To follow modes takes several times as long as all else.
         case.readings.identity = ModeIdentity::Mac;
@@ -108,9 +108,9 @@ pub fn run(args: &ReadingsArgs, root: &Path) -> Result<(), Error> {
         Ok(case)
     };
     let shared: Vec<Combination> = all.iter().copied().filter(Combination::shares_draws).collect();
-    let shared = run_all(&store, &shared, Stage::Coarse, workers, coarse, deadline)?;
+    let shared = run_all(&store, &shared, Stage::Coarse, workers, coarse_case, deadline)?;
     let with_each = with_each_draw(&selected(&shared, COARSE_SLACK, shared.len()), args.each);
-    let each = run_all(&store, &with_each, Stage::Coarse, workers, coarse, deadline)?;
+    let each = run_all(&store, &with_each, Stage::Coarse, workers, coarse_case, deadline)?;
     let coarse: Vec<_> = shared.into_iter().chain(each).collect();
     let better = selected(&coarse, COARSE_SLACK, args.better);
     let second = run_all(&store, &better, Stage::Second, workers, |c| of(c, args.second), deadline)?;
