@@ -37,8 +37,8 @@ pub(super) fn certified_in(system: &SparseSecondOrder, rectangle: &Rectangle) ->
         found => found.map_err(CeaError::from)?,
     };
     let scaled = Scaled::new(system);
-    let reach = |e: &CertifiedEigenvalue| reach(e.lambda, e.bound, scaled.gamma);
-    let known: Vec<_> = eigenvalues.iter().map(|e| Known { lambda: e.lambda, bound: reach(e) }).collect();
+    let reach_of = |e: &CertifiedEigenvalue| reach(e.lambda, e.bound, scaled.gamma);
+    let known: Vec<_> = eigenvalues.iter().map(|e| Known { lambda: e.lambda, bound: reach_of(e) }).collect();
     let problem = Problem::new(&scaled.system)?;
     let mut counting = Counting::new(&problem, scaled.gamma, true);
     let largest = known.iter().map(|k| k.lambda.norm()).fold(0.0, f64::max);
@@ -50,10 +50,10 @@ pub(super) fn certified_in(system: &SparseSecondOrder, rectangle: &Rectangle) ->
     let radii = OUTWARDS.map(|t| radius * (1.0 + t));
     counting.add(&Around { centre, radii: &radii, known: &known, is_all: true })?;
     let count = counting.done();
-    let inside = eigenvalues.into_iter().filter(|e| rectangle.contains(e.lambda, reach(e)));
+    let inside = eigenvalues.into_iter().filter(|e| rectangle.contains(e.lambda, reach_of(e)));
     let n = system.order();
     let pair = |e: CertifiedEigenvalue| {
-        let on_border = rectangle.border_distance(e.lambda) <= reach(&e);
+        let on_border = rectangle.border_distance(e.lambda) <= reach_of(&e);
         let [right, left] = [e.right, e.left].map(|vector| shape(vector, n));
         let CertifiedEigenvalue { lambda, backward_error, condition, bound, verdict, .. } = e;
         Eigenpair { lambda, right, left, backward_error, condition, bound, verdict, on_border }

@@ -186,11 +186,11 @@ impl Problem {
             left_vectors(&factor, scale, &lambdas, &right, disc.columns, &options, counters)?
         };
         let candidate = |((lambda, left), j)| Candidate { lambda, right: right.col_as_slice(j).to_vec(), left };
-        let seen = |(&lambda, &residual): (&Complex<f64>, &f64)| {
+        let seen_at = |(&lambda, &residual): (&Complex<f64>, &f64)| {
             let distance = (lambda - sigma).norm();
             Known { lambda, bound: if distance < radius { residual * distance } else { 0.0 } }
         };
-        let seen = ritz.lambdas.iter().zip(&ritz.residuals).map(seen).filter(|known| known.lambda.is_finite());
+        let seen = ritz.lambdas.iter().zip(&ritz.residuals).map(seen_at).filter(|known| known.lambda.is_finite());
         Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect(), seen.collect()))
     }
 
