@@ -199,11 +199,11 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
     if let Some(state) = state {
         checkpoint.write(&state).map_err(Error::from)?;
     }
-    let sampled = |samples: u64| sampled(&study, 0..samples, &options, &checkpoint);
+    let sampled_to = |samples: u64| sampled(&study, 0..samples, &options, &checkpoint);
     let (summary, stopped) = match until_half_width {
-        None => (sampled(plan.samples).map_err(Error::from)?, None),
+        None => (sampled_to(plan.samples).map_err(Error::from)?, None),
         Some(half_width) => {
-            let (summary, stopped) = sampled_until(half_width, plan, sampled)?;
+            let (summary, stopped) = sampled_until(half_width, plan, sampled_to)?;
             (summary, Some(stopped))
         }
     };

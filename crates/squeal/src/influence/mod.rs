@@ -83,11 +83,11 @@ pub fn influence<B: UncertainBrake>(
     progress: &dyn Progress,
 ) -> Result<Influence, Error> {
     let (brake, plan) = (study.brake(), study.plan());
-    let of_scene = &plan.scenes[scene];
+    let asked = &plan.scenes[scene];
     let drawn = brake.drawn_inputs().ok_or(Error::NotGiven { capability: "drawn_inputs()", needed_by: "influence" })?;
-    let inputs = drawn.inputs(of_scene);
+    let inputs = drawn.inputs(asked);
     if inputs.is_empty() {
-        return Err(Error::NoInputs { study: plan.source(), scene: plan.describe(of_scene) });
+        return Err(Error::NoInputs { study: plan.source(), scene: plan.describe(asked) });
     }
     if let (Some(correlated), Some(rows)) = (inputs.iter().find(|input| input.is_correlated), rows) {
         let allowed = format!("inputs that are independent; {} is correlated with others", correlated.name);

@@ -107,8 +107,8 @@ impl Kept {
         points: &[&[f64]],
         find: impl FnOnce(&[&[f64]]) -> Result<Vec<T>, Error>,
     ) -> Result<Vec<T>, Error> {
-        let known = |at: &&[f64]| serde_json::from_str(self.known.get(&asked(question, at))?).ok();
-        let known: Vec<Option<T>> = points.iter().map(known).collect();
+        let read = |at: &&[f64]| serde_json::from_str(self.known.get(&asked(question, at))?).ok();
+        let known: Vec<Option<T>> = points.iter().map(read).collect();
         let open = points.iter().zip(&known).filter(|(_, known)| known.is_none());
         let open: Vec<&[f64]> = open.map(|(at, _)| *at).collect();
         if open.is_empty() {

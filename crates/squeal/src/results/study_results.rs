@@ -173,11 +173,11 @@ impl Results {
         summary.tally.panels = kept.iter().map(|&at| self.summary.tally.panels[at]).collect();
         summary.tally.open_verdicts = kept.iter().map(|&at| self.summary.tally.open_verdicts[at]).collect();
         let place = |panel: usize| kept.binary_search(&panel).ok();
-        let compared = |(comparison, mean): (&Comparison, &BoundedMean)| {
+        let moved = |(comparison, mean): (&Comparison, &BoundedMean)| {
             let (more, fewer) = (place(comparison.more)?, place(comparison.fewer)?);
             Some((Comparison { more, fewer, ..*comparison }, *mean))
         };
-        let compared = self.comparisons.iter().zip(&self.summary.tally.comparisons).filter_map(compared);
+        let compared = self.comparisons.iter().zip(&self.summary.tally.comparisons).filter_map(moved);
         let comparisons;
         (comparisons, summary.tally.comparisons) = compared.unzip();
         let panels = kept.iter().map(|&at| self.panels[at].clone()).collect();

@@ -360,7 +360,7 @@ fn degrees_of_freedom(plan: &Plan, constraints: usize) -> Result<Vec<Place>, Err
     let origin = &plan.origins[origin];
     let structure = origin.brake.system.structure(&origin.naming_point.coefficients)?;
     let free = origin.brake.dofs.free();
-    let direction = |at: usize| Direction {
+    let direction_of = |at: usize| Direction {
         name: plan.labels.dof(free[at]),
         dof: Some(free[at]),
         parts: vec![vec![(free[at], 1.0)]],
@@ -372,12 +372,12 @@ fn degrees_of_freedom(plan: &Plan, constraints: usize) -> Result<Vec<Place>, Err
     for body in &origin.brake.bodies {
         if is_point_mass(&structure.m, &body.dofs) && body.dofs.iter().all(|&at| !is_taken[at]) {
             body.dofs.iter().for_each(|&at| is_taken[at] = true);
-            let directions = body.dofs.iter().map(|&at| direction(at)).collect();
+            let directions = body.dofs.iter().map(|&at| direction_of(at)).collect();
             places.push((body.dofs[0], Place { name: body.name.clone(), directions }));
         }
     }
     for at in (0..free.len()).filter(|&at| !is_taken[at]) {
-        let direction = direction(at);
+        let direction = direction_of(at);
         places.push((at, Place { name: direction.name.clone(), directions: vec![direction] }));
     }
     places.sort_by_key(|(first, _)| *first);

@@ -236,8 +236,8 @@ impl ChangedBrake {
     ) -> Result<ContactSystem, cycle::Error> {
         // Contacts have the order of their channels.
         let mut contacts = unchanged.contacts().iter().peekable();
-        let own = |channel: &Channel| contacts.next_if(|of| of.name == channel.name && of.family == channel.family);
-        let own: Vec<Option<&SlidingContact>> = of.system.channels().iter().map(own).collect();
+        let next = |channel: &Channel| contacts.next_if(|of| of.name == channel.name && of.family == channel.family);
+        let own: Vec<Option<&SlidingContact>> = of.system.channels().iter().map(next).collect();
         if contacts.next().is_some() {
             return Err(cycle::Error::Structure("a contact has no channel of the analysis"));
         }

@@ -187,8 +187,8 @@ impl Probe<'_> {
         for of_sector in &systems {
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
-            let of_draws = fastest.iter_mut().zip(&mut growing_of_draws).zip(&mut grows_outside);
-            for ((system, spectrum), ((fastest, of_draw), outside)) in of_sector.iter().zip(spectra).zip(of_draws) {
+            let by_draw = fastest.iter_mut().zip(&mut growing_of_draws).zip(&mut grows_outside);
+            for ((system, spectrum), ((fastest, grown), outside)) in of_sector.iter().zip(spectra).zip(by_draw) {
                 let spectrum = spectrum?;
                 *outside |= plan.band.is_some() && growth_outside(plan, self.error, &spectrum.eigenvalues).is_some();
                 // A sign alone says nothing near the axis.
@@ -202,7 +202,7 @@ impl Probe<'_> {
                     unstable += count;
                     growth += count as f64 * lambda.re;
                     *fastest = lambda.re.max(*fastest);
-                    of_draw.push(*lambda);
+                    grown.push(*lambda);
                 }
             }
         }
