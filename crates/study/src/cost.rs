@@ -102,9 +102,9 @@ impl Cost {
     pub fn of_bases(order: usize, sets: usize, columns: &[usize]) -> Self {
         let in_the_making = if sets == 0 { 0 } else { COLUMNS_IN_THE_MAKING };
         let bytes_of_whole = (8 * order * (in_the_making + COLUMNS_OF_SET * sets)) as f64;
-        let bytes = |&columns: &usize| BYTES_BY_BASIS * (columns as f64).powi(2);
+        let bytes_of = |&columns: &usize| BYTES_BY_BASIS * (columns as f64).powi(2);
         let seconds = |&columns: &usize| SECONDS_BY_BASIS * (columns as f64).powi(3);
-        let bytes = bytes_of_whole + columns.iter().map(bytes).sum::<f64>();
+        let bytes = bytes_of_whole + columns.iter().map(bytes_of).sum::<f64>();
         Self { order, relaxing: 0, scenes: 0, bytes, bytes_of_whole, seconds: columns.iter().map(seconds).sum() }
     }
 

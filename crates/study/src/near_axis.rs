@@ -43,11 +43,11 @@ impl<B: UncertainBrake> Study<'_, B> {
         let mut found = vec![Some(Vec::new()); points.len()];
         for (solver, SectorEquation { secular, anchors, .. }) in solvers.iter().zip(equations) {
             let near = secular.near_axis(anchors, &gains, part, &mut memory.work);
-            let growing = |near: &Result<Vec<Complex<f64>>, LeftOpen>| -> Vec<Complex<f64>> {
+            let growing_of = |near: &Result<Vec<Complex<f64>>, LeftOpen>| -> Vec<Complex<f64>> {
                 near.iter().flatten().copied().filter(|lambda| grows(*lambda)).collect()
             };
             let growing: Vec<(Gain, Vec<Complex<f64>>)> =
-                gains.iter().zip(&near).map(|(gain, near)| (*gain, growing(near))).collect();
+                gains.iter().zip(&near).map(|(gain, near)| (*gain, growing_of(near))).collect();
             let named = solver.named_at(&growing, memory);
             for (((near, named), gain), found) in near.into_iter().zip(named).zip(&gains).zip(&mut found) {
                 let (Ok(near), Some(of_point)) = (near, found.as_mut()) else {

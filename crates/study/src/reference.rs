@@ -170,12 +170,12 @@ impl Reference {
         let all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
         let lambdas: Vec<Complex<f64>> = all.iter().map(|(mode, _)| mode.lambda).collect();
         let (modes, names) = rank_order(&lambdas).into_iter().map(|at| all[at].clone()).unzip();
-        let shapes = |(sector, part): (&Sector, &Self)| {
+        let expanded = |(sector, part): (&Sector, &Self)| {
             let NamedShapes { modes, names } = part.shapes.as_ref()?;
             let whole = |mode: &Mode| Mode::normalised(&system.m, mode.lambda, sector.expand(&mode.shape));
             Some(NamedShapes { modes: modes.iter().map(whole).collect(), names: names.clone() })
         };
-        let shapes = sectors.iter().zip(of_sectors).map(shapes).collect::<Option<Vec<_>>>().map(NamedShapes::joined);
+        let shapes = sectors.iter().zip(of_sectors).map(expanded).collect::<Option<Vec<_>>>().map(NamedShapes::joined);
         Self { system, modes, names, shapes }
     }
 
