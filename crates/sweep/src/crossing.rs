@@ -224,11 +224,11 @@ impl Search<'_> {
             if is_at_end {
                 let [q, r] = [below, above].map(|at| (self.along.system)(at));
                 let [q, here, r] = [&q?, &system, &r?].map(|system| system.dynamic_stiffness(lambda));
-                let slope = |change: &DMatrix<Complex<f64>>, distance: f64| {
+                let slope_over = |change: &DMatrix<Complex<f64>>, distance: f64| {
                     measure.rate(lambda, triple.rate_over(change, distance))
                 };
-                let sides = [slope(&(&here - &q), at - below), slope(&(&r - &here), above - at)];
-                let slope = of_error(slope(&(r - q), above - below), sides);
+                let sides = [slope_over(&(&here - &q), at - below), slope_over(&(&r - &here), above - at)];
+                let slope = of_error(slope_over(&(r - q), above - below), sides);
                 let (step, error) = (-value / slope, bound / slope.abs());
                 let stands = step.abs() <= 2.0 * error + 4.0 * f64::EPSILON && (slope > 0.0) == self.starts;
                 let zero = Zero { at: at + step, error: error + step.abs(), lambda, is_double: false };

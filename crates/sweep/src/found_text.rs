@@ -134,7 +134,7 @@ impl Sweep {
                 significant(at, 9)
             )
         };
-        let beside = |&GrowingBeside { from, to, modes, omega }: &GrowingBeside| {
+        let grows_beside = |&GrowingBeside { from, to, modes, omega }: &GrowingBeside| {
             let (grow, they_do) = if modes == 1 { ("grows", "it does") } else { ("grow", "they do") };
             let modes = count(modes, "mode", "modes");
             let [least, largest] = omega.map(|omega| output::hertz(hertz(omega)));
@@ -144,7 +144,7 @@ impl Sweep {
                 significant(to, 4)
             )
         };
-        let beside = self.growing_beside.iter().flatten().map(beside);
+        let beside = self.growing_beside.iter().flatten().map(grows_beside);
         self.miscounts.iter().map(miscount).chain(beside).collect()
     }
 }

@@ -112,8 +112,8 @@ pub fn stability_map<B: UncertainBrake>(
             None => {
                 // A step for each line of the grid, and one for following the curves.
                 progress.begin((parts.len() * (2 * (grid + 1) + 1)) as u64, 0);
-                let of_part = |part: &Part<'_, B>| of_part(part, grid, progress);
-                let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+                let mapped = |part: &Part<'_, B>| of_part(part, grid, progress);
+                let found = parts.par_iter().map(mapped).collect::<Result<Vec<_>, Error>>();
                 progress.end();
                 Some(found.map_err(in_words)?)
             }

@@ -43,8 +43,8 @@ pub fn sweep<B: UncertainBrake>(
     let (mut sweep, parts) = if opened.is_empty() {
         let parts = family.parts()?;
         progress.begin(parts.len() as u64 * STEPS_OF_PART, 0);
-        let of_part = |part: &Part<'_, B>| Ok(of_part(part, &parameter, &Entry::Medians)?.sweep);
-        let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+        let swept = |part: &Part<'_, B>| Ok(of_part(part, &parameter, &Entry::Medians)?.sweep);
+        let found = parts.par_iter().map(swept).collect::<Result<Vec<_>, Error>>();
         progress.end();
         let empty = Sweep::empty(parameter, study.plan().threshold);
         (found.map_err(in_words)?.into_iter().fold(empty, Sweep::joined), parts.len())

@@ -88,24 +88,24 @@ pub(super) fn shares(runs: &[Run]) -> BTreeMap<usize, f64> {
 
 /// Equally spaced places, one in each `spacing` cells of a row and of a column, that are not next to another number of unstable modes.
 pub(super) fn places_apart(runs: &[Run], spacing: usize) -> Vec<Region> {
-    let cells = cells(runs);
-    let depth = depths(&cells);
+    let numbers = cells(runs);
+    let depth = depths(&numbers);
     let on_grid = |place: usize| place % spacing == spacing / 2;
     let is_apart = |cell: &usize| on_grid(cell % CELLS) && on_grid(cell / CELLS) && depth[*cell] >= LEAST_DEPTH;
     let place = |cell: usize| {
         let at = [middle(cell % CELLS), middle(cell / CELLS)];
-        Region { unstable: cells[cell], share: 1.0 / cells.len() as f64, at }
+        Region { unstable: numbers[cell], share: 1.0 / numbers.len() as f64, at }
     };
-    (0..cells.len()).filter(is_apart).map(place).collect()
+    (0..numbers.len()).filter(is_apart).map(place).collect()
 }
 
 /// The regions, the largest first, without those that are nowhere [`LEAST_DEPTH`] cells deep.
 pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
-    let cells = cells(runs);
-    let depth = depths(&cells);
-    let mut seen = vec![false; cells.len()];
+    let numbers = cells(runs);
+    let depth = depths(&numbers);
+    let mut seen = vec![false; numbers.len()];
     let mut found = Vec::new();
-    for first in 0..cells.len() {
+    for first in 0..numbers.len() {
         if seen[first] {
             continue;
         }
@@ -117,7 +117,7 @@ pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
                 deepest = cell;
             }
             for next in neighbours(cell) {
-                if !seen[next] && cells[next] == cells[first] {
+                if !seen[next] && numbers[next] == numbers[first] {
                     seen[next] = true;
                     open.push_back(next);
                 }
@@ -125,7 +125,7 @@ pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
         }
         if depth[deepest] >= LEAST_DEPTH {
             let at = [middle(deepest % CELLS), middle(deepest / CELLS)];
-            found.push(Region { unstable: cells[first], share: size as f64 / cells.len() as f64, at });
+            found.push(Region { unstable: numbers[first], share: size as f64 / numbers.len() as f64, at });
         }
     }
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -182,10 +182,10 @@ mod tests {
     fn what_is_too_narrow_for_a_region_has_its_share() {
         // A strip of three cells, from below to above, with one more.
         let strip = [vec![[0.5, 0.0], [0.5, 1.0]], vec![[0.5125, 1.0], [0.5125, 0.0]]];
-        let runs = runs(&strip, &|_| 0);
-        assert_eq!(regions(&runs).iter().map(|region| region.unstable).collect::<Vec<_>>(), [0, 0]);
-        let shares = shares(&runs);
-        assert_eq!((shares.len(), shares.values().sum::<f64>()), (2, 1.0));
-        assert!((shares[&1] - 0.0125).abs() < 1e-12, "{shares:?}");
+        let of_strip = runs(&strip, &|_| 0);
+        assert_eq!(regions(&of_strip).iter().map(|region| region.unstable).collect::<Vec<_>>(), [0, 0]);
+        let found = shares(&of_strip);
+        assert_eq!((found.len(), found.values().sum::<f64>()), (2, 1.0));
+        assert!((found[&1] - 0.0125).abs() < 1e-12, "{found:?}");
     }
 }

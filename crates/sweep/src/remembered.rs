@@ -31,13 +31,13 @@ impl<'a> Remembered<'a> {
 impl EigenSolver for Remembered<'_> {
     fn eigenvalues(&self, system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, CeaError> {
         // What another thread kept before it panicked is right all the same.
-        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, spectrum)) = known().iter().find(|(of, _)| of == system) {
+        let locked = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, spectrum)) = locked().iter().find(|(of, _)| of == system) {
             return Ok(spectrum.clone());
         }
         let spectrum = self.inner.eigenvalues(system, work)?;
         self.solved.fetch_add(1, Ordering::Relaxed);
-        let mut known = known();
+        let mut known = locked();
         known.push_back((system.clone(), spectrum.clone()));
         if known.len() > MOST {
             known.pop_front();
