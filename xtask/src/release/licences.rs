@@ -10,7 +10,7 @@ use super::made::Made;
 use super::packages::{Packages, text_of};
 use crate::error::TaskError;
 
-/// Licences that the project may be given on with, of each package one of those that it offers.
+/// Licences with which the project may be given on: each package offers one of them.
 const ALLOWED: [&str; 11] = [
     "MIT",
     "MIT-0",

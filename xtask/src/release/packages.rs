@@ -1,4 +1,4 @@
-//! The packages of the workspace and those that they need, as `cargo metadata` lists them.
+//! The packages of the workspace and the packages that they need, as `cargo metadata` lists them.
 
 use std::collections::BTreeSet;
 use std::path::Path;
