@@ -32,12 +32,12 @@ use crate::bits::Bits;
 const FILE: Sealed = Sealed { kind: "squeal-prepared", version: 2 };
 /// Form of one piece in a folder.
 const PIECE: Sealed = Sealed { kind: "squeal-piece", version: FILE.version };
-/// Most brakes whose pieces a folder keeps, those that were used last; chosen: each takes some ten megabytes.
+/// Most brakes whose pieces a folder keeps, the brakes used last; chosen: each takes some ten megabytes.
 const MOST_BRAKES: usize = 16;
 /// File in the folder of a brake that says what it is; writing it anew says that the folder is used.
 const OF_BRAKE: &str = "brake.txt";
 
-/// Endings of the files of pieces that stay, and of those that are there until the brake is made.
+/// Endings of the files of pieces that stay, and of files of pieces that are there until the brake is made.
 const STAYING: &str = "piece";
 const INTERIM: &str = "interim";
 

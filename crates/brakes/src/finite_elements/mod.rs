@@ -53,8 +53,8 @@ use crate::case::{CaseError, FiniteElementCase, Law};
 use crate::prepared::Pieces;
 use crate::{CaseBrake, Error, Prepared, Purpose};
 
-/// Complete solutions that the time of the whole brake at one point is worth: of those that make its basis, of its modes, and of what diverges. Measured with the
-/// refined disc and pad, 14,985 degrees of freedom: 15 s of processor time.
+/// Number of complete solutions that take the time of the whole brake at one point: of the solutions that make its basis, of its modes, and of what diverges.
+/// Measured with the refined disc and pad, 14,985 degrees of freedom: 15 s of processor time.
 const SOLUTIONS_OF_POINT: usize = 8;
 /// Columns that a basis is expected to have before it is made. Measured with cases/disc-pad (100) and its refinement to 75 pairs (150).
 const EXPECTED_COLUMNS: usize = 130;

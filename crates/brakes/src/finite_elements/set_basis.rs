@@ -41,7 +41,8 @@ const MOST_SOLUTIONS: usize = 40;
 const HELD_OUT: usize = 3;
 /// Most columns of a basis; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
-/// Complete solutions of the whole brake that the basis of a set takes, roughly: those that make it, with those at draws that are held out and at the medians.
+/// Number of complete solutions of the whole brake that the basis of a set takes, roughly: solutions that make it, and solutions at draws that are held out and
+/// at the medians.
 pub(super) const SOLUTIONS: usize = FIRST_SOLUTIONS + 3 * HELD_OUT + 1;
 
 /// Orthonormal directions, n x k, by descending singular value, with these.
