@@ -45,7 +45,7 @@ pub struct TakenMatrix {
 }
 
 impl TakenMatrix {
-    /// Lines on how each matrix was taken, by its file or field: those that were taken alike in one line.
+    /// Lines on how each matrix was taken, by its file or field; matrices that were taken alike share a line.
     #[must_use]
     pub fn in_words(matrices: &[Self]) -> Vec<String> {
         let mut alike: Vec<(&str, Vec<String>)> = Vec::new();
@@ -258,7 +258,7 @@ impl Check<'_> {
         self.no_repeats(field, names.cloned())
     }
 
-    /// An error unless the names of force families can be used as those of [`Check::names`]; tables may share one.
+    /// An error unless the names of force families are allowed as names by [`Check::names`]; but tables may share a name.
     pub fn names_of_families<'n>(
         &self,
         table: &str,

@@ -23,7 +23,7 @@ use super::{
 
 impl LatticeCase {
     /// Identifies the case: its name, and a digest of each part that results depend on. Seed, number of samples, threshold and names of
-    /// modes are those of a study.
+    /// modes belong to a study.
     pub fn identity(&self) -> String {
         let Self { header, laws, lattice, readings, panels, constraints, speeds, friction, correlation, .. } = self;
         Identity::named(&header.name)

@@ -102,7 +102,7 @@ pub struct FrictionDistributions {
 }
 
 impl FrictionDistributions {
-    /// Names of the parameters that are drawn for a contact, in this order: those of all laws, with the coefficient across the sliding, which the
+    /// Names of the parameters that are drawn for a contact, in this order: the parameters of all laws, with the coefficient across the sliding, which the
     /// laws other than Amontons-Coulomb draw from the distribution of mu.
     pub const DRAWN: [&str; 9] = ["mu", "lateral_mu", "mu_s", "mu_k", "alpha", "v_s", "sigma0", "sigma1", "sigma2"];
     /// Units of [`Self::DRAWN`].

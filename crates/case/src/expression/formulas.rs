@@ -40,7 +40,7 @@ impl<'a> Formulas<'a> {
         }
     }
 
-    /// Formulas with further, local parameters, after the others: those that have a value for each patch or point of a contact.
+    /// Formulas with further, local parameters, after the others: parameters that have a value for each patch or point of a contact.
     pub fn with_local<'n>(mut self, names: impl Iterator<Item = &'n String>) -> Self {
         self.parameters.extend(names.cloned());
         self.used.resize(self.parameters.len(), false);

@@ -120,7 +120,7 @@ impl<'a> Solids<'a> {
         self.outer(field, self.mesh.faces_on(&places))
     }
 
-    /// Faces that no solid that is known has on its other side, without those towards one of unknown type.
+    /// Faces with no known solid on their other side, without faces towards a solid of unknown type.
     fn outer(&self, field: &str, faces: Result<Vec<FaceId>, ElementsError>) -> Result<Vec<FaceId>, CaseError> {
         let faces = faces.map_err(self.model.check.contact(field))?;
         Ok(faces.into_iter().filter(|&face| self.beyond(face).is_none()).collect())

@@ -109,7 +109,7 @@ fn is_near(slave: &Candidate, master: &Candidate) -> bool {
     slave.body != master.body && (0..3).all(meets)
 }
 
-/// True if all faces of the slave face those of the master, within its reach.
+/// True if all faces of the slave face faces of the master, within its reach.
 fn faces_wholly(solids: &Solids<'_>, slave: &Candidate, master: &Candidate) -> bool {
     // Any direction of sliding will do: which faces face each other does not depend on it.
     let pairing = Pairing::new(Sliding::Along([1.0, 0.0, 0.0]), slave.reach);

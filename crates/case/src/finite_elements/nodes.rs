@@ -92,7 +92,7 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// The rows of `SET`, `SET.z`, `1042` and `1042.z`, each once, ascending. Those that the model holds anyway are left out, and counted.
+    /// The rows of `SET`, `SET.z`, `1042` and `1042.z`, each once, ascending. Rows that the model holds anyway are left out, and counted.
     pub fn rows(&self, field: &str, items: &[String]) -> Result<(Vec<usize>, Vec<MissingRows>), CaseError> {
         let (mut all, mut missing) = (Vec::new(), Vec::new());
         for item in items {

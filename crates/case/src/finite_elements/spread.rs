@@ -38,7 +38,7 @@ pub struct SpreadParameter {
 /// Places of the values of a parameter: patches of a contact, or its pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spread {
-    /// Patches, each with a parameter of the case of its own: this one, and those that follow.
+    /// Patches, each with a parameter of the case of its own: this parameter, and the parameters that follow.
     Patches {
         /// Index of the parameter of the first patch.
         first: usize,

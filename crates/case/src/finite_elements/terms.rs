@@ -70,7 +70,7 @@ pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Ter
     Ok(Terms { read: all, dofs, files, held })
 }
 
-/// Takes out the rows that are fixed by a huge diagonal entry in any of M, C or K, with a note. Returns the rows kept and those taken out.
+/// Takes out the rows that are fixed by a huge diagonal entry in any of M, C or K, with a note. Returns the rows kept and the rows taken out.
 fn take_out_held(check: &Check<'_>, all: &mut [ReadTerm], dofs: Vec<Dof>) -> Result<(Vec<Dof>, Vec<Dof>), CaseError> {
     let mut rows = HeldRows::new(dofs.len());
     for (at, kind) in [Kind::Mass, Kind::Damping, Kind::Stiffness].into_iter().enumerate() {

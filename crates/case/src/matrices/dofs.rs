@@ -27,7 +27,7 @@ fn moves_of(dof: &Dof) -> Moves {
 }
 
 impl<'a> DofNames<'a> {
-    /// The given names, one for each row, or those of the files, as `1042.z`, or "1" to "n".
+    /// The given names, one for each row, or the names in the files, as `1042.z`, or "1" to "n".
     pub fn new(
         check: &'a Check<'a>,
         given: Option<Vec<String>>,
