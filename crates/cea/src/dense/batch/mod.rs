@@ -112,7 +112,7 @@ fn hand_back(system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, Cea
     QrSolver.eigenvalues(system, work)
 }
 
-/// Solves systems of one shape (n, s), as many at a time as there are lanes; `None` for those that are handed back.
+/// Solves systems of one shape (n, s), as many at a time as there are lanes; `None` for a system that is handed back.
 struct EigenvaluesInLanes<'a> {
     systems: &'a [SecondOrder],
     shape: (usize, usize),
