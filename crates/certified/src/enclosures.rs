@@ -86,7 +86,7 @@ fn determinant(series: &[DMatrix<Complex<f64>>], radius: f64) -> Vec<f64> {
 }
 
 /// Positions of the members of each union of discs that meet, directly or by way of others; unions without a member that `is_asked`
-/// are left out. The first member of a union is the first that is asked for, in the order of positions, then those that it meets.
+/// are left out. The first member of a union is the first that is asked for, in the order of positions, then come the members that it meets.
 pub fn unions(count: usize, is_asked: impl Fn(usize) -> bool, meet: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut is_taken = vec![false; count];
     let mut unions = Vec::new();

@@ -82,7 +82,7 @@ pub(super) fn eigenvalues(s: &Scaled, structure: &Structure) -> Option<Vec<Compl
     Some(found.into_iter().map(|sigma| -sigma).collect())
 }
 
-/// The eigenvalues of a matrix with this relative error that are not zero; the null spaces of those that are come off with these
+/// The eigenvalues of a matrix with this relative error that are not zero; the null spaces of the zero eigenvalues are taken off first, with these
 /// dimensions.
 fn nonzero(mut matrix: Planar<Dd>, widths: &[usize], error: f64) -> Option<Vec<Complex<f64>>> {
     let whole = matrix.norm();

@@ -49,7 +49,7 @@ fn turn_into_factors<T: Lane>(reflector: &Reflector<T>, row: usize, [v, u]: [&mu
     }
 }
 
-/// The products `v = A w` and `u = A^T w`; w begins in row `row`, and the columns of A are those from there on.
+/// The products `v = A w` and `u = A^T w`; w begins in row `row`, and `columns` are the columns of A from there on.
 struct Products<'a, T> {
     columns: &'a [f64],
     plane: usize,

@@ -7,8 +7,8 @@
 //! 1. What is exactly singular is found exactly: infinite and zero eigenvalues are counted in a prime field, without a
 //!    tolerance, and a pencil that is singular for every lambda is an error.
 //! 2. The problem is equilibrated and scaled by powers of two.
-//! 3. Where the scaled M is well conditioned and K regular, the eigenvalues are those of the standard form by the QR
-//!    iteration; otherwise the infinite and zero ones are deflated and the QZ iteration does the rest. Where double has too
+//! 3. Where the scaled M is well conditioned and K regular, the eigenvalues are found from the standard form by the QR
+//!    iteration; otherwise the infinite and zero eigenvalues are deflated and the QZ iteration does the rest. Where double has too
 //!    few digits double-double arithmetic does it, by the QR iteration where one of the matrices can be inverted.
 //!
 //! ```

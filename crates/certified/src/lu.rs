@@ -50,7 +50,7 @@ impl Lu {
         lu
     }
 
-    /// Factorises these columns, of which those to the left are done with: the left half, what it changes in the right half, and the
+    /// Factorises these columns; all columns to the left of them are done with. First the left half, then what it changes in the right half, then the
     /// right half (Toledo, SIAM J. Matrix Anal. Appl. 18, 1997). Nearly all of the work is in products of matrices.
     fn factorise(&mut self, columns: Range<usize>, least: f64) {
         if columns.len() <= FEW {

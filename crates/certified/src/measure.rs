@@ -93,7 +93,7 @@ impl Measure {
         Self { scaled, given, left, right }
     }
 
-    /// Weights by which scaled right and left vectors are multiplied, entry by entry, to be those of the problem as given.
+    /// Weights by which scaled right and left vectors are multiplied, entry by entry, to be vectors of the problem as given.
     pub(super) fn weights(&self) -> (&Vector, &Vector) {
         (&self.right, &self.left)
     }
