@@ -86,7 +86,7 @@ impl Condensed {
         // The mass plays no part at lambda = 0.
         let zero = || CscMatrix::zeros(order, order);
         let problem = Problem::new(&SparseSecondOrder::new(zero(), zero(), closed)?)?;
-        // Right-hand sides: the loads, then the rows of gap, then those of slip; of a solution only what the points see is kept.
+        // Right-hand sides: the loads, then the rows of gap, then the rows of slip; of a solution only what the points see is kept.
         let columns = loads.ncols() + 2 * points;
         let mut seen = DMatrix::zeros(points, columns);
         for first in (0..columns).step_by(AT_ONCE) {

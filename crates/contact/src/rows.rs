@@ -81,7 +81,7 @@ impl Interface {
     }
 
     /// Damping `sum (N0 / v) a a^T`, `(N0 / v) (I - n n^T - t t^T)` on u_rel, that friction across the sliding adds to C for mu = 1. Normal
-    /// forces are given, speeds those of the points.
+    /// forces are given, speeds are the sliding speeds of the points.
     ///
     /// # Errors
     /// Not a force of each point.
