@@ -1,6 +1,6 @@
 //! Matrices that turning adds to a body of revolution which is seen from axes that stand still.
 //!
-//! Displacements u(x, t) are those of the particle that is at x, by their components along fixed axes. The particles move through the mesh
+//! The displacement u(x, t) is the displacement of the particle that is at x, by its components along fixed axes. The particles move through the mesh
 //! with `Omega axis x (x - through)`, so that the velocity of a displacement is `u' + Omega u_,theta`, its acceleration
 //! `u'' + 2 Omega u'_,theta + Omega^2 u_,theta,theta`, and, integrated by parts over a body of revolution,
 //!
