@@ -124,7 +124,7 @@ fn heading(canvas: &mut Canvas, index: usize, law: &str, caption: &str, (x, top)
     y
 }
 
-/// Bars of the oscillators and the plate, from above to below; those that feed the mode and those that drain it differ in
+/// Bars of the oscillators and the plate, from above to below; bars that feed the mode and bars that drain it differ in
 /// colour and side.
 fn bars(canvas: &mut Canvas, area: Area, scale: AxisScale, law: &LawMode, named: bool) {
     x_axis(canvas, area, &scale.ticks(0), true, true);

@@ -106,7 +106,7 @@ pub(super) fn series_of(law: &OccurrenceLaw) -> Vec<usize> {
     series
 }
 
-/// Scale from 0 to 100 %, or to what covers all values and marks where those are small.
+/// Scale from 0 to 100 %, or, where values are small, to what covers all values and marks.
 fn scale(data: &OccurrenceFigure) -> AxisScale {
     let tops = data.boxes().flat_map(|b| b.solved()).map(|value| value.upper.max(value.percent + value.open));
     let most = tops.chain(data.marks.iter().map(|mark| mark.percent)).fold(0.0, f64::max);
