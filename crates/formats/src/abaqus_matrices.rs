@@ -21,7 +21,7 @@ struct Keyword {
     scale: f64,
 }
 
-/// Reads all matrices of the file; `name` and `kind` are those of a list without a keyword.
+/// Reads all matrices of the file; a list without a keyword gets `name` and `kind`.
 pub(crate) fn parse(
     lines: &mut Lines<'_>,
     limits: &Limits,

@@ -2,7 +2,7 @@
 //!
 //! A header `DMIG NAME 0 form type ...` comes before the columns `DMIG NAME GJ CJ - G C value ...`, whose `G, C` are grid point and
 //! component of the row. Forms: 1 square, 2 and 9 rectangular (a column of 9 is a number, not a grid point), 6 symmetric, of
-//! which either triangle is given. Rows and columns are those that have entries, by grid point and component. Complex matrices
+//! which either triangle is given. Every row and column has entries; they are ordered by grid point and component. Complex matrices
 //! whose imaginary parts are not all 0 are left out; other entries of bulk data are passed over.
 
 use std::collections::HashMap;

@@ -151,7 +151,7 @@ impl Matrix {
         dense
     }
 
-    /// A copy with the rows and columns that `labels` names, in that order: those that the matrix lacks are zero. So the
+    /// A copy with the rows and columns that `labels` names, in that order: rows and columns that the matrix lacks are zero. So the
     /// matrices of one model, each written with the degrees of freedom that it has entries for, become equally large; see
     /// [`common_labels`].
     ///

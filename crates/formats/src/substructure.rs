@@ -16,7 +16,7 @@ use crate::numbers::{fortran, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
 
-/// Reads the matrices of the one element of the file: stiffness, mass and viscous damping; those of other types are left out by name.
+/// Reads the matrices of the one element of the file: stiffness, mass and viscous damping; matrices of other types are left out by name.
 pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Problem> {
     let mut found = Found::default();
     let (mut element, mut current) = (None::<Element>, None::<Packed>);

@@ -188,7 +188,7 @@ pub(crate) fn asymmetry(entries: &[Entry]) -> f64 {
     }
 }
 
-/// True if sorted entries of a square matrix are those of a symmetric one but for rounding.
+/// True if sorted entries of a square matrix are symmetric but for rounding.
 pub(crate) fn is_symmetric(entries: &[Entry]) -> bool {
     let beside = entries.iter().filter(|entry| entry.row != entry.column);
     asymmetry(entries) <= ROUNDING * beside.map(|entry| entry.value.abs()).fold(0.0, f64::max)
