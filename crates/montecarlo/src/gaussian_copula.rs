@@ -66,7 +66,7 @@ impl GaussianCopula {
     }
 }
 
-/// Least square of a diagonal entry of L, the variance that is left of a parameter when those before it are known; chosen, above the rounding of
+/// Least square of a diagonal entry of L, the variance that is left of a parameter when the parameters before it are known; chosen, above the rounding of
 /// the factorisation.
 const LEAST_PIVOT: f64 = 1e-12;
 
