@@ -39,7 +39,7 @@ impl Sectors {
     }
 }
 
-/// Number of those that stay.
+/// Number of places that stay.
 fn count(places: &[Option<usize>]) -> usize {
     places.iter().flatten().count()
 }
