@@ -9,7 +9,7 @@
 //! | [`health`] | what the matrices of a model are, which rows make them singular, and how well it can be solved with |
 //! | [`Problem`] | such a system ready to be solved with at many lambda |
 //!
-//! Sparse matrices are those of [`nalgebra_sparse`], which is re-exported.
+//! Sparse matrices are matrices of [`nalgebra_sparse`], which is re-exported.
 
 mod affine;
 mod error;

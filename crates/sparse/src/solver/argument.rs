@@ -55,7 +55,7 @@ const DENSE: usize = 1000;
 pub(super) struct Around<'a> {
     pub(super) centre: Complex<f64>,
     pub(super) radii: &'a [f64],
-    /// The eigenvalues that are known: all of those inside, and any number outside.
+    /// The eigenvalues that are known: all known ones inside, and any number outside.
     pub(super) known: &'a [Known],
     /// True if all copies of each are known: where not, more of them are no contradiction.
     pub(super) is_all: bool,

@@ -29,7 +29,7 @@ const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
 /// are read a hundred times as often as they are computed.
 const JOINED: &[(usize, f64)] = &[(4, 0.5), (16, 0.1)];
 
-/// Rows that are eliminated together, and those that they change.
+/// Rows that are eliminated together, and the rows that they change.
 struct Group {
     from: usize,
     to: usize,

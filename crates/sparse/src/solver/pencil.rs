@@ -19,7 +19,7 @@ pub(crate) struct Pencil {
     rows: Vec<usize>,
     /// Index of the transposed entry of each one: the pattern is symmetric.
     mirror: Vec<usize>,
-    /// The rows of all entries, and of those that M or C has.
+    /// The rows of all entries, and of the entries that M or C has.
     all: Rows,
     inertial: Rows,
     mass: Vec<f64>,
@@ -35,7 +35,7 @@ pub(crate) struct Pencil {
     norms: Norms,
 }
 
-/// The values in the order in which products read them: of M and C those that either has, of K and H all.
+/// The values in the order in which products read them: of M and C at the entries that either has, of K and H at all entries.
 #[derive(Debug, Clone)]
 struct Values {
     mass: Vec<f64>,
@@ -66,7 +66,7 @@ type Block = Mat<Complex<f64>>;
 type Coefficients = [(usize, f64)];
 
 impl State {
-    /// Coefficients that drive the state, and those by which it acts, of the system or the transposed one.
+    /// Coefficients that drive the state, and coefficients by which it acts, of the system or of the transposed system.
     pub(super) fn sides(&self, side: Side) -> (&Coefficients, &Coefficients) {
         match side {
             Side::Right => (&self.drive, &self.force),

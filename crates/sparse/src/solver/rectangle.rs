@@ -38,7 +38,7 @@ const WIDER: usize = 4;
 /// marginal.
 ///
 /// # Errors
-/// An empty or reversed rectangle, or a rectangle that is not above the real axis where there is structural damping; Q singular at all shifts tried; a
+/// A rectangle that is empty, reversed or not finite, or not above the real axis where there is structural damping; Q singular at all shifts tried; a
 /// factorisation that does not fit into memory; solutions that refinement does not make accurate; two counts that contradict each other; an eigenvalue
 /// that occurs too often; more shifts or eigenvalues than allowed.
 pub fn eigenpairs_in(

@@ -45,7 +45,7 @@ type Vector = DVector<Complex<f64>>;
 /// Complex vectors in columns.
 type Block = Mat<Complex<f64>>;
 
-/// The eigenpairs of both half planes, from those that the discs found in the upper half plane and next to the real axis, each with the number of its disc.
+/// The eigenpairs of both half planes, from the pairs that the discs found in the upper half plane and next to the real axis, each with the number of its disc.
 ///
 /// # Errors
 /// [`SparseError::GroupLost`] where the space of a group has fewer eigenvalues than a disc found.
@@ -223,7 +223,7 @@ fn projected(problem: &Problem, v: &DMatrix<f64>, w: &DMatrix<f64>) -> Result<Se
     Ok(SecondOrder::with_internal(m, c, k, internal)?)
 }
 
-/// The pairs that the discs found, each with the number of its disc, without those that an earlier disc found too.
+/// The pairs that the discs found, each with the number of its disc, without pairs that an earlier disc found too.
 fn without_duplicates(found: Vec<(usize, Eigenpair)>) -> Vec<Eigenpair> {
     let mut kept: Vec<(usize, Eigenpair)> = Vec::with_capacity(found.len());
     for (disc, pair) in found {
