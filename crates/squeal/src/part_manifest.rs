@@ -9,7 +9,7 @@ pub struct Shard {
     pub number: u64,
     /// Number of parts.
     pub of: u64,
-    /// Global index of the first sample of all parts: those before it are elsewhere.
+    /// Global index of the first sample of all parts: samples before it are elsewhere.
     pub from: u64,
 }
 

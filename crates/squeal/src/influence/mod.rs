@@ -57,7 +57,7 @@ pub struct Influence {
     pub inputs: Vec<Input>,
     /// Influences on the outputs: of the scene first, then of its modes.
     pub outputs: Vec<OutputInfluence>,
-    /// Number of draws of the study, those that failed among them.
+    /// Number of draws of the study, including draws that failed.
     pub draws: u64,
     /// Number of draws that failed and are left out.
     pub failures: u64,
@@ -65,7 +65,7 @@ pub struct Influence {
     pub undecided: u64,
     /// Number of draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
     pub open: u64,
-    /// Number of systems evaluated for the indices, those that a certificate covers among them.
+    /// Number of systems evaluated for the indices, including systems that a certificate covers.
     pub evaluations: u64,
 }
 

@@ -97,7 +97,7 @@ impl Kept {
         self.known.keys().filter(|(question, _)| *question == Question::Worst).count() as u64
     }
 
-    /// The answers at some points, in their order; `find` has those that are not known yet, in theirs.
+    /// The answers at `points`, in their order; `find` is asked for the points whose answers are not known yet, in the same order.
     ///
     /// # Errors
     /// Those of `find`; a file that cannot be written.

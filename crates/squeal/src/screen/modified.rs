@@ -82,7 +82,7 @@ pub struct Modified<'a, B> {
     from: Vec<FromInner>,
 }
 
-/// Modifiable parts of a brake: those that it gives itself, else those that are seen from its plan.
+/// Modifiable parts of a brake: the parts that it gives itself, else the parts that are seen from its plan.
 ///
 /// # Errors
 /// [`Error::NotGiven`] for a brake that gives none and has a scene that stands for several arrangements: a plan does not say which symmetry
@@ -272,7 +272,7 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         None
     }
 
-    /// `None`: the systems of the inner brake with values of parameters are those without the changes.
+    /// `None`: the systems of the inner brake with values of parameters do not have the changes.
     fn parametrised(&self) -> Option<&dyn Parametrised> {
         None
     }

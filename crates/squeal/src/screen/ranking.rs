@@ -22,11 +22,11 @@ pub struct Ranked {
 pub struct KindRanking {
     /// Candidates of the kind.
     pub candidates: Candidates,
-    /// Changes at one place, the best first; one of those that a symmetry maps onto each other.
+    /// Changes at one place, the best first; one stands for all changes that a symmetry maps onto each other.
     pub singles: Vec<Ranked>,
     /// Best set found of each size, from 1; the list ends where no set of a size could be analysed.
     pub best: Vec<Ranked>,
-    /// Best set found of each size among those that every symmetry of the brake leaves as they are.
+    /// Best set found of each size among the sets that every symmetry of the brake leaves as they are.
     pub symmetric: Vec<Option<Ranked>>,
     /// Sets that could not be analysed, with the reason.
     pub failed: Vec<(String, String)>,

@@ -24,7 +24,7 @@ pub struct ScreenedSet {
     pub prediction: Option<Prediction>,
     /// Changes of the set.
     pub changes: ChangeSet,
-    /// Index of the set among those that are confirmed.
+    /// Index of the set among the sets that are confirmed.
     pub confirmation: Option<usize>,
     /// Results of the study of all scenes.
     pub confirmed: Option<Confirmed>,

@@ -235,7 +235,7 @@ pub fn least_damped(modes: Vec<Complex<f64>>) -> Option<Complex<f64>> {
     modes.into_iter().min_by(|a, b| damping_ratio(*a).total_cmp(&damping_ratio(*b)))
 }
 
-/// The system at -h from those at 0, h and 2 h: each entry on its parabola, `3 a - 3 b + c`.
+/// The system at -h from the systems at 0, h and 2 h: each entry on its parabola, `3 a - 3 b + c`.
 fn extrapolated(at: &SecondOrder, near: &SecondOrder, far: &SecondOrder) -> SecondOrder {
     let parabola = |a: &mut f64, b: f64, c: f64| *a += 2.0 * (*a - b) + (c - b);
     let mut beyond = at.clone();
