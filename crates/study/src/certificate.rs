@@ -78,7 +78,7 @@ pub(super) fn certificates<B: UncertainBrake>(brake: &B, progress: &dyn Progress
 }
 
 impl Certificate {
-    /// Places ellipses by the quartiles of `points` and certifies those that it can; none where the points differ in the
+    /// Places ellipses by the quartiles of `points` and certifies as many as it can; none where the points differ in the
     /// coefficients of terms.
     ///
     /// # Errors

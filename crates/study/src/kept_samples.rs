@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ModeLabel, Outcome};
 
-/// The samples of one scene. Those in neither list are stable.
+/// The samples of one scene. A sample in neither list is stable.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct KeptSamples {
     /// Unstable samples, ascending in the index.

@@ -70,9 +70,9 @@ pub struct Bridge {
     pub to: SecondOrder,
     /// The path between these, where the brake evaluates it in a cheaper way than by matrices.
     pub path: Option<Box<dyn OwnedPath>>,
-    /// The coordinates of the origin in terms of those in common, as columns.
+    /// The coordinates of the origin in the common coordinates, as columns.
     pub origin: DMatrix<f64>,
-    /// The coordinates of the configuration in terms of those in common, as columns.
+    /// The coordinates of the configuration in the common coordinates, as columns.
     pub own: DMatrix<f64>,
     /// The coordinates of the origin in the coordinates of the configuration, as near as these come.
     pub between: DMatrix<f64>,

@@ -237,7 +237,7 @@ impl Reference {
         Ok(next)
     }
 
-    /// Gives these modes the names of those that become them.
+    /// Gives these modes the names of the modes that become them.
     fn name(&mut self, names: &[Vec<ModeLabel>], links: Vec<Vec<usize>>) {
         for (names, link) in names.iter().zip(links) {
             for to in link {

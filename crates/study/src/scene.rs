@@ -71,9 +71,9 @@ pub struct SceneLabels {
     pub panels: Vec<PanelLabel>,
     /// Words for the point where modes have the frequency ranks that tracked modes are named by, for axes: "at median parameters".
     pub named_at: String,
-    /// Names of the degrees of freedom, held ones too; those without a name are called by their number, from 1.
+    /// Names of the degrees of freedom, held ones too; a degree of freedom without a name is called by its number, from 1.
     pub dofs: Vec<String>,
-    /// Kinds of their motions, in the same order; those without one are [`Moves::Unknown`].
+    /// Kinds of their motions, in the same order; [`Moves::Unknown`] where the kind is not known.
     pub moves: Vec<Moves>,
 }
 

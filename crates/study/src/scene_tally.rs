@@ -11,7 +11,7 @@ use super::{ModeLabel, Outcome};
 /// Counts of one scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SceneTally {
-    /// Samples solved, those that a certificate covers among them.
+    /// Samples solved, including samples that a certificate covers.
     pub solved: u64,
     /// Samples that a certificate covers: stable up to rounding, without a spectrum.
     pub certified: u64,
@@ -54,7 +54,7 @@ pub struct SceneTally {
 }
 
 impl SceneTally {
-    /// Samples in which anything is unstable, those with open verdicts as ambiguous.
+    /// Samples in which anything is unstable, samples with open verdicts as ambiguous.
     pub fn any(&self) -> Proportion {
         Proportion::of_counts(self.any_unstable, self.perhaps_unstable, self.solved)
     }
@@ -118,7 +118,7 @@ impl SceneTally {
         }
     }
 
-    /// Samples in which any mode of a third octave is unstable, those with open verdicts there as ambiguous.
+    /// Samples in which any mode of a third octave is unstable, samples with open verdicts there as ambiguous.
     pub fn in_third_octave(&self, octave: ThirdOctave) -> Proportion {
         let InThirdOctave { unstable, perhaps } = self.third_octaves.get(&octave).copied().unwrap_or_default();
         Proportion::of_counts(unstable, perhaps, self.solved)

@@ -223,7 +223,7 @@ struct ModesWithVerdicts {
     modes: Modes,
     /// Indices of the unstable ones among the oscillating modes.
     unstable: Vec<usize>,
-    /// Indices of those whose verdict is open.
+    /// Indices of the modes whose verdict is open.
     undecided: Vec<usize>,
     /// Divergent eigenvalues and counts as in [`SectorModes`].
     divergent: Vec<f64>,
@@ -289,7 +289,7 @@ impl ModesWithVerdicts {
         Ok(judged)
     }
 
-    /// Eigenvalues of the modes that are to be named: the unstable ones, then those whose verdict is open.
+    /// Eigenvalues of the modes that are to be named: unstable modes, then modes whose verdict is open.
     fn lambdas(&self) -> Vec<Complex<f64>> {
         self.unstable.iter().chain(&self.undecided).map(|&index| self.modes.oscillatory[index]).collect()
     }

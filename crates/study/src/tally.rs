@@ -60,7 +60,7 @@ impl StudyTally {
         }
     }
 
-    /// An empty tally of a plan that keeps the samples too: its size grows with those that are unstable.
+    /// An empty tally of a plan that keeps the samples too: its size grows with the number of unstable samples.
     pub fn keeping_samples(plan: &Plan) -> Self {
         Self { kept: Some(vec![KeptSamples::default(); plan.scenes.len()]), ..Self::empty(plan) }
     }
