@@ -10,7 +10,7 @@ use crate::Error;
 /// Function that makes the system at a place of a line, 0 to 1.
 pub(super) type SystemAtPlace<'a> = &'a (dyn Fn(f64) -> Result<SecondOrder, Error> + Sync);
 
-/// Frequencies of the modes that are studied, and of those that are followed as they may come in.
+/// Frequencies of the modes that are studied, and of modes that are followed because they may come in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Band {
     /// Im lambda from and to, rad/s.
@@ -104,7 +104,7 @@ impl<'a> Along<'a> {
         all
     }
 
-    /// Growing modes at a place that are studied, rad/s, those that are nearest to the threshold first.
+    /// Growing modes at a place that are studied, rad/s, nearest to the threshold first.
     pub fn nearest_to_threshold(&self, place: &Place) -> Vec<Complex<f64>> {
         self.growing(place, |lambda| self.threshold.margin(lambda))
     }

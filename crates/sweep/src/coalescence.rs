@@ -90,7 +90,7 @@ impl Candidate {
     }
 }
 
-/// Adds a candidate to a list, in place of those that lead to the same place from farther away.
+/// Adds a candidate to a list, in place of candidates that lead to the same place from farther away.
 pub(super) fn add(candidate: Candidate, list: &mut Vec<Candidate>) {
     if list.iter().any(|other| other.replaces(&candidate)) {
         return;

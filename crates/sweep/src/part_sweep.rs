@@ -174,7 +174,7 @@ fn places(locus: &RootLocus) -> Vec<f64> {
     all
 }
 
-/// The names of all branches, from those that eigenvalues have at a place.
+/// The names of all branches, from the names that eigenvalues have at a place.
 fn branch_names<B: Branches<Error = Error>>(
     branches: &mut B,
     locus: &RootLocus,

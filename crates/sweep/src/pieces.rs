@@ -153,7 +153,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
         self.parts[at].along(line)
     }
 
-    /// The eigenvalues that those at the end of a piece become at the beginning of the next one.
+    /// The eigenvalues that the eigenvalues at the end of a piece become at the beginning of the next piece.
     fn links(&self, at: usize, [before, beyond]: [&Edge; 2]) -> Result<Links, Error> {
         if self.pieces[at].opening.is_none() {
             return Ok((0..before.lambdas.len()).map(|index| vec![index]).collect());
@@ -297,7 +297,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
     }
 }
 
-/// Index of the eigenvalue of a branch at an end of a piece, of those that are followed there; `None` where it is not there.
+/// Index of the eigenvalue of a branch at an end of a piece among the eigenvalues that are followed there; `None` where it is not one of them.
 fn index_at(branch: &super::NamedBranch, value: f64, edge: &Edge) -> Option<usize> {
     let ends = [branch.points.first(), branch.points.last()];
     let (_, point) = ends.into_iter().flatten().find(|(at, _)| *at == value)?;

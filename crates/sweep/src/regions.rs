@@ -99,7 +99,7 @@ pub(super) fn places_apart(runs: &[Run], spacing: usize) -> Vec<Region> {
     (0..numbers.len()).filter(is_apart).map(place).collect()
 }
 
-/// The regions, the largest first, without those that are nowhere [`LEAST_DEPTH`] cells deep.
+/// The regions, the largest first, without regions that are nowhere [`LEAST_DEPTH`] cells deep.
 pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
     let numbers = cells(runs);
     let depth = depths(&numbers);

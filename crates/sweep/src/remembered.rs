@@ -1,4 +1,4 @@
-//! Spectra that are asked for again: the places at which modes are counted are also those at which branches begin.
+//! Spectra that are asked for again: the places at which modes are counted are also the places at which branches begin.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
