@@ -48,7 +48,7 @@ pub struct KeptSpectra<'a, F> {
     make: F,
     solver: &'a dyn EigenSolver,
     spectra: BTreeMap<OrderedParameter, KeptSpectrum>,
-    /// Oscillating modes at every parameter; those at the first one asked for where nothing else is wanted.
+    /// Number of oscillating modes at every parameter; if not given, the number at the first parameter that is asked for.
     modes: Option<usize>,
     allows_overdamping: bool,
     /// Least and largest Im lambda of the modes that are kept, rad/s.

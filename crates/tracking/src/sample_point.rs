@@ -24,7 +24,7 @@ pub(crate) struct SamplePoint {
 /// Knowledge of the modes at a sample point.
 pub(crate) enum Known {
     Spectrum(Box<Solved>),
-    /// Modes near those that are followed, as the owner of the path knows them; `None` where it has not been asked.
+    /// Modes near the modes that are followed, as the owner of the path knows them; `None` where it has not been asked.
     Candidates(Option<Candidates>),
 }
 
