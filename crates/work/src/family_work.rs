@@ -43,7 +43,7 @@ pub struct FamilyWork {
 pub struct ModeWork {
     /// Work of each family, in the order given.
     pub families: Vec<FamilyWork>,
-    /// Net work of all families over all degrees of freedom, also those that belong to no body.
+    /// Net work of all families over all degrees of freedom, also over degrees of freedom that belong to no body.
     pub total: f64,
     /// `2 pi Re(lambda) Im(lambda)`, the value of `total` where all forces left out are elastic with a symmetric K.
     pub expected_total: f64,
