@@ -83,19 +83,22 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
         } else {
             place
         };
-        let (Some(field), imaginary, None) =
-            (fields.next(), if is_complex { fields.next() } else { None }, fields.next())
-        else {
-            let found = line.split_ascii_whitespace().count();
-            return Err(Problem::Fields { what: "an entry", found, allowed: "one value a line" });
+        let (field, imaginary) = match ([(); 3].map(|()| fields.next()), is_complex) {
+            ([Some(real), None, _], false) => (real, None),
+            ([Some(real), Some(imaginary), None], true) => (real, Some(imaginary)),
+            _ => {
+                let found = line.split_ascii_whitespace().count();
+                let allowed = if is_complex { "two values a line, real and imaginary" } else { "one value a line" };
+                return Err(Problem::Fields { what: "an entry", found, allowed });
+            }
         };
         let number = match banner.field {
             Field::Real | Field::Complex => value(field)?,
             Field::Integer => integer::<i64>(field).map(|number| number as f64)?,
             Field::Unsigned => integer::<u64>(field).map(|number| number as f64)?,
         };
-        if is_complex {
-            builder.imaginary(value(imaginary.unwrap_or_default())?)?;
+        if let Some(imaginary) = imaginary {
+            builder.imaginary(value(imaginary)?)?;
         }
         check_triangle(i, j, banner.symmetry)?;
         // A zero that a coordinate file lists is part of the pattern; an array lists all its zeros.

@@ -407,7 +407,7 @@ fn an_eigenvalue_is_found_from_a_poor_neighbour_where_stiff_parts_hide_its_resid
         }
         let k = &k + &CscMatrix::from(&penalty);
         let dense = linsys::SecondOrder::new(DMatrix::from(&m), DMatrix::from(&c), DMatrix::from(&k)).unwrap();
-        let sparse = SparseSecondOrder::new(m, c, k).unwrap();
+        let problem = sparse::Problem::new(&SparseSecondOrder::new(m, c, k).unwrap()).unwrap();
         let mut work = Workspace::default();
         let all = QrSolver.eigenvalues(&dense, &mut work).unwrap().eigenvalues;
         let wanted: Vec<Complex<f64>> = all.iter().copied().filter(|l| (0.5..8.0).contains(&l.im)).collect();
@@ -418,7 +418,7 @@ fn an_eigenvalue_is_found_from_a_poor_neighbour_where_stiff_parts_hide_its_resid
             let start = lambda + Complex::from_polar(0.1 * gap, number as f64);
             let noise = |i: usize| Complex::new((17.0 * i as f64 + number as f64).sin(), (5.0 * i as f64).cos());
             let shape = shape.normalize() + DVector::from_fn(N, |i, _| noise(i) * 1e-3);
-            let found = sparse::eigenpair_near(&sparse, start, &shape, 1e-13).unwrap();
+            let found = problem.eigenpair_near(start, &shape, 1e-13).unwrap();
             assert!((found.lambda - lambda).norm() < 1e-3 * gap + 1e-7 * lambda.norm(), "{draw}: {lambda} {found:?}");
             assert!(found.backward_error < 1e-14, "{draw}: {lambda} {:e}", found.backward_error);
         }

@@ -16,6 +16,7 @@ mod error;
 pub mod health;
 #[cfg(test)]
 mod of_entries;
+mod ordering;
 pub mod product;
 mod solver;
 mod symmetric;
@@ -27,8 +28,7 @@ pub use nalgebra_sparse;
 pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
 pub use solver::{
-    Circle, Count, Counters, Disc, Eigenpair, Found, Options, Problem, Progress, Reach, Rectangle, eigenpair_near,
-    eigenpairs_in,
+    Circle, Count, Counters, Disc, Eigenpair, Found, Options, Problem, Progress, Reach, Rectangle, eigenpairs_in,
 };
 pub use system::{SparseSecondOrder, State};
 

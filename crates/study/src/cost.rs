@@ -64,11 +64,13 @@ const PART_OF_SOLUTIONS: f64 = 0.6;
 
 /// Degrees of freedom of the refined disc and pad by which a complete solution is scaled, of 2,349 to 205,227.
 const LARGE: f64 = 47_376.0;
-/// Memory of a complete solution of it, bytes. Measured: 0.33, 1.5, 4.6 and 11.5 GB for 14,985, 47,376, 108,459 and 205,227 degrees of freedom
-/// (docs/large-problems.md).
-const BYTES_OF_LARGE: f64 = 1.5e9;
-/// Processor time of a complete solution of it, s. Measured for the same: 1.9, 11, 48 and 151 s.
-const SECONDS_OF_LARGE: f64 = 12.0;
+/// Memory of a complete solution of it, bytes, and the power of the degrees of freedom by which it grows. Measured: 0.37, 1.38, 3.67 and 8.04 GB for 14,985,
+/// 47,376, 108,459 and 205,227 degrees of freedom (docs/large-problems.md).
+const BYTES_OF_LARGE: f64 = 1.4e9;
+const POWER_OF_BYTES: f64 = 1.2;
+/// Processor time of a complete solution of it, s, and the power by which it grows. Measured for the same: 2.1, 8.1, 30 and 78 s.
+const SECONDS_OF_LARGE: f64 = 9.0;
+const POWER_OF_SECONDS: f64 = 1.5;
 
 impl Cost {
     /// The cost of `samples` samples, on all cores, of scenes and configurations of an order.
@@ -112,7 +114,7 @@ impl Cost {
     #[must_use]
     pub fn with_solutions(self, count: usize, budget: u64) -> Self {
         let together = solutions_together(self.order, budget).min(count) as f64;
-        let seconds = SECONDS_OF_LARGE * (self.order as f64 / LARGE).powf(1.65);
+        let seconds = SECONDS_OF_LARGE * (self.order as f64 / LARGE).powf(POWER_OF_SECONDS);
         let more = together * bytes_of_solution(self.order);
         let (bytes, bytes_of_whole) = (self.bytes + more, self.bytes_of_whole + more);
         Self { bytes, bytes_of_whole, seconds: self.seconds + count as f64 * seconds, ..self }
@@ -158,12 +160,12 @@ impl Cost {
 
 /// Memory of a complete solution of a brake of an order, bytes, roughly.
 fn bytes_of_solution(order: usize) -> f64 {
-    BYTES_OF_LARGE * (order as f64 / LARGE).powf(1.45)
+    BYTES_OF_LARGE * (order as f64 / LARGE).powf(POWER_OF_BYTES)
 }
 
 /// Order of a brake of which a complete solution takes `bytes` bytes, roughly.
 fn order_of(bytes: f64) -> f64 {
-    LARGE * (bytes / BYTES_OF_LARGE).powf(1.0 / 1.45)
+    LARGE * (bytes / BYTES_OF_LARGE).powf(1.0 / POWER_OF_BYTES)
 }
 
 /// Number of complete solutions of a brake of an order that are under way together: one for each thread, and fewer where their memory is more than a part of a

@@ -14,7 +14,7 @@ use linsys::{AffineSystem, Channel, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use reduction::{growing_real, grows_too_fast, shape_directions, surely_none_grows_too_fast};
-use sparse::{Eigenpair, Problem, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpair_near, eigenpairs_in};
+use sparse::{Eigenpair, Problem, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 use study::{ModeSource, Scene};
 
 use super::points::{all_patches, naming_point, of_brake, without_friction};
@@ -101,7 +101,9 @@ fn in_whole(
     }
     let passes = |lambda: Complex<f64>| is_fast(lambda) && lambda.norm() > end;
     let is_found = |near: Complex<f64>, shape: &DVector<Complex<f64>>| {
-        eigenpair_near(whole, near, &lift(shape), FOUND).is_ok_and(|pair| passes(pair.lambda))
+        Problem::new(whole)
+            .and_then(|whole| whole.eigenpair_near(near, &lift(shape), FOUND))
+            .is_ok_and(|pair| passes(pair.lambda))
     };
     if let Some((near, shape)) = growing_real(reduced, end)
         && is_found(near.into(), &shape.map(Complex::from))

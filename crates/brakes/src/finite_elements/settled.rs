@@ -3,6 +3,7 @@
 use cea::Verdict;
 use linsys::OperatingPoint;
 use num_complex::Complex;
+use sparse::Problem;
 use study::{BandMode, Plan, WholeEigenvalue};
 
 use super::{Part, ReducedSet, whole};
@@ -17,7 +18,7 @@ const SAME_MODE: f64 = 0.1;
 /// farther away than the mode of the whole brake can be, or may belong to another open mode.
 ///
 /// # Errors
-/// A point of another brake.
+/// A point of another brake, an elimination order of the whole brake that does not fit into memory.
 pub(super) fn settle(
     modes: &mut [BandMode],
     plan: &Plan,
@@ -31,16 +32,15 @@ pub(super) fn settle(
     if open.is_empty() || open.len() > most {
         return Ok(false);
     }
-    let system = set.system.assemble(at)?;
-    let found: Vec<Option<WholeEigenvalue>> = open
-        .iter()
-        .map(|&index| {
-            let BandMode { lambda, shape, bound, .. } = &modes[index];
-            let shape = part.reduced.lift(shape);
-            let found = set.together.one(|| whole::next_to(&system, *lambda, &shape)).ok();
-            found.filter(|found| (found.lambda - lambda).norm() <= SAME_MODE * bound)
-        })
-        .collect();
+    let next_to = |problem: &Problem, index: usize| {
+        let BandMode { lambda, shape, bound, .. } = &modes[index];
+        let found = whole::next_to(problem, *lambda, &part.reduced.lift(shape)).ok();
+        found.filter(|found| (found.lambda - lambda).norm() <= SAME_MODE * bound)
+    };
+    let found: Vec<Option<WholeEigenvalue>> = set.together.one(|| {
+        let problem = Problem::new(&set.system.assemble(at)?)?;
+        Ok::<_, Error>(open.iter().map(|&index| next_to(&problem, index)).collect())
+    })?;
     let own: Vec<(Complex<f64>, f64)> = open.iter().map(|&index| (modes[index].lambda, modes[index].bound)).collect();
     for (at, &index) in open.iter().enumerate() {
         if let Some(found) = own_eigenvalue(at, &own, &found) {

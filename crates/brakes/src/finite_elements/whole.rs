@@ -4,7 +4,7 @@ use cea::{CeaError, CertifiedError, Workspace, singular_vectors};
 use linsys::OperatingPoint;
 use nalgebra::DVector;
 use num_complex::Complex;
-use sparse::{SparseError, SparseSecondOrder, eigenpair_near};
+use sparse::{Problem, SparseError};
 use study::WholeEigenvalue;
 
 use super::{Part, ReducedSet};
@@ -25,17 +25,17 @@ pub(super) fn eigenvalue(
     let shape =
         shape.ok_or(CertifiedError::NoEigenvector { lambda: near, residual: f64::INFINITY }).map_err(CeaError::from)?;
     let shape = part.reduced.lift(&shape);
-    let whole = sets[part.set].system.assemble(at).map_err(not_found)?;
+    let whole = sets[part.set].system.assemble(at).and_then(|whole| Problem::new(&whole)).map_err(not_found)?;
     next_to(&whole, near, &shape).map_err(not_found)
 }
 
 /// The eigenvalue of the whole brake next to `near`, rad/s, from the shape of a mode there.
 pub(super) fn next_to(
-    whole: &SparseSecondOrder,
+    whole: &Problem,
     near: Complex<f64>,
     shape: &DVector<Complex<f64>>,
 ) -> Result<WholeEigenvalue, SparseError> {
-    let pair = eigenpair_near(whole, near, shape, TAKEN)?;
+    let pair = whole.eigenpair_near(near, shape, TAKEN)?;
     let bound = pair.condition * pair.backward_error.max(f64::EPSILON) * pair.lambda.norm();
     Ok(WholeEigenvalue { lambda: pair.lambda, bound })
 }

@@ -21,15 +21,17 @@ const MOST_DOFS_CERTIFIED: usize = 300;
 const MOST_DOFS_COUNTED: usize = 10_000;
 /// Largest border of a rectangle, rad/s; chosen: far above any vibration, and its powers are finite.
 const LARGEST_BORDER: f64 = 1e12;
-/// Memory of a Krylov basis, bytes per degree of freedom. Memory is estimated as `BASIS_BYTES n + FACTOR_BYTES n^(4/3)`. Measured (GNU time) with a disc
-/// and pad of linear solids of n = 14,985, 47,376, 108,459 and 205,227: 0.33, 1.5, 4.6 and 11.5 GB; the estimate is 0.39, 1.65, 4.8 and 10.9 GB.
-const BASIS_BYTES: f64 = 6000.0;
+/// Memory of the matrices and a Krylov basis, bytes per degree of freedom. Memory is estimated as `BASIS_BYTES n + FACTOR_BYTES n^(4/3)`. Measured (GNU
+/// time) with a disc and pad of linear solids of n = 14,985, 47,376, 108,459 and 205,227: 0.37, 1.38, 3.67 and 8.04 GB; the estimate is 0.36, 1.37, 3.68
+/// and 7.99 GB.
+const BASIS_BYTES: f64 = 13_000.0;
 /// Memory of sparse factors, bytes per n^(4/3) of n degrees of freedom; the power 4/3 is the one of meshes of solids. Measured with [`BASIS_BYTES`].
-const FACTOR_BYTES: f64 = 800.0;
+const FACTOR_BYTES: f64 = 440.0;
 /// Largest fraction of the allowed memory that the vectors of the eigenvalues take; chosen.
 const PART_OF_VECTORS: f64 = 0.25;
-/// Processor time at one shift, s per n^2 of n degrees of freedom, roughly. Some twenty eigenvalues are found there.
-const SECONDS_AT_A_SHIFT: f64 = 2e-8;
+/// Processor time at one shift, s per n^1.5 of n degrees of freedom, roughly. Some twenty eigenvalues are found there. Measured with [`BASIS_BYTES`], beside
+/// other work: 2.1, 8.1, 30 and 78 s.
+const SECONDS_AT_A_SHIFT: f64 = 8e-7;
 /// Most degrees of freedom of a problem whose memory and time are not said beforehand; chosen: it takes a second or so in all.
 const MOST_DOFS_UNANNOUNCED: usize = 3000;
 /// Steps of the bar of progress.
@@ -153,7 +155,7 @@ pub fn largest_order(budget: u64) -> usize {
 fn announce(order: usize) {
     if order > MOST_DOFS_UNANNOUNCED {
         let n = order as f64;
-        let (memory, time) = (bytes_in_words(bytes_of(order)), in_words(SECONDS_AT_A_SHIFT * n * n));
+        let (memory, time) = (bytes_in_words(bytes_of(order)), in_words(SECONDS_AT_A_SHIFT * n.powf(1.5)));
         note(&format!("{order} degrees of freedom: roughly {memory}; {time} for every twenty eigenvalues or so"));
     }
 }

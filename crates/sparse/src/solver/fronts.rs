@@ -12,18 +12,14 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place};
 use faer::prelude::ReborrowMut;
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
-use faer::{Accum, Mat, MatMut, Side, Spec};
+use faer::sparse::linalg::SymbolicSupernodalParams;
+use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
+use faer::{Accum, Mat, MatMut, Spec};
 use num_complex::Complex;
 
 use super::blocks::PAR;
 use super::pencil::Pencil;
-
-/// Only a supernodal analysis has groups of rows; it is taken where operations by entry exceed this.
-const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
+use crate::ordering;
 
 /// Most rows of groups that are joined, with the largest fraction of zeros among their entries: fewer than the library's, because factors
 /// are read a hundred times as often as they are computed.
@@ -47,7 +43,7 @@ impl Group {
     }
 }
 
-/// The elimination order of a pattern, by approximate minimum degree, and its groups.
+/// The elimination order of a pattern and its groups.
 pub(super) struct Elimination {
     /// Row at each position of the order, and position of each row.
     order: Vec<usize>,
@@ -61,12 +57,7 @@ impl Elimination {
         let n = pencil.order();
         let (starts, rows) = pencil.pattern();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows);
-        let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
-            supernodal_params: SymbolicSupernodalParams { relax: Some(JOINED) },
-            ..CholeskySymbolicParams::default()
-        };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters).ok()?;
+        let symbolic = ordering::symbolic(pattern, SymbolicSupernodalParams { relax: Some(JOINED) })?;
         let SymbolicCholeskyRaw::Supernodal(groups) = symbolic.raw() else { return None };
         let mut group_of = vec![0; n];
         let borders = groups.supernode_begin().iter().zip(groups.supernode_end());
@@ -144,11 +135,13 @@ pub(super) fn factorised(elimination: &Elimination, pencil: &Pencil, values: &[C
     let size: usize = groups.iter().map(Group::size).sum();
     factors.lower.try_reserve_exact(size).ok()?;
     factors.upper.try_reserve_exact(size).ok()?;
+    // One for all fronts: memory that the system gives anew has to be cleared by it.
+    let mut entries = Vec::new();
     for (s, group) in groups.iter().enumerate() {
         let (from, to) = (group.from, group.to);
         let height = to - from + group.below.len();
         (from..to).chain(group.below.iter().copied()).enumerate().for_each(|(at, row)| local[row] = at);
-        let mut entries = Vec::new();
+        entries.clear();
         entries.try_reserve_exact(height * height).ok()?;
         entries.resize(height * height, Complex::default());
         let mut front = MatMut::from_column_major_slice_mut(&mut entries, height, height);

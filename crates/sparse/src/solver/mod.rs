@@ -29,6 +29,5 @@ mod types;
 
 pub(crate) use blocks::PAR;
 pub use disc::Problem;
-pub use near::eigenpair_near;
 pub use rectangle::eigenpairs_in;
 pub use types::{Circle, Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};

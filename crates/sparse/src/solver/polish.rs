@@ -21,10 +21,10 @@ const STEPS: usize = 3;
 const TOGETHER: usize = 16;
 /// Steps of inverse iteration with one factorisation; chosen: with fewer more factorisations are made, more gain nothing next to the eigenvalue.
 const INVERSE_STEPS: usize = 3;
-/// Fewest and most factorisations, each next to the eigenvalue that the one before found; chosen: from a neighbour three are enough, where
+/// Most factorisations, each next to the eigenvalue that the one before found; chosen: from a neighbour three are enough, where
 /// others are near it takes more.
-const FACTORISATIONS: [usize; 2] = [2, 8];
-/// Largest backward error with which no further factorisation is made: some rounding errors.
+const FACTORISATIONS: usize = 8;
+/// Largest backward error, of both vectors after the first factorisation, with which no further one is made: some rounding errors.
 const ENOUGH: f64 = 16.0 * f64::EPSILON;
 /// Largest step of an eigenvalue by one factorisation, relative to it; chosen: where the quotient of the vectors leads farther, it is not taken.
 const FARTHEST: f64 = 0.1;
@@ -132,10 +132,9 @@ impl Problem {
         right: Vector,
         counters: &mut Counters,
     ) -> Result<Trial, SparseError> {
-        let [fewest, most] = FACTORISATIONS;
         let mut best: Option<Trial> = None;
         let (mut shift, mut x, mut y) = (lambda, right.clone(), right);
-        for round in 1..=most {
+        for round in 1..=FACTORISATIONS {
             // Beside the eigenvalue, where the factors are regular.
             let beside = shift * (1.0 + 8.0 * f64::EPSILON);
             counters.factorisations += 1;
@@ -150,12 +149,15 @@ impl Problem {
                 counters.solves += 2;
             }
             let (trial, quotient) = Trial::with_quotient(&self.pencil, shift, x.clone(), y.clone());
+            let is_first_enough =
+                || trial.error <= ENOUGH && left_error(&self.pencil, trial.lambda, &trial.y) <= ENOUGH;
+            let is_enough = if round == 1 { is_first_enough() } else { trial.error <= ENOUGH };
             let (error, before) = (trial.error, best.as_ref().map_or(f64::INFINITY, |best| best.error));
             // Of two that differ by rounding the later one has the better left vector.
             if best.is_none() || error <= 2.0 * before.max(f64::EPSILON) {
                 best = Some(trial);
             }
-            if round >= fewest && (error <= ENOUGH || error.is_nan() || error > 0.5 * before) {
+            if is_enough || round > 1 && (error.is_nan() || error > 0.5 * before) {
                 break;
             }
             shift = quotient;
@@ -228,6 +230,12 @@ impl Trial {
         let (bound, verdict) = judged(lambda, size / coupling, backward_error);
         Eigenpair { lambda, right: self.x, left, backward_error, condition, bound, verdict, on_border: false }
     }
+}
+
+/// Backward error of a left eigenvector, by its conjugate y.
+fn left_error(pencil: &Pencil, lambda: Complex<f64>, y: &Vector) -> f64 {
+    let parts = pencil.parts(Side::Left, &columns(std::slice::from_ref(y)));
+    parts[0].sum(&pencil.weights(lambda)).norm() / pencil.measure(lambda)
 }
 
 /// The pair of an eigenvalue and its vectors, y the conjugate of the left one, as they are.

@@ -2,11 +2,9 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
-use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-};
+use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, Side, Spec};
 use nalgebra::DMatrix;
@@ -14,6 +12,7 @@ use nalgebra_sparse::CscMatrix;
 
 use super::norm;
 use crate::SparseError;
+use crate::ordering;
 use crate::product::times;
 use crate::solver::PAR;
 use crate::unpatterned::unpatterned;
@@ -33,10 +32,6 @@ pub(crate) struct Factor {
 /// Largest backward error of a solution with a sound factorisation; chosen, between rounding and the error of a pivot that was only rounding.
 const SOUND: f64 = 1e-11;
 
-/// Only the supernodal factorisation has pivots, and it is taken where operations by entry exceed this. The library's own
-/// constant for it is zero, which a diagonal matrix, without operations, does not exceed.
-const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
-
 impl Factor {
     /// # Errors
     /// A factorisation that does not fit into memory.
@@ -44,12 +39,7 @@ impl Factor {
         let n = a.nrows();
         let memory = || SparseError::Memory { order: n };
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, a.col_offsets(), None, a.row_indices());
-        let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
-            ..CholeskySymbolicParams::default()
-        };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
-            .map_err(|_| memory())?;
+        let symbolic = ordering::symbolic(pattern, SymbolicSupernodalParams::default()).ok_or_else(memory)?;
         let request = symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(PAR, Spec::default());
         let mut buffer = MemBuffer::try_new(request).map_err(|_| memory())?;
         let (mut values, mut subdiagonal) = (vec![0.0; symbolic.len_val()], vec![0.0; n]);
