@@ -8,7 +8,6 @@
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them at many points, from coarse modes | [`Reduced::with_coarse`], [`Reduced::modes_of_all`] |
 //! | compare eigenvalues of two systems | [`compared`] |
-//! | prove that nothing grows faster than it oscillates, or that something does | [`surely_none_grows_too_fast`], [`growing_real`] |
 //! | hold the shapes of modes | [`shape_directions`] |
 //! | follow modes while contacts open | [`ContactPath`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
@@ -33,7 +32,6 @@ mod outer_products;
 mod reduced;
 mod residual;
 mod route;
-mod sector;
 mod shapes;
 mod shared;
 mod snapshots;
@@ -53,7 +51,6 @@ pub use loss::Losses;
 pub use reduced::{Reduced, ReducedModes, grows_too_fast};
 pub use residual::largest_residual;
 pub use route::{Route, RouteCounts};
-pub use sector::{growing_real, surely_none_grows_too_fast};
 pub use shapes::shape_directions;
 pub use snapshots::{Snapshot, SnapshotMode, Snapshots};
 pub use within::{Within, error_within, within};

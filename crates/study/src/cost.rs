@@ -57,8 +57,6 @@ const COLUMNS_IN_THE_MAKING: usize = 1700;
 const BYTES_BY_BASIS: f64 = 900.0;
 /// Processor time for each basis, s, by the cube of its columns. Measured with the same: 10 and 30 s.
 const SECONDS_BY_BASIS: f64 = 6e-7;
-/// Processor time of the spectrum of a dense brake, s, by the cube of its order. Measured with the responses of contacts of cases/disc-pad, 324 columns: 1.1 s.
-const SECONDS_BY_SPECTRUM: f64 = 3e-8;
 /// Part of the memory there is that complete solutions which are under way together may take; chosen: the bases take the rest.
 const PART_OF_SOLUTIONS: f64 = 0.6;
 
@@ -118,12 +116,6 @@ impl Cost {
         let more = together * bytes_of_solution(self.order);
         let (bytes, bytes_of_whole) = (self.bytes + more, self.bytes_of_whole + more);
         Self { bytes, bytes_of_whole, seconds: self.seconds + count as f64 * seconds, ..self }
-    }
-
-    /// The cost with `count` spectra of a dense brake of an order beside it.
-    #[must_use]
-    pub fn with_spectra(self, count: usize, order: usize) -> Self {
-        Self { seconds: self.seconds + count as f64 * SECONDS_BY_SPECTRUM * (order as f64).powi(3), ..self }
     }
 
     /// The time on all cores of what they share, s.

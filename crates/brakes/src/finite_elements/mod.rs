@@ -61,10 +61,6 @@ const EXPECTED_COLUMNS: usize = 130;
 /// Complete solutions that the time of a draw of the whole brake is worth: of its modes in the band and beside it, and of what diverges. Measured with cases/disc-pad
 /// and its refinement: 0.74 and 9.7 s of processor time, alone on two cores.
 const SOLUTIONS_OF_CHECK: usize = 4;
-/// Draws of the whole brake of which one needs a spectrum of the responses of its contacts, as no proof says whether something diverges. Measured with cases/disc-pad:
-/// its draws of laws with internal states that do not diverge, 14 of 100.
-const CHECKS_OF_SPECTRUM: usize = 6;
-
 /// Finite element brake of a case, reduced: a dense brake for each configuration in place of the mesh.
 ///
 /// Each set of constraints has one basis, in which the modes of all its arrangements of closed patches can be written. Each part, some
@@ -106,7 +102,7 @@ pub struct Diverging {
     /// Eigenvalues of the whole brake that do, Im >= 0, 1/s, up to 2 pi times the highest frequency of the band in size, by ascending growth. `None`
     /// where a search does not tell, or the reduced brake alone has any there.
     pub whole: Option<Vec<Complex<f64>>>,
-    /// True if the reduced brake has any beyond that size: so has the whole one, at growth rates that are not known.
+    /// True if the whole brake has any beyond that size; how many is not counted.
     pub beyond: bool,
 }
 
@@ -236,9 +232,7 @@ impl FiniteElementBrake {
         let columns: Vec<usize> = self.parts.iter().map(|part| part.within.basis.ncols()).collect();
         let checks = self.case.reduction.full_checks as usize;
         let solutions = self.case.constraints.len() * set_basis::SOLUTIONS + SOLUTIONS_OF_CHECK * checks;
-        let bases = Cost::of_bases(self.case.dofs.len(), self.sets.len(), &columns);
-        let spectra = checks.div_ceil(CHECKS_OF_SPECTRUM);
-        bases.with_solutions(solutions, budget).with_spectra(spectra, divergence::expected_columns(&self.case))
+        Cost::of_bases(self.case.dofs.len(), self.sets.len(), &columns).with_solutions(solutions, budget)
     }
 
     /// The part of the reduction that a scene is on.

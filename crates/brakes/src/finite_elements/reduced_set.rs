@@ -1,7 +1,7 @@
 //! A finite element brake on its bases: with each set of constraints, and in the arrangements that are studied together.
 
 use std::sync::atomic::AtomicU64;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use linsys::{AffineSystem, DofMap};
 use nalgebra::DMatrix;
@@ -9,7 +9,6 @@ use num_complex::Complex;
 use reduction::{Combinations, Compared, Losses, Reduced, RouteCounts, Within, compared};
 use sparse::SparseAffineSystem;
 
-use super::divergence::Responses;
 use super::points::at_medians;
 use super::set_basis::{HeldOut, SetBasis};
 use super::together::Together;
@@ -49,10 +48,6 @@ pub struct ReducedSet {
     pub held_out: f64,
     /// The largest such distance at full checks; 0 without full checks.
     pub checked: f64,
-    /// Responses of the contacts far beyond the band, made when they are first asked for; `None` without contacts.
-    responses: OnceLock<Option<Responses>>,
-    /// Held by whoever makes the responses, which takes long: others wait for it.
-    making_responses: Mutex<()>,
     /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
     pub held_out_residual: f64,
 }
@@ -111,8 +106,6 @@ impl ReducedSet {
             held_out: 0.0,
             checked: 0.0,
             held_out_residual: 0.0,
-            responses: OnceLock::new(),
-            making_responses: Mutex::default(),
         })
     }
 
@@ -125,19 +118,6 @@ impl ReducedSet {
     /// True if the reduced brake and the whole one do not have the same modes at the medians.
     pub(super) fn has_others(&self, case: &FiniteElementCase) -> bool {
         self.has_others || self.invented(case) + surely_wanted(case, &self.compared.missed) > 0
-    }
-
-    /// Responses of the contacts far beyond the band.
-    pub(super) fn responses(&self, case: &FiniteElementCase) -> Result<Option<&Responses>, Error> {
-        if let Some(made) = self.responses.get() {
-            return Ok(made.as_ref());
-        }
-        let _making = self.making_responses.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.responses.get().is_none() {
-            let made = Responses::new(case, &self.system)?;
-            return Ok(self.responses.get_or_init(|| made).as_ref());
-        }
-        Ok(self.responses.get().and_then(Option::as_ref))
     }
 
     /// The brake on a smaller basis W within the basis of the set.
