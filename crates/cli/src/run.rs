@@ -313,6 +313,6 @@ fn in_words(stopped: &Stopped, samples: u64) -> String {
     let verb = if reached <= half_width { "is within" } else { "is NOT within" };
     format!(
         "{samples} samples, look {look} of {looks}: every occurrence {verb} {half_width} of the truth ({reached:.2e}), at 95 % for each, \
-         the looks accounted for, without what open names leave open\n"
+         the looks accounted for, with what failures and open verdicts leave open and without what open names do\n"
     )
 }

@@ -239,7 +239,8 @@ fn sampled_until(
             Err(MonteCarloError::CheckpointLonger { found, .. }) => sampled(found)?,
             other => other?,
         };
-        let reached = summary.tally.distance(plan.mode_labels == ModeNaming::Tracked, look.confidence);
+        let is_tracked = plan.mode_labels == ModeNaming::Tracked;
+        let reached = summary.tally.distance(&summary.failures, is_tracked, look.confidence);
         if reached <= half_width || at == last {
             return Ok((summary, Stopped { half_width, reached, look: at + 1, looks: all.len() }));
         }

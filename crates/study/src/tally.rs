@@ -68,18 +68,22 @@ impl StudyTally {
 
 impl StudyTally {
     /// Largest distance of an occurrence from its estimate at a confidence, over all scenes and modes, seen or not; of modes that are
-    /// tracked or, if not, named by rank. The width that open names leave is not in it.
+    /// tracked or, if not, named by rank. The part of the samples that failed or have an open verdict, any of which may be unstable in any mode, is in it; the
+    /// width that open names leave is not.
     #[must_use]
-    pub fn distance(&self, is_tracked: bool, confidence: Confidence) -> f64 {
-        let of_scene = |scene: &SceneTally| {
+    pub fn distance(&self, failures: &Failures, is_tracked: bool, confidence: Confidence) -> f64 {
+        let of_scene = |(scene, &failed): (&SceneTally, &u64)| {
             let counts = if is_tracked { &scene.tracked } else { &scene.ranked };
             // A mode that was never seen has no hit in as many trials.
             let unseen = if counts.trials() == 0 { 1.0 } else { upper_limit_of_none(counts.trials(), confidence) };
             let others = [scene.divergence(), if is_tracked { scene.unnamed() } else { Proportion::default() }];
             let all = counts.proportions().map(|(_, proportion)| proportion).chain(others);
-            all.filter(|of| of.trials() > 0).map(|of| distance(&of, confidence)).fold(unseen, f64::max)
+            let sampled = all.filter(|of| of.trials() > 0).map(|of| distance(&of, confidence)).fold(unseen, f64::max);
+            let failed = failed + failures.draws();
+            let left_open = failed + scene.undecided.min(scene.solved);
+            (sampled + left_open as f64 / (scene.solved + failed).max(1) as f64).min(1.0)
         };
-        self.scenes.iter().map(of_scene).fold(0.0, f64::max)
+        self.scenes.iter().zip(failures.by_scene()).map(of_scene).fold(0.0, f64::max)
     }
 }
 

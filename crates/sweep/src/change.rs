@@ -148,6 +148,10 @@ impl<'a> Along<'a> {
         let counted = CountedSpectrum::new(&self.threshold, &system, &spectrum, &mut work)?;
         let mut place = Place { at, counted, is_settled: false };
         place.put_rigid_motions_on_the_axis(self.rigid);
+        // Only a reduced brake has a band. A pair that grows faster than it oscillates is no mode of it: no basis of the modes of a band holds it.
+        if self.band.is_some() {
+            place.counted.flutter.retain(|lambda| lambda.re <= lambda.im);
+        }
         Ok(place)
     }
 }

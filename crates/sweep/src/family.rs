@@ -281,9 +281,11 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         change.of.oscillates() || self.counts_divergence()
     }
 
-    /// Numbers of the unstable modes of a spectrum that are studied: pairs that flutter, and real eigenvalues that diverge.
+    /// Numbers of the unstable modes of a spectrum that are studied: pairs that flutter, and real eigenvalues that diverge. A pair of a reduced brake that grows
+    /// faster than it oscillates is no mode.
     pub fn counted(&self, spectrum: &CountedSpectrum) -> [usize; 2] {
-        let flutter = spectrum.flutter.iter().filter(|lambda| self.is_studied(lambda.im)).count();
+        let is_mode = |lambda: &&Complex<f64>| self.counts_divergence() || lambda.re <= lambda.im;
+        let flutter = spectrum.flutter.iter().filter(is_mode).filter(|lambda| self.is_studied(lambda.im)).count();
         [flutter, if self.counts_divergence() { spectrum.divergence.len() } else { 0 }]
     }
 

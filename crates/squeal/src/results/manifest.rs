@@ -25,7 +25,7 @@ pub struct Times {
 pub struct Stopped {
     /// Half width asked for.
     pub half_width: f64,
-    /// Half width reached, at the level of the look, without what open names leave open.
+    /// Half width reached, at the level of the look, with what failures and open verdicts leave open and without what open names do.
     pub reached: f64,
     /// Number of the look at which the run stopped, from 1.
     pub look: usize,

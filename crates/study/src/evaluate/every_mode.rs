@@ -69,7 +69,10 @@ impl<B: UncertainBrake> Study<'_, B> {
                 }
             }
         }
+        // Of a reduced brake a pair that grows faster than it oscillates is no mode: no basis of the modes of a band holds it, so that the whole one need not have it.
+        let is_reduced = self.brake().mode_source().is_some();
         for modes in modes.iter_mut().flatten() {
+            modes.retain(|mode| !(is_reduced && mode.lambda.re > mode.lambda.im));
             modes.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         }
         modes
