@@ -102,3 +102,54 @@ impl FiniteElementBrake {
         Ok(Diverging { whole: whole.filter(is_told), beyond: beyond == Some(true) })
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use cea::{EigenSolver as _, QrSolver, Workspace};
+    use linsys::SecondOrder;
+    use montecarlo::stream;
+    use nalgebra::DMatrix;
+    use rand::RngExt as _;
+    use sparse::nalgebra_sparse::CscMatrix;
+
+    use super::*;
+
+    /// A chain of masses with frequencies up to 500 rad/s. Two neighbours somewhere in it push themselves off their places and feed each other.
+    fn chain(seed: u64, masses: usize) -> [DMatrix<f64>; 3] {
+        let mut rng = stream(57, seed);
+        let mut k = DMatrix::zeros(masses, masses);
+        for at in 0..masses {
+            k[(at, at)] += 10_f64.powf(rng.random_range(-1.0..5.0));
+            let (next, spring) = ((at + 1) % masses, rng.random_range(0.0..1e3));
+            for (row, column, sign) in [(at, at, 1.0), (next, next, 1.0), (at, next, -1.0), (next, at, -1.0)] {
+                k[(row, column)] += sign * spring;
+            }
+        }
+        let (at, size) = (rng.random_range(0..masses - 1), 10_f64.powf(rng.random_range(-0.5..6.0)));
+        let fed = size * rng.random_range(-1.0..1.0);
+        k[(at, at)] -= size;
+        k[(at + 1, at + 1)] -= size;
+        k[(at, at + 1)] += fed;
+        k[(at + 1, at)] -= fed;
+        let m = DMatrix::from_fn(masses, masses, |i, j| if i == j { rng.random_range(0.5..2.0) } else { 0.0 });
+        [&m * 1e-2, k, m]
+    }
+
+    #[test]
+    fn what_grows_far_beyond_the_band_is_found_wherever_it_is() {
+        let [mut diverging, mut quiet] = [0; 2];
+        for seed in 0..30 {
+            let [c, k, m] = chain(seed, 160);
+            let whole = SecondOrder::new(m.clone(), c.clone(), k.clone()).unwrap();
+            let all = QrSolver.eigenvalues(&whole, &mut Workspace::default()).unwrap().eigenvalues;
+            let expected = all.iter().any(|lambda| lambda.im >= 0.0 && lambda.re > lambda.im && lambda.re >= 1.0);
+            let [m, c, k] = [m, c, k].map(|matrix| CscMatrix::from(&matrix));
+            let system = SparseSecondOrder::new(m, c, k).unwrap();
+            assert_eq!(diverges_beyond(&system, 1.0, &Threshold::AXIS), Some(expected), "{seed}");
+            diverging += usize::from(expected);
+            quiet += usize::from(!expected);
+        }
+        assert!(diverging >= 8 && quiet >= 3, "{diverging} {quiet}");
+    }
+}
