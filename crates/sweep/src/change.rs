@@ -17,6 +17,8 @@ pub(super) struct Band {
     pub studied: [f64; 2],
     /// Im lambda from and to, rad/s, around `studied`.
     pub followed: [f64; 2],
+    /// True of a reduced brake: a pair that grows faster than it oscillates is no mode, as no basis of the modes of a band holds it.
+    pub is_of_basis: bool,
 }
 
 /// A line through the parameters, from place 0 to 1.
@@ -148,8 +150,7 @@ impl<'a> Along<'a> {
         let counted = CountedSpectrum::new(&self.threshold, &system, &spectrum, &mut work)?;
         let mut place = Place { at, counted, is_settled: false };
         place.put_rigid_motions_on_the_axis(self.rigid);
-        // Only a reduced brake has a band. A pair that grows faster than it oscillates is no mode of it: no basis of the modes of a band holds it.
-        if self.band.is_some() {
+        if self.band.is_some_and(|band| band.is_of_basis) {
             place.counted.flutter.retain(|lambda| lambda.re <= lambda.im);
         }
         Ok(place)

@@ -165,7 +165,7 @@ impl Along<'_> {
         changes.found.sort_by(|a, b| a.at.total_cmp(&b.at));
         undo(&mut changes.found);
         changes.enter_ranges(&places);
-        if let Some(Band { studied: [from, to], followed: [lowest, highest] }) = self.band {
+        if let Some(Band { studied: [from, to], followed: [lowest, highest], .. }) = self.band {
             let grown = |there: [f64; 2]| {
                 places.iter().filter_map(|place| GrowingBeside::at(place, there)).reduce(GrowingBeside::with)
             };

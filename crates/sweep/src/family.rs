@@ -263,7 +263,8 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
     /// Frequencies of the modes that are studied, and of those that are followed; `None` where all are.
     pub fn band(&self) -> Option<Band> {
         let plan = self.family.study.plan();
-        Some(Band { studied: plan.band?, followed: plan.followed_band()? })
+        let is_of_basis = !self.counts_divergence();
+        Some(Band { studied: plan.band?, followed: plan.followed_band()?, is_of_basis })
     }
 
     /// True if modes of this frequency, rad/s, are studied.
