@@ -139,3 +139,49 @@ fn a_sweep_and_one_analysis_say_which_threshold_they_apply() {
         assert!(!answer(command, &hoffmann(), options).contains("unstable: with"));
     }
 }
+
+/// Samples that fail count in the half width as what may be unstable in any mode: a modulus that is measured up to mu = 0.9 alone, beyond which every draw fails.
+#[test]
+fn a_half_width_that_failures_leave_open_is_not_reached() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("case.toml");
+    let text = |to: f64| {
+        format!(
+            r#"
+[study]
+name = "oscillator"
+samples = 1000
+seed = 1
+[brake]
+kind = "matrices"
+dofs = ["x", "y"]
+[parameters.mu]
+distribution = "uniform"
+from = 0.2
+to = {to}
+[tables.damping]
+at = [0.0, 0.9]
+value = [1.0, 1.0]
+[[terms]]
+name = "structure"
+mass = [[1.0, 0.0], [0.0, 1.0]]
+stiffness = [[2.0, 1.0], [1.0, 2.0]]
+[[terms]]
+name = "dashpots"
+coefficient = "0.05*damping(mu)"
+damping = [[1.0, 0.0], [0.0, 1.0]]
+[[contacts]]
+name = "belt"
+force = {{ x = -1.0 }}
+reading = {{ y = 1.3333333333333333 }}
+mu = "mu"
+"#
+        )
+    };
+    for (to, is_reached) in [(0.9, true), (0.905, false), (1.0, false)] {
+        std::fs::write(&case, text(to)).unwrap();
+        let said = run(&case, &folder.path().join(format!("to-{to}")), &["--until-half-width", "0.1"]);
+        assert_eq!(said.contains("every occurrence is within 0.1"), is_reached, "{to} {said}");
+        assert_eq!(said.contains("every occurrence is NOT within 0.1"), !is_reached, "{to} {said}");
+    }
+}
