@@ -7,7 +7,7 @@ mod equations;
 mod residual;
 mod solve;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use num_complex::Complex;
 
 pub(crate) use self::equations::Equations;
@@ -36,6 +36,8 @@ pub struct Balance {
     /// Values at the samples of each term of a series, and the way back.
     evaluate: DMatrix<f64>,
     project: DMatrix<f64>,
+    /// Means of the products of samples with 1, cos tau, sin tau, cos 2 tau, ... up to twice the harmonics.
+    means: DMatrix<f64>,
 }
 
 /// A periodic motion as a balance knows it.
@@ -76,7 +78,8 @@ impl Balance {
         let evaluate = DMatrix::from_fn(samples, terms, term);
         let weight = |term: usize| if term == 0 { 1.0 } else { 2.0 } / samples as f64;
         let project = DMatrix::from_fn(terms, samples, |row, sample| weight(row) * evaluate[(sample, row)]);
-        Ok(Self { harmonics, evaluate, project })
+        let means = DMatrix::from_fn(2 * terms - 1, samples, |row, sample| term(sample, row) / samples as f64);
+        Ok(Self { harmonics, evaluate, project, means })
     }
 
     fn terms(&self) -> usize {
@@ -91,6 +94,26 @@ impl Balance {
             matrix[(2 * k, 2 * k - 1)] = -(k as f64);
         }
         matrix
+    }
+
+    /// Series of the products of a function of time with the terms of a series, one a column, by the means of the function: a product of two of these
+    /// is a sum of others.
+    fn products(&self, means: DVectorView<'_, f64>) -> DMatrix<f64> {
+        let cos = |k: usize| means[(2 * k).saturating_sub(1)];
+        let sin = |k: usize| if k == 0 { 0.0 } else { means[2 * k] };
+        DMatrix::from_fn(self.terms(), self.terms(), |row, column| {
+            let (k, l) = (row.div_ceil(2), column.div_ceil(2));
+            let sign = if k < l { -1.0 } else { 1.0 };
+            let (sum, difference) = (k + l, k.abs_diff(l));
+            // A sine has an even number, but for 0.
+            let twice = match (row > 0 && row.is_multiple_of(2), column > 0 && column.is_multiple_of(2)) {
+                (false, false) => cos(difference) + cos(sum),
+                (true, true) => cos(difference) - cos(sum),
+                (true, false) => sin(sum) + sign * sin(difference),
+                (false, true) => sin(sum) - sign * sin(difference),
+            };
+            if row == 0 { 0.5 * twice } else { twice }
+        })
     }
 }
 
@@ -140,5 +163,23 @@ impl Balance {
             return Ok(refined);
         }
         Err(Error::NoConvergence { method: "shooting to the motion of a balance", residual: moved.max(changed) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn products_of_terms_are_those_at_the_samples() {
+        for (harmonics, samples) in [(1, 3), (4, 9), (4, 64)] {
+            let balance = Balance::new(harmonics, samples).unwrap();
+            let values = DVector::from_fn(samples, |at, _| ((at * at + 3) % 7) as f64 - 1.5);
+            let at_samples = &balance.project * DMatrix::from_diagonal(&values) * &balance.evaluate;
+            let found = balance.products((&balance.means * values).column(0));
+            assert!((found - at_samples).amax() < 1e-14, "{harmonics} {samples}");
+        }
     }
 }

@@ -8,23 +8,25 @@
 //! | to | see |
 //! | --- | --- |
 //! | write the equations | [`ContactSystem`], [`SlidingContact`], [`ContactFriction`]; [`ContactSystem::check_tangent`] holds them against the linear analysis |
-//! | know what a motion becomes | [`follow`]: Dormand and Prince's method, then [`shoot`] to a [`Cycle`] with its Floquet multipliers |
+//! | know what a motion becomes | [`follow`]: power series of time from kink to kink, then [`shoot`] to a [`Cycle`] with its Floquet multipliers |
 //! | measure a cycle | [`measure`]: amplitudes, shares open and stuck, power by family; [`history`]: N(t) and slip; [`harmonics`]: its Fourier series |
 //! | follow cycles over a parameter | [`Balance`]: harmonic balance on the contacts, [`Balance::branch_from_onset`] |
 
 mod contact;
 mod continuation;
-mod dopri;
 mod error;
 mod friction;
 mod harmonic_balance;
 mod harmonics;
 mod measure;
+mod moments;
 mod motion;
+mod path;
 mod powers;
 mod shooting;
 mod system;
 mod tangent;
+mod variation;
 
 pub use contact::SlidingContact;
 pub use continuation::{BranchEnd, BranchPoint, NearMode, Reach, SystemAt};

@@ -1,6 +1,7 @@
 //! What a cycle does: amplitudes, shares of its period open and stuck, power by family of forces.
 
-use crate::dopri::{Flow, Integrator};
+use crate::moments::rule;
+use crate::path::Path;
 use crate::{ContactSystem, Cycle, Error, SlidingContact};
 
 /// Measures of a periodic motion.
@@ -84,79 +85,16 @@ impl Measures {
     }
 }
 
-/// A motion with integrals over it after its state: work by family, squares of velocities, kinetic energy.
-struct Measured<'a> {
-    system: &'a ContactSystem,
-    scales: Vec<f64>,
-    families: Vec<String>,
-    /// Steps end where a contact opens, closes or sticks and where a displacement peaks; else these are known to a step of time.
-    is_exact: bool,
-}
-
-impl Measured<'_> {
-    /// By contact its normal force and its velocity against both stick speeds; then all velocities, which turn where displacements peak.
-    fn kinks(&self, x: &[f64], out: &mut Vec<f64>) {
-        out.clear();
-        let (u, velocity) = x.split_at(self.system.order());
-        for contact in self.system.contacts() {
-            let (slip, stick) = (contact.slip(velocity), contact.friction.stick_speed());
-            out.extend([contact.load + contact.approach(u), slip + stick, slip - stick]);
-        }
-        out.extend_from_slice(&velocity[..u.len()]);
-    }
-
-    /// Sides of all kinks on which a motion is.
-    fn sides(&self, motion: &Integrator<'_, Self>, out: &mut Vec<bool>, values: &mut Vec<f64>) {
-        out.clear();
-        match self.is_exact {
-            // At a kink a value may have either sign.
-            true => out.extend_from_slice(&motion.sides),
-            false => {
-                self.kinks(&motion.x, values);
-                out.extend(values.iter().map(|value| *value > 0.0));
-            }
-        }
-    }
-}
-
-impl Flow for Measured<'_> {
-    fn rate(&self, x: &[f64], out: &mut [f64]) {
-        let (d, n) = (self.system.dimension(), self.system.order());
-        let (x, (out, integrals)) = (&x[..d], out.split_at_mut(d));
-        self.system.rate(x, out);
-        let (works, rest) = integrals.split_at_mut(self.families.len());
-        self.system.powers(&self.families, x, works);
-        rest[..n].iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square = v * v);
-        rest[n] = self.system.kinetic_energy(x);
-    }
-
-    fn switches(&self, x: &[f64], out: &mut Vec<f64>) {
-        match self.is_exact {
-            true => self.kinks(x, out),
-            false => out.clear(),
-        }
-    }
-
-    fn scales(&self) -> &[f64] {
-        &self.scales
-    }
-
-    fn go_on(&self) -> Result<(), Error> {
-        self.system.go_on()
-    }
-}
-
 /// Goes through a period of a cycle and measures it.
 ///
 /// # Errors
 /// A motion that cannot be followed.
 pub fn measure(system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<Measures, Error> {
-    Ok(measured(system, &cycle.start, [cycle.period, cycle.period], tolerance, true)?.0)
+    Ok(measure_over(system, &cycle.start, [cycle.period, cycle.period], tolerance)?.0)
 }
 
 /// Goes on with a motion that need not be periodic for a time, s, of many periods, and measures it; gives its last state too. `period`, s, is
-/// about that in which it swings, and scales it. Peaks and shares are known to the steps of time alone, and powers need not sum to zero: the
-/// motion may end with another energy than it has at first.
+/// about that in which it swings, and scales it. Powers need not sum to zero: the motion may end with another energy than it has at first.
 ///
 /// # Errors
 /// A motion that cannot be followed.
@@ -166,53 +104,48 @@ pub fn measure_over(
     [time, period]: [f64; 2],
     tolerance: f64,
 ) -> Result<(Measures, Vec<f64>), Error> {
-    measured(system, start, [time, period], tolerance, false)
-}
-
-fn measured(
-    system: &ContactSystem,
-    start: &[f64],
-    [time, period]: [f64; 2],
-    tolerance: f64,
-    is_exact: bool,
-) -> Result<(Measures, Vec<f64>), Error> {
-    let (d, n, families) = (system.dimension(), system.order(), system.families());
-    let mut x = start.to_vec();
-    x.resize(d + families.len() + n + 1, 0.0);
-    let mut scales = system.scales(std::f64::consts::TAU / period);
-    // The works are controlled too, by the energy of the motion.
-    let energy = start.iter().zip(&scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max).powi(2)
-        * system.kinetic_energy(&scales);
-    scales.resize(d + families.len(), energy.max(f64::MIN_POSITIVE));
-    let flow = Measured { system, scales, families, is_exact };
-    let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * period);
-    let contacts = system.contacts().len();
-    let (mut sides, mut values) = (Vec::new(), Vec::new());
-    let mut shares = vec![Shares::default(); contacts];
-    let mut peak: Vec<f64> = motion.x[..n].iter().map(|u| u.abs()).collect();
+    let (n, families) = (system.order(), system.families());
+    let scales = system.scales(std::f64::consts::TAU / period);
+    let mut motion = Path::new(system, start.to_vec(), &scales, tolerance, 0.1 * period, &[]);
+    let (mut squares, mut energy) = (vec![0.0; n], 0.0);
+    let (mut works, mut powers) = (vec![0.0; families.len()], vec![0.0; families.len()]);
+    let mut shares = vec![Shares::default(); system.contacts().len()];
+    let mut peak: Vec<f64> = start[..n].iter().map(|u| u.abs()).collect();
+    let (mut before, mut x) = (start.to_vec(), start.to_vec());
     while motion.time < time {
-        let from = motion.time;
-        flow.sides(&motion, &mut sides, &mut values);
         motion.step(time)?;
-        let part = (motion.time - from) / time;
-        for (share, sides) in shares.iter_mut().zip(sides.chunks_exact(3)) {
-            let [is_closed, is_above, is_beyond] = [sides[0], sides[1], sides[2]];
-            share.open += if is_closed { 0.0 } else { part };
-            share.stuck += if is_closed && is_above && !is_beyond { part } else { 0.0 };
+        let duration = motion.duration();
+        for (contact, share) in shares.iter_mut().enumerate() {
+            share.open += if motion.is_closed(contact) { 0.0 } else { duration / time };
+            share.stuck += if motion.is_closed(contact) && motion.is_slow(contact) { duration / time } else { 0.0 };
         }
-        peak.iter_mut().zip(&motion.x).for_each(|(peak, u)| *peak = peak.max(u.abs()));
+        let mut part_before = 0.0;
+        for (part, weight) in rule(motion.degree()).iter().copied().chain([(1.0, 0.0)]) {
+            motion.at_part(part, &mut x);
+            if weight > 0.0 {
+                squares.iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square += weight * duration * v * v);
+                energy += weight * duration * system.kinetic_energy(&x);
+                system.powers(&families, &x, &mut powers);
+                works.iter_mut().zip(&powers).for_each(|(work, power)| *work += weight * duration * power);
+            }
+            for (dof, peak) in peak.iter_mut().enumerate() {
+                *peak = peak.max(x[dof].abs());
+                // A displacement that turns in between is larger there.
+                if (before[n + dof] > 0.0) != (x[n + dof] > 0.0) {
+                    *peak = peak.max(motion.turning(dof, [part_before, part]).abs());
+                }
+            }
+            std::mem::swap(&mut before, &mut x);
+            part_before = part;
+        }
     }
-    let integrals = &motion.x[d..];
-    let (works, rest) = integrals.split_at(flow.families.len());
-    let mean = |integral: &f64| integral / time;
     let measures = Measures {
-        rms_velocity: rest[..n].iter().map(|square| mean(square).sqrt()).collect(),
+        rms_velocity: squares.iter().map(|square| (square / time).sqrt()).collect(),
         peak,
-        kinetic_energy: mean(&rest[n]),
-        powers: flow.families.iter().cloned().zip(works.iter().map(mean)).collect(),
+        kinetic_energy: energy / time,
+        powers: families.into_iter().zip(works.iter().map(|work| work / time)).collect(),
         contacts: shares,
     };
-    motion.x.truncate(d);
     Ok((measures, motion.x))
 }
 
@@ -238,17 +171,16 @@ pub fn history<'s>(system: &ContactSystem, states: impl IntoIterator<Item = &'s 
 /// A motion that cannot be followed.
 pub fn states(system: &ContactSystem, cycle: &Cycle, steps: usize, tolerance: f64) -> Result<Vec<Vec<f64>>, Error> {
     let scales = system.scales(std::f64::consts::TAU / cycle.period);
-    let flow = Measured { system, scales, families: system.families(), is_exact: true };
-    let mut x = cycle.start.clone();
-    x.resize(system.dimension() + flow.families.len() + system.order() + 1, 0.0);
-    let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * cycle.period);
+    let mut motion = Path::new(system, cycle.start.clone(), &scales, tolerance, 0.1 * cycle.period, &[]);
     let mut states = Vec::with_capacity(steps);
     for step in 0..steps {
         let time = cycle.period * step as f64 / steps as f64;
         while motion.time < time {
-            motion.step(time)?;
+            motion.step(cycle.period)?;
         }
-        states.push(motion.x[..system.dimension()].to_vec());
+        let mut x = motion.x.clone();
+        motion.at(time, &mut x);
+        states.push(x);
     }
     Ok(states)
 }

@@ -2,7 +2,7 @@
 
 use num_complex::Complex;
 
-use crate::dopri::{Flow, Integrator};
+use crate::path::Path;
 use crate::shooting::shoot;
 use crate::{ContactSystem, Cycle, Error};
 
@@ -56,34 +56,6 @@ const NEAR: f64 = 0.05;
 /// Distance that the motion of a cycle would go in a period at the rate of its start, relative to its size, at least; chosen.
 const MOVING: f64 = 1e-3;
 
-/// A motion with a plane that it passes once a period of its mode, or oftener.
-struct Crossing<'a> {
-    system: &'a ContactSystem,
-    scales: &'a [f64],
-    section: &'a [f64],
-}
-
-impl Flow for Crossing<'_> {
-    fn rate(&self, x: &[f64], out: &mut [f64]) {
-        self.system.rate(x, out);
-    }
-
-    /// The plane alone: on the way to a cycle, contacts that open cost shorter steps and no search for when they do.
-    fn switches(&self, x: &[f64], out: &mut Vec<f64>) {
-        out.clear();
-        let velocity = &x[self.system.order()..];
-        out.push(self.section.iter().zip(velocity).map(|(s, v)| s * v).sum());
-    }
-
-    fn scales(&self) -> &[f64] {
-        self.scales
-    }
-
-    fn go_on(&self) -> Result<(), Error> {
-        self.system.go_on()
-    }
-}
-
 /// Follows the motion from a state to what it becomes. `omega`, rad/s, and `shape` are of a mode that it may swing in: they scale it, and its
 /// velocity along the shape is what passes 0 once a period.
 ///
@@ -114,15 +86,14 @@ pub fn follow_telling(
     check(system, &start, omega, settings)?;
     let scales = system.scales(omega);
     let section = section(system, shape);
-    let flow = Crossing { system, scales: &scales, section: &section };
     let period = std::f64::consts::TAU / omega;
-    let mut motion = Integrator::new(&flow, start, settings.tolerance, 0.01 * period);
+    let mut motion = Path::new(system, start, &scales, settings.tolerance, 0.1 * period, &section);
     let until = settings.most_periods as f64 * period;
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
     let (mut next_try, mut largest) = (0, amplitude(&motion.x, &scales));
     let mut told = 0;
     while motion.time < until {
-        let switch = motion.step(until)?;
+        let is_passage = motion.step(until)?;
         while told < settings.most_periods && (told + 1) as f64 * period <= motion.time {
             each_period();
             told += 1;
@@ -135,7 +106,7 @@ pub fn follow_telling(
         if size < REST * largest {
             return Ok(Motion::Rest);
         }
-        if switch != Some(0) || !motion.sides[0] {
+        if !is_passage {
             continue;
         }
         passages.push((motion.time, motion.x.clone()));
@@ -209,7 +180,13 @@ fn section(system: &ContactSystem, shape: &[Complex<f64>]) -> Vec<f64> {
 
 /// Size of a state, relative to the scales.
 pub(crate) fn amplitude(x: &[f64], scales: &[f64]) -> f64 {
-    x.iter().zip(scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max)
+    x.iter().zip(scales).fold(0.0, |size, (x, scale)| largest(size, x / scale))
+}
+
+/// The larger of a magnitude and that of a number; not a number where either is not.
+pub(crate) fn largest(size: f64, x: f64) -> f64 {
+    let x = x.abs();
+    if x > size || x.is_nan() { x } else { size }
 }
 
 /// Largest difference of two states, relative to the scales.
@@ -231,8 +208,7 @@ pub fn state_after(
     let settings = Settings { tolerance, ..Settings::default() };
     check(system, &start, omega, &settings)?;
     let scales = system.scales(omega);
-    let flow = Crossing { system, scales: &scales, section: &[] };
-    let mut motion = Integrator::new(&flow, start, tolerance, 0.01 / omega);
+    let mut motion = Path::new(system, start, &scales, tolerance, 0.1 / omega, &[]);
     while motion.time < time {
         motion.step(time)?;
     }

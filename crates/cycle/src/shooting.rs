@@ -3,11 +3,15 @@
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 
-use crate::dopri::{Flow, Integrator};
+use crate::motion::amplitude;
+use crate::path::Path;
 use crate::{ContactSystem, Error};
 
 /// Corrections after which a shooting has failed; chosen.
-const MOST_CORRECTIONS: usize = 12;
+const MOST_CORRECTIONS: usize = 24;
+
+/// Part of the residual so far up to which the next one says that the derivative used is good enough for one more; chosen.
+const USEFUL: f64 = 0.1;
 
 /// Multipliers up to this far beyond the unit circle count as on it; chosen, far above the error of a monodromy matrix.
 const ON_THE_CIRCLE: f64 = 1e-5;
@@ -46,60 +50,22 @@ impl Cycle {
     }
 }
 
-/// A motion with the derivative of its state by the state at its begin, column by column after the state.
-struct Variation<'a> {
-    system: &'a ContactSystem,
-    scales: &'a [f64],
-}
-
-impl Flow for Variation<'_> {
-    fn rate(&self, x: &[f64], out: &mut [f64]) {
-        let d = self.system.dimension();
-        let (x, columns) = x.split_at(d);
-        let (rate, rates) = out.split_at_mut(d);
-        self.system.rate(x, rate);
-        // Rows that only say that velocities are rates of displacements are copied.
-        let (n, jacobian) = (self.system.order(), self.system.jacobian(x));
-        let below = jacobian.rows(n, d - n);
-        let columns = nalgebra::DMatrixView::from_slice(columns, d, d);
-        let mut rates = nalgebra::DMatrixViewMut::from_slice(rates, d, d);
-        rates.rows_mut(0, n).copy_from(&columns.rows(n, n));
-        rates.rows_mut(n, d - n).gemm(1.0, &below, &columns, 0.0);
-    }
-
-    fn switches(&self, x: &[f64], out: &mut Vec<f64>) {
-        out.clear();
-        out.extend(self.system.contacts().iter().map(|contact| contact.load + contact.approach(x)));
-    }
-
-    fn scales(&self) -> &[f64] {
-        self.scales
-    }
-
-    fn go_on(&self) -> Result<(), Error> {
-        self.system.go_on()
-    }
-}
-
-/// State after a period, and its derivative by the state at the begin.
+/// Derivative of the state after a period by the state at the begin, both in scales.
 fn monodromy(
     system: &ContactSystem,
     start: &[f64],
     period: f64,
     scales: &[f64],
     tolerance: f64,
-) -> Result<(Vec<f64>, DMatrix<f64>), Error> {
-    let d = system.dimension();
-    let mut x = start.to_vec();
-    x.extend_from_slice(DMatrix::<f64>::identity(d, d).as_slice());
-    let flow = Variation { system, scales };
-    let mut motion = Integrator::new(&flow, x, tolerance, 0.01 * period);
+) -> Result<DMatrix<f64>, Error> {
+    let mut matrix = DMatrix::from_diagonal(&DVector::from_column_slice(scales));
+    let mut motion = Path::new(system, start.to_vec(), scales, tolerance, 0.1 * period, &[]);
     while motion.time < period {
         motion.step(period)?;
+        motion.carry(&mut matrix)?;
     }
-    let matrix = DMatrix::from_column_slice(d, d, &motion.x[d..]);
-    motion.x.truncate(d);
-    Ok((motion.x, matrix))
+    matrix.row_iter_mut().zip(scales).for_each(|(mut row, scale)| row /= *scale);
+    Ok(matrix)
 }
 
 /// The periodic motion near a state and a period, by Newton's method on `x(T; x_0) = x_0` with `x_0` moved across the motion, and its
@@ -118,30 +84,46 @@ pub fn shoot(
     let (mut x, mut period, mut best) = (start, period, f64::INFINITY);
     let mut rate = vec![0.0; d];
     let wanted = (1e3 * tolerance).min(1e-6);
+    let mut kept = None;
     for _ in 0..MOST_CORRECTIONS {
-        let (end, matrix) = monodromy(system, &x, period, scales, tolerance)?;
-        let size = x.iter().zip(scales).map(|(x, scale)| (x / scale).abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let mut motion = Path::new(system, x.clone(), scales, tolerance, 0.1 * period, &[]);
+        while motion.time < period {
+            motion.step(period)?;
+        }
+        let end = motion.x;
+        let size = amplitude(&x, scales).max(f64::MIN_POSITIVE);
         let difference = DVector::from_fn(d, |i, _| (end[i] - x[i]) / scales[i]);
         let residual = difference.amax() / size;
-        let scaled = DMatrix::from_fn(d, d, |i, j| matrix[(i, j)] * scales[j] / scales[i]);
-        let is_done = residual < 10.0 * tolerance || (residual < wanted && residual > 0.1 * best);
-        if is_done {
-            let multipliers = multipliers(scaled)?;
+        // The derivative of a start before will do as long as it brings the motion nearer quickly.
+        let is_slow = residual > USEFUL * best;
+        if residual < 10.0 * tolerance || (residual < wanted && is_slow) {
+            let multipliers = multipliers(monodromy(system, &x, period, scales, tolerance)?)?;
             return Ok(Cycle { start: x, period, residual, multipliers });
         }
+        if is_slow {
+            kept = None;
+        }
         best = best.min(residual);
-        let mut bordered = DMatrix::zeros(d + 1, d + 1);
-        bordered.view_mut((0, 0), (d, d)).copy_from(&(scaled - DMatrix::identity(d, d)));
-        system.rate(&end, &mut rate);
-        (0..d).for_each(|i| bordered[(i, d)] = rate[i] * period / scales[i]);
-        system.rate(&x, &mut rate);
-        (0..d).for_each(|i| bordered[(d, i)] = rate[i] * period / scales[i]);
+        let bordered = match kept.take() {
+            Some(bordered) => bordered,
+            None => {
+                let mut bordered = DMatrix::zeros(d + 1, d + 1);
+                let matrix = monodromy(system, &x, period, scales, tolerance)?;
+                bordered.view_mut((0, 0), (d, d)).copy_from(&(matrix - DMatrix::identity(d, d)));
+                system.rate(&end, &mut rate);
+                (0..d).for_each(|i| bordered[(i, d)] = rate[i] * period / scales[i]);
+                system.rate(&x, &mut rate);
+                (0..d).for_each(|i| bordered[(d, i)] = rate[i] * period / scales[i]);
+                bordered.lu()
+            }
+        };
         let right = DVector::from_fn(d + 1, |i, _| if i < d { -difference[i] } else { 0.0 });
-        let Some(step) = bordered.lu().solve(&right).filter(|step| step.iter().all(|x| x.is_finite())) else { break };
+        let Some(step) = bordered.solve(&right).filter(|step| step.iter().all(|x| x.is_finite())) else { break };
         // Far from a solution a full step leaves the motion.
         let factor = (0.5 * size / step.rows(0, d).amax()).min(0.2 / step[d].abs()).min(1.0);
         x.iter_mut().zip(scales).zip(&step).for_each(|((x, scale), step)| *x += factor * scale * step);
         period *= 1.0 + factor * step[d];
+        kept = Some(bordered);
     }
     Err(Error::NoConvergence { method: "shooting", residual: best })
 }

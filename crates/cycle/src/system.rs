@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use linsys::{AffineSystem, SecondOrder, Term};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 use num_complex::Complex;
 
 use crate::{Error, SlidingContact};
@@ -47,11 +47,16 @@ pub struct ContactSystem {
     /// Place of the bristle of each contact in a state of motion.
     pub(crate) bristles: Vec<Option<usize>>,
     pub(crate) dimension: usize,
-    /// `M^-1 [K C]` by rows, as products with a state take it.
-    rows: Vec<f64>,
-    /// `M^-1 c_i` and `M^-1 b_i`, n by n.
+    /// `-M^-1 [K C]`, n by 2 n.
+    free: DMatrix<f64>,
+    /// `M^-1 c_i` and `M^-1 b_i`, n by contacts.
     normal: DMatrix<f64>,
-    sliding: DMatrix<f64>,
+    pub(crate) sliding: DMatrix<f64>,
+    /// `k_i c_i^T` and `b_i^T`, contacts by n.
+    pub(crate) approaches: DMatrix<f64>,
+    pub(crate) slips: DMatrix<f64>,
+    /// Forces in steady sliding, and the rows of the Jacobian there below those that say that velocities are rates of displacements.
+    at_rest: (Vec<ContactForces>, DMatrix<f64>),
     /// Flag that ends all work with the system.
     stop: Option<Arc<AtomicBool>>,
 }
@@ -71,6 +76,33 @@ pub(crate) struct ContactForces {
     pub rate: f64,
     pub rate_by_velocity: f64,
     pub rate_by_state: f64,
+}
+
+impl ContactForces {
+    /// Derivatives of the friction by gap, velocity and state, and of the rate of the state by velocity and state.
+    pub fn slopes(&self) -> [f64; 5] {
+        [
+            self.friction_by_gap,
+            self.friction_by_velocity,
+            self.friction_by_state,
+            self.rate_by_velocity,
+            self.rate_by_state,
+        ]
+    }
+
+    /// Friction and rate of the state by their tangents, where gap, velocity and state differ so much.
+    pub fn linear(&self, [gap, velocity, state]: [f64; 3]) -> [f64; 2] {
+        let [by_gap, by_velocity, by_state, rate_by_velocity, rate_by_state] = self.slopes();
+        [
+            self.friction + by_gap * gap + by_velocity * velocity + by_state * state,
+            self.rate + rate_by_velocity * velocity + rate_by_state * state,
+        ]
+    }
+
+    /// True if all derivatives are the same.
+    pub fn has_slopes_of(&self, other: &Self) -> bool {
+        self.excess_by_gap == other.excess_by_gap && self.slopes() == other.slopes()
+    }
 }
 
 impl ContactSystem {
@@ -120,11 +152,47 @@ impl ContactSystem {
             })
         });
         let bristles = bristles.collect();
-        let (k, c) = (&inverse_mass * &structure.k, &inverse_mass * &structure.c);
-        let rows =
-            (0..order).flat_map(|i| k.row(i).iter().chain(c.row(i).iter()).copied().collect::<Vec<_>>()).collect();
+        let mut free = DMatrix::zeros(order, 2 * order);
+        free.columns_mut(0, order).copy_from(&-(&inverse_mass * &structure.k));
+        free.columns_mut(order, order).copy_from(&-(&inverse_mass * &structure.c));
+        let (mut approaches, mut slips) =
+            (DMatrix::zeros(contacts.len(), order), DMatrix::zeros(contacts.len(), order));
+        for (at, contact) in contacts.iter().enumerate() {
+            contact.normal.iter().for_each(|&(dof, c)| approaches[(at, dof)] += contact.stiffness * c);
+            contact.sliding.iter().for_each(|&(dof, b)| slips[(at, dof)] += b);
+        }
         let steady = contacts.iter().map(SlidingContact::steady).collect();
-        Ok(Self { parts, structure, contacts, steady, bristles, dimension, rows, normal, sliding, stop: None })
+        let at_rest = (Vec::new(), DMatrix::zeros(dimension - order, dimension));
+        let stop = None;
+        let mut system = Self {
+            parts,
+            structure,
+            contacts,
+            steady,
+            bristles,
+            dimension,
+            free,
+            normal,
+            sliding,
+            approaches,
+            slips,
+            at_rest,
+            stop,
+        };
+        system.take_rest();
+        Ok(system)
+    }
+
+    /// Takes forces and Jacobian of steady sliding.
+    fn take_rest(&mut self) {
+        let (n, at_rest) = (self.order(), vec![0.0; self.dimension]);
+        let mut below = DMatrix::zeros(self.dimension - n, self.dimension);
+        below.view_mut((0, 0), (n, 2 * n)).copy_from(&self.free);
+        self.at_rest = (vec![ContactForces::default(); self.contacts.len()], below);
+        let forces: Vec<_> = (0..self.contacts.len()).map(|contact| self.forces_in(contact, &at_rest)).collect();
+        let mut below = DMatrix::zeros(0, 0);
+        self.take_below(&forces, &mut below);
+        self.at_rest = (forces, below);
     }
 
     /// The system, all work with which ends with [`Error::Stopped`] soon after `stop` is set.
@@ -174,12 +242,12 @@ impl ContactSystem {
         self.steady[contact].0
     }
 
-    /// Forces of a contact at a change `gap` of its normal force, N, a sliding velocity, m/s, and the deviation of its bristle.
-    pub(crate) fn forces(&self, contact: usize, gap: f64, velocity: f64, state: f64) -> ContactForces {
+    /// Forces of a contact at a change `gap` of its normal force, N, a sliding velocity, m/s, and the deviation of its bristle. `is_closed` says on which side
+    /// of its kink they are, and continues them beyond it.
+    pub(crate) fn forces(&self, contact: usize, is_closed: bool, gap: f64, velocity: f64, state: f64) -> ContactForces {
         let (of, (steady, mu0)) = (&self.contacts[contact], self.steady[contact]);
         let friction = of.friction.at(velocity, steady + state);
-        let normal = of.load + gap;
-        let (normal, by_gap) = if normal > 0.0 { (normal, 1.0) } else { (0.0, 0.0) };
+        let (normal, by_gap) = if is_closed { (of.load + gap, 1.0) } else { (0.0, 0.0) };
         // K holds the spring of a contact that is closed in steady sliding.
         let (excess, held_by_gap) = if of.is_closed() { (normal - of.load - gap, 1.0) } else { (normal, 0.0) };
         ContactForces {
@@ -197,21 +265,29 @@ impl ContactSystem {
 
     /// Forces of a contact in a state of motion.
     pub(crate) fn forces_in(&self, contact: usize, x: &[f64]) -> ContactForces {
-        let (u, velocity) = x.split_at(self.order());
+        let of = &self.contacts[contact];
+        self.forces_in_phase(contact, x, of.load + of.approach(x) > 0.0)
+    }
+
+    /// Forces of a contact in a state of motion, on one side of its kink.
+    pub(crate) fn forces_in_phase(&self, contact: usize, x: &[f64], is_closed: bool) -> ContactForces {
         let of = &self.contacts[contact];
         let state = self.bristles[contact].map_or(0.0, |place| x[place]);
-        self.forces(contact, of.approach(u), of.slip(velocity), state)
+        self.forces(contact, is_closed, of.approach(x), of.slip(&x[self.order()..]), state)
     }
 
     /// The rate x' of a state of motion x.
     pub fn rate(&self, x: &[f64], out: &mut [f64]) {
+        let forces: Vec<_> = (0..self.contacts.len()).map(|contact| self.forces_in(contact, x)).collect();
+        self.rate_with(&forces, x, out);
+    }
+
+    /// The rate x' of a state of motion x under the forces of its contacts.
+    pub(crate) fn rate_with(&self, forces: &[ContactForces], x: &[f64], out: &mut [f64]) {
         let n = self.order();
         out[..n].copy_from_slice(&x[n..2 * n]);
-        for (rate, row) in out[n..2 * n].iter_mut().zip(self.rows.chunks_exact(2 * n)) {
-            *rate = -row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
-        }
-        for contact in 0..self.contacts.len() {
-            let forces = self.forces_in(contact, x);
+        product(&self.free, &x[..2 * n], &mut out[n..2 * n]);
+        for (contact, forces) in forces.iter().enumerate() {
             let (normal, sliding) = (self.normal.column(contact), self.sliding.column(contact));
             for ((rate, c), b) in out[n..2 * n].iter_mut().zip(&normal).zip(&sliding) {
                 *rate += b * forces.friction - c * forces.excess;
@@ -227,31 +303,42 @@ impl ContactSystem {
     #[must_use]
     pub fn jacobian(&self, x: &[f64]) -> DMatrix<f64> {
         let n = self.order();
+        let forces: Vec<_> = (0..self.contacts.len()).map(|contact| self.forces_in(contact, x)).collect();
+        let mut below = DMatrix::zeros(0, 0);
+        self.take_below(&forces, &mut below);
         let mut jacobian = DMatrix::zeros(self.dimension, self.dimension);
-        for i in 0..n {
-            jacobian[(i, n + i)] = 1.0;
-            for j in 0..2 * n {
-                jacobian[(n + i, j)] = -self.rows[2 * n * i + j];
-            }
-        }
-        for (contact, of) in self.contacts.iter().enumerate() {
-            let forces = self.forces_in(contact, x);
-            let (normal, sliding) = (self.normal.column(contact), self.sliding.column(contact));
-            for i in 0..n {
-                let by_gap = sliding[i] * forces.friction_by_gap - normal[i] * forces.excess_by_gap;
-                of.normal.iter().for_each(|&(dof, c)| jacobian[(n + i, dof)] += by_gap * of.stiffness * c);
-                let by_velocity = sliding[i] * forces.friction_by_velocity;
-                of.sliding.iter().for_each(|&(dof, b)| jacobian[(n + i, n + dof)] -= by_velocity * b);
-                if let Some(place) = self.bristles[contact] {
-                    jacobian[(n + i, place)] += sliding[i] * forces.friction_by_state;
-                }
-            }
-            if let Some(place) = self.bristles[contact] {
-                of.sliding.iter().for_each(|&(dof, b)| jacobian[(place, n + dof)] -= forces.rate_by_velocity * b);
-                jacobian[(place, place)] = forces.rate_by_state;
-            }
-        }
+        jacobian.view_mut((0, n), (n, n)).fill_with_identity();
+        jacobian.rows_mut(n, self.dimension - n).copy_from(&below);
         jacobian
+    }
+
+    /// Takes the rows of the Jacobian below those that say that velocities are rates of displacements, where contacts have these derivatives.
+    pub(crate) fn take_below(&self, forces: &[ContactForces], below: &mut DMatrix<f64>) {
+        let n = self.order();
+        below.clone_from(&self.at_rest.1);
+        for (contact, (forces, at_rest)) in forces.iter().zip(&self.at_rest.0).enumerate() {
+            if forces.has_slopes_of(at_rest) {
+                continue;
+            }
+            let (of, before) = (&self.contacts[contact], at_rest.slopes());
+            let change: [f64; 5] = std::array::from_fn(|slope| forces.slopes()[slope] - before[slope]);
+            let [by_gap, by_velocity, by_state, rate_by_velocity, rate_by_state] = change;
+            let excess_by_gap = forces.excess_by_gap - at_rest.excess_by_gap;
+            let (normal, sliding) = (self.normal.column(contact), self.sliding.column(contact));
+            let mut add = |column: usize, factor: f64, to: &DVectorView<'_, f64>| {
+                below.column_mut(column).rows_mut(0, n).axpy(factor, to, 1.0);
+            };
+            for &(dof, c) in &of.normal {
+                add(dof, by_gap * of.stiffness * c, &sliding);
+                add(dof, -excess_by_gap * of.stiffness * c, &normal);
+            }
+            of.sliding.iter().for_each(|&(dof, b)| add(n + dof, -by_velocity * b, &sliding));
+            if let Some(place) = self.bristles[contact] {
+                add(place, by_state, &sliding);
+                of.sliding.iter().for_each(|&(dof, b)| below[(place - n, n + dof)] -= rate_by_velocity * b);
+                below[(place - n, place)] += rate_by_state;
+            }
+        }
     }
 
     /// Scale of each entry of a state in a motion near the angular frequency `omega`, rad/s: the displacement at which a contact opens, or closes, or
@@ -307,5 +394,25 @@ impl ContactSystem {
             x[place] = amplitude * (slip * forces.rate_by_velocity / (lambda - forces.rate_by_state)).re;
         }
         x
+    }
+}
+
+/// A matrix times a vector.
+pub(crate) fn product(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    let rows = out.len();
+    // Four columns at a time, so that each entry of the result is loaded and stored once for them.
+    let (columns, entries) = (matrix.as_slice().chunks_exact(4 * rows.max(1)), x.chunks_exact(4));
+    let (last, last_entries) = (columns.remainder(), entries.remainder());
+    for (columns, x) in columns.zip(entries) {
+        let (a, others) = columns.split_at(rows);
+        let (b, others) = others.split_at(rows);
+        let (c, d) = others.split_at(rows);
+        for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *out += (a * x[0] + b * x[1]) + (c * x[2] + d * x[3]);
+        }
+    }
+    for (column, x) in last.chunks_exact(rows.max(1)).zip(last_entries) {
+        out.iter_mut().zip(column).for_each(|(out, a)| *out += a * x);
     }
 }

@@ -86,7 +86,7 @@ impl<'a> Equations<'a> {
         let contacts = self.system.contacts().len();
         let bristled = (0..contacts).filter(|&at| self.system.bristle(at).is_some());
         for (place, contact) in (2 * contacts..).zip(bristled) {
-            let forces = self.system.forces(contact, 0.0, self.system.contacts()[contact].speed, 0.0);
+            let forces = self.system.forces_in(contact, &vec![0.0; self.system.dimension()]);
             let slip = self.shape[contacts + contact] * self.scales[contacts + contact];
             let lambda = Complex::new(0.0, omega);
             let z = -lambda * slip * forces.rate_by_velocity / (lambda - forces.rate_by_state) / self.scales[place];

@@ -27,13 +27,13 @@ use crate::system::ContactForces;
 struct Transfer {
     /// H(i k omega), outputs by forces, with the outputs in their scales.
     h: Vec<DMatrix<Complex<f64>>>,
-    /// Derivative of each H by omega.
+    /// Derivative of each H by omega, if it is wanted.
     by_omega: Vec<DMatrix<Complex<f64>>>,
 }
 
 impl Equations<'_> {
-    /// The transfer functions at an angular frequency, rad/s.
-    fn transfer(&self, omega: f64) -> Result<Transfer, Error> {
+    /// The transfer functions at an angular frequency, rad/s, with or without their derivatives.
+    fn transfer(&self, omega: f64, wants_derivatives: bool) -> Result<Transfer, Error> {
         let (n, contacts) = (self.system.order(), self.system.contacts());
         let structure = self.system.structure();
         let mut input = DMatrix::<Complex<f64>>::zeros(n, 2 * contacts.len());
@@ -54,11 +54,12 @@ impl Equations<'_> {
             let lu = structure.dynamic_stiffness(lambda).lu();
             let singular = Error::Structure("the structure resonates without damping at a harmonic of the motion");
             let response = lu.solve(&input).ok_or_else(|| singular.clone())?;
-            // d(Q^-1)/d omega = -Q^-1 (i k Q') Q^-1
-            let slope = structure.dynamic_stiffness_derivative(lambda) * Complex::new(0.0, k as f64) * &response;
-            let change = lu.solve(&slope).ok_or(singular)?;
+            if wants_derivatives {
+                // d(Q^-1)/d omega = -Q^-1 (i k Q') Q^-1
+                let slope = structure.dynamic_stiffness_derivative(lambda) * Complex::new(0.0, k as f64) * &response;
+                by_omega.push(-(&output * lu.solve(&slope).ok_or(singular)?));
+            }
             h.push(&output * response);
-            by_omega.push(-(&output * change));
         }
         Ok(Transfer { h, by_omega })
     }
@@ -77,10 +78,10 @@ impl Equations<'_> {
                     bristle += 1;
                     &self.balance.evaluate * of(bristle - 1)
                 });
-                let speed = self.system.contacts()[contact].speed;
+                let [load, speed] = [self.system.contacts()[contact].load, self.system.contacts()[contact].speed];
                 let at = |sample: usize| {
                     let state = state.as_ref().map_or(0.0, |state| state[sample]);
-                    self.system.forces(contact, gap[sample], speed - slip_rate[sample], state)
+                    self.system.forces(contact, load + gap[sample] > 0.0, gap[sample], speed - slip_rate[sample], state)
                 };
                 (0..gap.len()).map(at).collect()
             })
@@ -96,8 +97,8 @@ impl Equations<'_> {
     ) -> Result<(DVector<f64>, DMatrix<f64>), Error> {
         let (terms, size) = (self.balance.terms(), self.size());
         let contacts = self.system.contacts().len();
-        let Balance { evaluate, project, harmonics } = self.balance;
-        let transfer = self.transfer(omega)?;
+        let Balance { project, means, .. } = self.balance;
+        let transfer = self.transfer(omega, wants_jacobian)?;
         let derivative = self.balance.derivative();
         let forces = self.forces(series, omega);
         let mut residual = DMatrix::from_column_slice(size, 1, series.as_slice());
@@ -107,14 +108,18 @@ impl Equations<'_> {
                         input: usize,
                         force: &DMatrix<f64>,
                         mut to: nalgebra::DMatrixViewMut<'_, f64>| {
+            if force.iter().all(|force| *force == 0.0) {
+                return;
+            }
             for output in 0..2 * contacts {
-                for column in 0..force.ncols() {
-                    let (rows, place) = (force.column(column), output * terms);
-                    to[(place, column)] -= h[0][(output, input)].re * rows[0];
-                    for k in 1..=*harmonics {
-                        let (h, a, b) = (h[k][(output, input)], rows[2 * k - 1], rows[2 * k]);
-                        to[(place + 2 * k - 1, column)] -= h.re * a + h.im * b;
-                        to[(place + 2 * k, column)] -= h.re * b - h.im * a;
+                let h: Vec<Complex<f64>> = h.iter().map(|h| h[(output, input)]).collect();
+                for (column, force) in force.column_iter().enumerate() {
+                    let mut rows = to.view_mut((output * terms, column), (terms, 1));
+                    rows[0] -= h[0].re * force[0];
+                    for (k, h) in h.iter().enumerate().skip(1) {
+                        let (a, b) = (force[2 * k - 1], force[2 * k]);
+                        rows[2 * k - 1] -= h.re * a + h.im * b;
+                        rows[2 * k] -= h.re * b - h.im * a;
                     }
                 }
             }
@@ -130,9 +135,11 @@ impl Equations<'_> {
             };
             // Derivative of the series of a force by that of an output, given the derivative of the force by the output at each sample.
             let product = |value: fn(&ContactForces) -> f64| {
-                let mut weighted = evaluate.clone();
-                weighted.row_iter_mut().zip(forces).for_each(|(mut row, forces)| row *= value(forces));
-                project * weighted
+                let values = DVector::from_iterator(forces.len(), forces.iter().map(value));
+                if values.iter().all(|value| *value == 0.0) {
+                    return DMatrix::zeros(terms, terms);
+                }
+                self.balance.products((means * values).column(0))
             };
             // The contact's slip is this one of the outputs, and its friction this one of the forces; its gap and its excess are number `contact`.
             let slip = contacts + contact;

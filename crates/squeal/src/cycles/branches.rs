@@ -7,6 +7,7 @@ use cea::{EigenSolver as _, QrSolver, Workspace, right_vector};
 use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Harmonics, Measures, NearMode, Reach, measure, states};
 use montecarlo::Progress;
 use num_complex::Complex;
+use rayon::prelude::*;
 use study::{Study, UncertainBrake};
 
 use super::{
@@ -145,7 +146,7 @@ pub fn branches<B: UncertainBrake>(
             })
         };
         progress.advance(1);
-        let cycles = points.iter().map(cycle).collect::<Result<Vec<_>, Error>>()?;
+        let cycles = points.par_iter().map(cycle).collect::<Result<Vec<_>, Error>>()?;
         let is_stable = |of: &BranchCycle| of.in_time.as_ref().is_some_and(|(cycle, _)| cycle.is_stable());
         let is_known = |of: &BranchCycle| of.in_time.is_some();
         let mut last: Vec<usize> =
@@ -172,7 +173,7 @@ pub fn branches<B: UncertainBrake>(
     // Each is followed in harmonic balance, and then its points in time.
     progress.begin(2 * onsets.len() as u64, 0);
     let branches = when_cancelled(progress, |stop| {
-        onsets.into_iter().map(|onset| branch(onset, &stop)).collect::<Result<Vec<_>, _>>()
+        onsets.into_par_iter().map(|onset| branch(onset, &stop)).collect::<Result<Vec<_>, _>>()
     });
     progress.end();
     let branches = branches?;

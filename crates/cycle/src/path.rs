@@ -1,0 +1,451 @@
+//! Motion in time as pieces, each a power series in time: Taylor's method.
+//!
+//! A piece ends where the force of a contact has a kink, so that within it all forces are smooth. There `x' = x_0' + J (x - x_0) + B r`, with the
+//! Jacobian J at the begin of the piece and r, what friction has beyond its tangent there. A constant coefficient has no r: each term of
+//! the series follows from the one before by a product with J, whatever is open. Else r is a polynomial of time through its values at some
+//! moments of the piece, found by repeated substitution.
+//!
+//! A. Jorba, M. Zou, A software package for the numerical integration of ODEs by means of high-order Taylor methods, Experiment. Math. 14 (2005)
+//! 99-117.
+
+use nalgebra::DMatrix;
+
+use crate::moments::{FITTED, MOMENTS, fit, moment};
+use crate::motion::{amplitude, largest};
+use crate::system::{ContactForces, product};
+use crate::{ContactSystem, Error};
+
+/// Terms of a series after the first, at most; chosen: with more a piece costs less than it gains, until their alternating signs cost digits.
+const MOST_TERMS: usize = 30;
+
+/// Part of the allowed error that the last two terms of a series may have; chosen.
+const LAST_TERMS: f64 = 0.01;
+
+/// Part of the allowed error by which a substitution may change the end of a piece, and that the last power of the remainder may have; chosen.
+const SUBSTITUTED: f64 = 0.1;
+
+/// Substitutions after which a piece is too long; chosen.
+const MOST_SUBSTITUTIONS: usize = 12;
+
+/// Pieces one after the other that may take no time; chosen, above the number of kinks that a motion of some symmetry has at once.
+const MOST_STANDING: usize = 10_000;
+
+/// Halvings of the part of a piece in which a kink lies; more than it has bits.
+const MOST_HALVINGS: usize = 60;
+
+/// A motion at a time, the piece by which it came there, and the way on.
+pub(crate) struct Path<'a> {
+    pub system: &'a ContactSystem,
+    pub scales: &'a [f64],
+    /// Allowed error of a piece, relative to the scales and the size of the motion; and that of the piece, relative to the scales.
+    tolerance: f64,
+    allowed: f64,
+    /// 1 over the scales.
+    per_scale: Vec<f64>,
+    /// Plane of velocities whose crossings end a piece; empty without.
+    section: &'a [f64],
+    /// Functions whose changes of sign end a piece, by contact N, w + eps, w and w - eps, and at last the section: rows of `seen` and what is added.
+    kinks: Vec<(usize, f64)>,
+    /// Sides of the kinks on which the motion is in the piece, true where they are above 0.
+    sides: Vec<bool>,
+    /// Kink at the end of the piece.
+    kink: Option<usize>,
+    /// Time at the end of the piece, s.
+    pub time: f64,
+    /// State at the end of the piece.
+    pub x: Vec<f64>,
+    /// Time at its begin, s.
+    begin: f64,
+    /// Unit of time of its series, s, and its length in units.
+    pub unit: f64,
+    pub length: f64,
+    /// Terms of its series, one a column, and the number of them after the first.
+    terms: DMatrix<f64>,
+    degree: usize,
+    /// What contacts see of the terms: changes of the normal force, sliding velocities without v, bristles; and the section.
+    seen: DMatrix<f64>,
+    /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
+    pub forces: Vec<ContactForces>,
+    pub below: DMatrix<f64>,
+    /// Powers from the first on of the remainder of friction of each contact, and then of the rates of their bristles.
+    remainder: DMatrix<f64>,
+    /// Change of the state in the time 1 s by a remainder of 1, in scales.
+    weights: Vec<f64>,
+    /// Unit of the next series.
+    next: f64,
+    standing: usize,
+}
+
+impl<'a> Path<'a> {
+    /// The motion from a state at time 0.
+    pub fn new(
+        system: &'a ContactSystem,
+        start: Vec<f64>,
+        scales: &'a [f64],
+        tolerance: f64,
+        first: f64,
+        section: &'a [f64],
+    ) -> Self {
+        let (d, n, contacts) = (system.dimension(), system.order(), system.contacts().len());
+        let mut kinks = Vec::with_capacity(4 * contacts + 1);
+        for (at, contact) in system.contacts().iter().enumerate() {
+            let (slip, stick) = (contacts + at, contact.friction.stick_speed());
+            kinks.extend([(at, contact.load), (slip, contact.speed + stick)]);
+            kinks.extend([(slip, contact.speed), (slip, contact.speed - stick)]);
+        }
+        let rows = 2 * contacts + d - 2 * n;
+        if !section.is_empty() {
+            kinks.push((rows, 0.0));
+        }
+        let weight = |at: usize| {
+            system.sliding.column(at).iter().zip(&scales[n..]).map(|(b, scale)| (b / scale).abs()).fold(0.0, f64::max)
+        };
+        let of_rate = |at: usize| system.bristle(at).map_or(0.0, |place| 1.0 / scales[place]);
+        let mut path = Self {
+            system,
+            scales,
+            tolerance,
+            allowed: tolerance,
+            per_scale: scales.iter().map(|scale| 1.0 / scale).collect(),
+            section,
+            sides: Vec::new(),
+            kink: None,
+            time: 0.0,
+            begin: 0.0,
+            unit: first,
+            length: 0.0,
+            terms: DMatrix::zeros(d, MOST_TERMS + 1),
+            degree: 0,
+            seen: DMatrix::zeros(rows + section.len().min(1), MOST_TERMS + 1),
+            forces: Vec::new(),
+            below: DMatrix::zeros(0, 0),
+            remainder: DMatrix::zeros(2 * contacts, FITTED),
+            weights: (0..contacts).map(weight).chain((0..contacts).map(of_rate)).collect(),
+            next: first,
+            kinks,
+            x: start,
+            standing: 0,
+        };
+        path.terms.column_mut(0).copy_from_slice(&path.x);
+        path.see();
+        path.sides = path.kinks.iter().map(|&(row, offset)| path.seen[(row, 0)] + offset > 0.0).collect();
+        path
+    }
+
+    /// True of a contact that is closed in the piece.
+    pub fn is_closed(&self, contact: usize) -> bool {
+        self.sides[4 * contact]
+    }
+
+    /// True of a contact that slides slower than its stick speed in the piece.
+    pub fn is_slow(&self, contact: usize) -> bool {
+        self.sides[4 * contact + 1] && !self.sides[4 * contact + 3]
+    }
+
+    /// Powers of time in the series of the piece.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Length of the piece, s.
+    pub fn duration(&self) -> f64 {
+        self.length * self.unit
+    }
+
+    /// Goes on to the next kink, as far as a series holds, or to `until`, whichever comes first. True where it comes through the section from below.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, pieces that vanish, work that is to end.
+    pub fn step(&mut self, until: f64) -> Result<bool, Error> {
+        self.system.go_on()?;
+        let failed = |time, reason| Error::Motion { time, reason };
+        if let Some(kink) = self.kink.take() {
+            self.sides[kink] = !self.sides[kink];
+        }
+        self.begin = self.time;
+        self.allowed = self.tolerance * amplitude(&self.x, self.scales).max(1.0);
+        self.take_tangent();
+        let rest = until - self.time;
+        let mut unit = self.next.min(rest);
+        let kink = loop {
+            match self.piece(unit) {
+                Ok(kink) => break kink,
+                Err(part) => unit *= part,
+            }
+            if unit < 1e-30 {
+                return Err(failed(self.time, "its numbers are not finite"));
+            }
+            if self.time + 1e-3 * unit == self.time {
+                return Err(failed(self.time, "its steps of time vanish"));
+            }
+        };
+        let taken = self.length * self.unit;
+        let end = if kink.is_none() && taken == rest { until } else { self.begin + taken };
+        self.standing = if end > self.begin { 0 } else { self.standing + 1 };
+        if self.standing > MOST_STANDING {
+            return Err(failed(self.time, "its steps of time vanish"));
+        }
+        let mut x = std::mem::take(&mut self.x);
+        self.at_units(self.length, &mut x);
+        (self.x, self.time) = (x, end);
+        self.kink = kink;
+        Ok(kink.is_some_and(|kink| kink == 4 * self.forces.len() && !self.sides[kink]))
+    }
+
+    /// Tries a piece of one unit of time at most. Returns the kink at its end, or the part of the unit with which to try again.
+    fn piece(&mut self, mut unit: f64) -> Result<Option<usize>, f64> {
+        self.remainder.fill(0.0);
+        let mut is_curved = false;
+        for _ in 0..MOST_SUBSTITUTIONS {
+            let reach = self.fill(unit, is_curved)?;
+            self.see();
+            let mut values = self.seen_at([0.0, reach]);
+            let (length, kink) = self.first_kink(reach, &values);
+            if kink.is_some() {
+                values = self.seen_at([0.0, length]);
+            }
+            let [change, last] = self.take_remainder(unit, length, is_curved, &values);
+            if !(change.is_finite() && last.is_finite()) {
+                return Err(0.1);
+            }
+            if change <= SUBSTITUTED {
+                (self.unit, self.length) = (unit, length);
+                // After a kink the next one may come as soon; a series whose terms have all been needed is as long as it can be.
+                let growth = if kink.is_some() { (2.0 * length).max(0.3) } else { 2.0 * length };
+                let growth = if reach < 1.0 { growth.min(reach) } else { growth };
+                let growth = if is_curved {
+                    growth.min(0.9 * (SUBSTITUTED / last).powf(1.0 / (FITTED + 1) as f64))
+                } else {
+                    growth
+                };
+                self.next = if unit < self.next && kink.is_none() && !is_curved { self.next } else { unit * growth };
+                return Ok(kink);
+            }
+            if last > SUBSTITUTED {
+                return Err((0.9 * length * (SUBSTITUTED / last).powf(1.0 / (FITTED + 1) as f64)).clamp(0.05, 0.8));
+            }
+            // The remainder is one over this part alone.
+            unit *= length;
+            is_curved = true;
+        }
+        Err(0.5)
+    }
+
+    /// Takes forces and Jacobian at the begin of a piece, on the sides of the kinks where the motion goes on.
+    fn take_tangent(&mut self) {
+        let mut forces = std::mem::take(&mut self.forces);
+        let is_first = forces.is_empty();
+        let mut is_other = is_first;
+        for contact in 0..self.system.contacts().len() {
+            let found = self.system.forces_in_phase(contact, &self.x, self.is_closed(contact));
+            match forces.get_mut(contact) {
+                Some(before) => {
+                    is_other |= !before.has_slopes_of(&found);
+                    *before = found;
+                }
+                None => forces.push(found),
+            }
+        }
+        if is_other {
+            self.system.take_below(&forces, &mut self.below);
+        }
+        self.forces = forces;
+    }
+
+    /// Fills in the terms of the series in a unit of time. Returns the part of the unit, up to 1, over which it holds; fails with the part of the unit
+    /// with which to try again.
+    fn fill(&mut self, unit: f64, is_curved: bool) -> Result<f64, f64> {
+        let (n, contacts) = (self.system.order(), self.system.contacts().len());
+        self.terms.column_mut(0).copy_from_slice(&self.x);
+        let (mut before, mut last) = (f64::INFINITY, f64::INFINITY);
+        for k in 0..MOST_TERMS {
+            let (from, mut to) = self.terms.columns_range_pair_mut(k, k + 1);
+            let (from, to) = (from.as_slice(), to.as_mut_slice());
+            if k == 0 {
+                self.system.rate_with(&self.forces, from, to);
+            } else {
+                to[..n].copy_from_slice(&from[n..2 * n]);
+                product(&self.below, from, &mut to[n..]);
+            }
+            if is_curved && (1..=FITTED).contains(&k) {
+                for contact in 0..contacts {
+                    let friction = self.remainder[(contact, k - 1)];
+                    let column = self.system.sliding.column(contact);
+                    to[n..2 * n].iter_mut().zip(&column).for_each(|(to, b)| *to += b * friction);
+                    if let Some(place) = self.system.bristle(contact) {
+                        to[place] += self.remainder[(contacts + contact, k - 1)];
+                    }
+                }
+            }
+            let factor = unit / (k + 1) as f64;
+            let mut size = 0.0;
+            for (x, per_scale) in to.iter_mut().zip(&self.per_scale) {
+                *x *= factor;
+                size = largest(size, *x * per_scale);
+            }
+            (before, last) = (last, size / self.allowed);
+            if !last.is_finite() {
+                return Err(0.1);
+            }
+            self.degree = k + 1;
+            if before.max(last) <= LAST_TERMS && (!is_curved || k > FITTED) {
+                return Ok(1.0);
+            }
+        }
+        let reach = |term: f64, power: usize| (LAST_TERMS / term).powf(1.0 / power as f64);
+        Ok(reach(before, MOST_TERMS - 1).min(reach(last, MOST_TERMS)).min(1.0))
+    }
+
+    /// Takes what contacts and section see of the terms.
+    fn see(&mut self) {
+        let (n, contacts, terms) = (self.system.order(), self.system.contacts().len(), self.degree + 1);
+        let of = |row: usize, rows: usize| self.terms.view((row, 0), (rows, terms));
+        let mut seen = self.seen.columns_mut(0, terms);
+        seen.rows_mut(0, contacts).gemm(1.0, &self.system.approaches, &of(0, n), 0.0);
+        seen.rows_mut(contacts, contacts).gemm(-1.0, &self.system.slips, &of(n, n), 0.0);
+        let bristles = self.system.dimension() - 2 * n;
+        seen.rows_mut(2 * contacts, bristles).copy_from(&of(2 * n, bristles));
+        if !self.section.is_empty() {
+            let velocities = of(n, n);
+            for (to, velocity) in seen.row_mut(2 * contacts + bristles).iter_mut().zip(velocities.column_iter()) {
+                *to = velocity.iter().zip(self.section).map(|(v, s)| v * s).sum();
+            }
+        }
+    }
+
+    /// What contacts and section see at the moments of a part of the unit, by columns.
+    fn seen_at(&self, [from, to]: [f64; 2]) -> DMatrix<f64> {
+        let terms = self.degree + 1;
+        let mut powers = DMatrix::zeros(terms, MOMENTS);
+        for (at, mut column) in powers.column_iter_mut().enumerate() {
+            let (part, mut power) = (from + (to - from) * moment(at), 1.0);
+            for entry in &mut column {
+                *entry = power;
+                power *= part;
+            }
+        }
+        self.seen.columns(0, terms) * powers
+    }
+
+    /// The first kink up to a part of the unit, and the part at which it is; without one, the given part.
+    fn first_kink(&self, reach: f64, values: &DMatrix<f64>) -> (f64, Option<usize>) {
+        let (mut first, mut changed) = (MOMENTS, Vec::new());
+        for (at, (&(row, offset), &side)) in self.kinks.iter().zip(&self.sides).enumerate() {
+            let moments = 0..MOMENTS.min(first + 1);
+            let Some(moment) = moments.into_iter().find(|&moment| (values[(row, moment)] + offset > 0.0) != side)
+            else {
+                continue;
+            };
+            if moment < first {
+                first = moment;
+                changed.clear();
+            }
+            changed.push(at);
+        }
+        let low = first.checked_sub(1).map_or(0.0, |before| reach * moment(before));
+        let parts = changed.into_iter().map(|at| (self.change(at, low, reach * moment(first)), Some(at)));
+        parts.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((reach, None))
+    }
+
+    /// The part of the unit at which a kink has just been passed, between one before and one after it: regula falsi, every third time a halving.
+    fn change(&self, kink: usize, mut low: f64, mut high: f64) -> f64 {
+        let ((row, offset), side) = (self.kinks[kink], self.sides[kink]);
+        let value = |part: f64| (0..=self.degree).rev().fold(0.0, |sum, k| sum * part + self.seen[(row, k)]) + offset;
+        let (mut at_low, mut at_high) = (value(low), value(high));
+        for halving in 0..MOST_HALVINGS {
+            if high - low <= 2.0 * f64::EPSILON * high {
+                break;
+            }
+            let root = at_low / (at_low - at_high);
+            let part = if halving % 3 == 2 || !(root > 0.0 && root < 1.0) { 0.5 } else { root };
+            let middle = low + part * (high - low);
+            let at_middle = value(middle);
+            if (at_middle > 0.0) == side {
+                (low, at_low) = (middle, at_middle);
+            } else {
+                (high, at_high) = (middle, at_middle);
+            }
+        }
+        high
+    }
+
+    /// Takes the remainder over the first part of the unit. Returns how much it changes the end of the piece against the remainder so far, and how much its
+    /// last power adds to it, in allowed errors.
+    fn take_remainder(&mut self, unit: f64, length: f64, is_curved: bool, values: &DMatrix<f64>) -> [f64; 2] {
+        let contacts = self.system.contacts().len();
+        let (mut change, mut last) = (0.0_f64, 0.0_f64);
+        for contact in 0..contacts {
+            let at_begin = &self.forces[contact];
+            let bristle = self.system.bristle(contact).map(|place| 2 * contacts + place - 2 * self.system.order());
+            let state = |values: &DMatrix<f64>, moment: usize| bristle.map_or(0.0, |row| values[(row, moment)]);
+            let mut remainders = [[0.0; FITTED]; 2];
+            let [of_friction, of_rate] = &mut remainders;
+            for (at, (friction, rate)) in of_friction.iter_mut().zip(of_rate).enumerate() {
+                // Every second moment.
+                let moment = 2 * at + 1;
+                let [gap, slip] = [values[(contact, moment)], values[(contacts + contact, moment)]];
+                let of_state = state(values, moment);
+                let velocity = self.system.contacts()[contact].speed + slip;
+                let found = self.system.forces(contact, self.is_closed(contact), gap, velocity, of_state);
+                let moved = [
+                    gap - self.seen[(contact, 0)],
+                    slip - self.seen[(contacts + contact, 0)],
+                    of_state - state(&self.seen, 0),
+                ];
+                let linear = at_begin.linear(moved);
+                (*friction, *rate) = (found.friction - linear[0], found.rate - linear[1]);
+            }
+            for (row, values) in [(contact, remainders[0]), (contacts + contact, remainders[1])] {
+                let weight = unit * length * self.weights[row] / self.allowed;
+                let size = weight * values.iter().fold(0.0, |size, value| largest(size, *value));
+                if !is_curved && size <= SUBSTITUTED {
+                    continue;
+                }
+                for (at, value) in values.iter().enumerate() {
+                    let part = length * moment(2 * at + 1);
+                    let before = (0..FITTED).rev().fold(0.0, |sum, k| (sum + self.remainder[(row, k)]) * part);
+                    change = largest(change, (value - before) * weight);
+                }
+                let powers = fit(&values);
+                // The leading coefficient of a Chebyshev polynomial on 0 to 1.
+                let leading = f64::from(1_u32 << (2 * FITTED - 1));
+                last = largest(last, powers[FITTED - 1] / leading * weight);
+                self.remainder.row_mut(row).copy_from_slice(&powers);
+            }
+        }
+        [change, last]
+    }
+
+    /// State at a time of the piece, s since the start of the motion.
+    pub fn at(&self, time: f64, x: &mut [f64]) {
+        self.at_units((time - self.begin) / self.unit, x);
+    }
+
+    /// State at a part of the piece, 0 to 1.
+    pub fn at_part(&self, part: f64, x: &mut [f64]) {
+        self.at_units(part * self.length, x);
+    }
+
+    /// The displacement of a degree of freedom where its velocity is 0, between two parts of the piece at which its velocity has different signs.
+    pub fn turning(&self, dof: usize, [mut low, mut high]: [f64; 2]) -> f64 {
+        let value = |row: usize, part: f64| {
+            (0..=self.degree).rev().fold(0.0, |sum, k| sum * part * self.length + self.terms[(row, k)])
+        };
+        let velocity = |part: f64| value(self.system.order() + dof, part);
+        let rises = velocity(high) > 0.0;
+        // A displacement turns so slowly that half of the digits of the time will do.
+        for _ in 0..27 {
+            let middle = 0.5 * (low + high);
+            if (velocity(middle) > 0.0) == rises { high = middle } else { low = middle }
+        }
+        value(dof, high)
+    }
+
+    /// State at so many units of time after the begin of the piece.
+    fn at_units(&self, part: f64, x: &mut [f64]) {
+        x.copy_from_slice(self.terms.column(self.degree).as_slice());
+        for term in (0..self.degree).rev() {
+            x.iter_mut().zip(self.terms.column(term).iter()).for_each(|(x, term)| *x = *x * part + term);
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! What becomes of small deviations from a motion: the variational equation, over the pieces of the motion.
+
+use nalgebra::DMatrix;
+
+use crate::Error;
+use crate::moments::{FITTED, fit, moment};
+use crate::motion::{amplitude, largest};
+use crate::path::Path;
+
+/// Terms of a series of deviations, at most; chosen.
+const MOST_TERMS: usize = 60;
+
+/// Part of the largest deviation that the last terms of a series may have; chosen, far below what a multiplier is known to.
+const LAST_TERMS: f64 = 1e-11;
+
+/// Part of the largest deviation above which terms that cancel each other cost too many digits; chosen.
+const CANCELLING: f64 = 1e4;
+
+/// Parts of a piece over which deviations have a series, at most; more, and numbers are not finite.
+const MOST_PARTS: usize = 1 << 16;
+
+/// Changes of the slopes of friction over a part of a piece, as powers of time from 0 on.
+struct Slopes {
+    contact: usize,
+    /// Of the friction by gap, velocity and bristle, and of the rate of the bristle by velocity and itself.
+    powers: [[f64; FITTED + 1]; 5],
+}
+
+impl Path<'_> {
+    /// Carries deviations from the motion, one a column, from the begin to the end of the piece.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn carry(&self, deviations: &mut DMatrix<f64>) -> Result<(), Error> {
+        let mut parts = 1;
+        while parts <= MOST_PARTS {
+            let border = |at: usize| at as f64 / parts as f64;
+            let all = (0..parts).map(|part| [border(part), border(part + 1)]);
+            let carried = all.into_iter().try_fold(deviations.clone(), |now, part| self.carry_over(&now, part));
+            if let Some(carried) = carried {
+                *deviations = carried;
+                return Ok(());
+            }
+            parts *= 2;
+        }
+        Err(Error::Motion { time: self.time, reason: "its numbers are not finite" })
+    }
+
+    /// Deviations at the end of a part of the piece; `None` where it is too long.
+    fn carry_over(&self, deviations: &DMatrix<f64>, [from, to]: [f64; 2]) -> Option<DMatrix<f64>> {
+        let (system, below) = (self.system, &self.below);
+        let (d, n, contacts) = (system.dimension(), system.order(), system.contacts().len());
+        let slopes = self.slopes([from, to]);
+        let size = |of: &DMatrix<f64>| {
+            of.column_iter().fold(0.0, |size, column| largest(size, amplitude(column.as_slice(), self.scales)))
+        };
+        let most = size(deviations);
+        let (mut sum, mut term, mut before) = (deviations.clone(), deviations.clone(), f64::INFINITY);
+        let mut seen: Vec<DMatrix<f64>> = Vec::new();
+        for k in 0..MOST_TERMS {
+            let mut next = DMatrix::zeros(d, term.ncols());
+            next.rows_mut(0, n).copy_from(&term.rows(n, n));
+            next.rows_mut(n, d - n).gemm(1.0, below, &term, 0.0);
+            if !slopes.is_empty() {
+                let mut of_term = DMatrix::zeros(d - 2 * n + 2 * contacts, term.ncols());
+                of_term.rows_mut(0, contacts).gemm(1.0, &system.approaches, &term.rows(0, n), 0.0);
+                of_term.rows_mut(contacts, contacts).gemm(-1.0, &system.slips, &term.rows(n, n), 0.0);
+                of_term.rows_mut(2 * contacts, d - 2 * n).copy_from(&term.rows(2 * n, d - 2 * n));
+                seen.push(of_term);
+                let mut friction = DMatrix::zeros(contacts, term.ncols());
+                for Slopes { contact, powers } in &slopes {
+                    let place = system.bristle(*contact);
+                    let rows =
+                        [Some(*contact), Some(contacts + contact), place.map(|place| 2 * contacts + place - 2 * n)];
+                    for (power, of_term) in (0..=FITTED).zip(seen.iter().rev()) {
+                        for (row, slope) in rows.into_iter().zip(0..3) {
+                            let Some(row) = row else { continue };
+                            let mut to = friction.row_mut(*contact);
+                            to += of_term.row(row) * powers[slope][power];
+                        }
+                        let Some(place) = place else { continue };
+                        let mut to = next.row_mut(place);
+                        to += of_term.row(contacts + contact) * powers[3][power];
+                        to += of_term.row(2 * contacts + place - 2 * n) * powers[4][power];
+                    }
+                }
+                next.rows_mut(n, n).gemm(1.0, &system.sliding, &friction, 1.0);
+            }
+            next *= (to - from) * self.duration() / (k + 1) as f64;
+            sum += &next;
+            let last = size(&next);
+            if last.is_nan() || last > CANCELLING * most {
+                return None;
+            }
+            if before.max(last) <= LAST_TERMS * most && (slopes.is_empty() || k > FITTED) {
+                return Some(sum);
+            }
+            (term, before) = (next, last);
+        }
+        None
+    }
+
+    /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some.
+    fn slopes(&self, [from, to]: [f64; 2]) -> Vec<Slopes> {
+        let system = self.system;
+        let mut x = vec![0.0; system.dimension()];
+        let mut found: Vec<Vec<[f64; 5]>> = vec![Vec::with_capacity(FITTED + 1); system.contacts().len()];
+        for at in 0..=FITTED {
+            let moment = if at == 0 { 0.0 } else { moment(2 * at - 1) };
+            self.at_part(from + (to - from) * moment, &mut x);
+            for (contact, changes) in found.iter_mut().enumerate() {
+                let (now, begin) = (
+                    system.forces_in_phase(contact, &x, self.is_closed(contact)).slopes(),
+                    self.forces[contact].slopes(),
+                );
+                // What differs by rounding alone does not.
+                let change = |slope: usize| {
+                    let (now, begin) = (now[slope], begin[slope]);
+                    if (now - begin).abs() <= 1e-13 * now.abs().max(begin.abs()) { 0.0 } else { now - begin }
+                };
+                changes.push(std::array::from_fn(change));
+            }
+        }
+        let fitted = |(contact, changes): (usize, Vec<[f64; 5]>)| {
+            let powers = std::array::from_fn(|slope| {
+                let first = changes[0][slope];
+                let others = fit(&std::array::from_fn(|at| changes[at + 1][slope] - first));
+                std::array::from_fn(|power| if power == 0 { first } else { others[power - 1] })
+            });
+            Slopes { contact, powers }
+        };
+        let changed =
+            found.into_iter().enumerate().filter(|(_, changes)| changes.iter().flatten().any(|change| *change != 0.0));
+        changed.map(fitted).collect()
+    }
+}
