@@ -1,8 +1,9 @@
 //! Branches of cycles over a parameter, from an onset or from a cycle, by pseudo-arclength through folds.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use crate::factor::Factor;
 use crate::harmonic_balance::{Condition, Equations, solve};
 use crate::{Balance, BalancedCycle, ContactSystem, Error};
 
@@ -127,7 +128,8 @@ impl Balance {
         let mut points = vec![BranchPoint { amplitude: amplitude_of(&cycle)?, cycle, is_fold: false }];
         let unit = |at: usize| DVector::from_fn(last + 1, |i, _| if i == at { 1.0 } else { 0.0 });
         let no_tangent = || Error::NoConvergence { method: "the tangent of a branch", residual: f64::NAN };
-        let mut tangent = bordered.lu().solve(&unit(last)).ok_or_else(no_tangent)?.normalize();
+        let tangent_of = |bordered: DMatrix<f64>| Some(Factor::new(bordered)?.solve(&unit(last))?.normalize());
+        let mut tangent = tangent_of(bordered).ok_or_else(no_tangent)?;
         // The way along the parameter so far: none while the branch stands upright.
         let mut direction = if tangent[last].abs() > UPRIGHT { tangent[last] } else { 0.0 };
         // The amplitude of the first kink is the length by which the series are measured.
@@ -148,7 +150,7 @@ impl Balance {
                 }
             };
             let next = unknowns(&cycle);
-            let Some(new_tangent) = bordered.lu().solve(&unit(last)).map(|tangent| tangent.normalize()) else {
+            let Some(new_tangent) = tangent_of(bordered) else {
                 return Ok((points, BranchEnd::Lost(no_tangent().to_string())));
             };
             let along = new_tangent[last];

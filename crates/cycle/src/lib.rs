@@ -15,6 +15,7 @@
 mod contact;
 mod continuation;
 mod error;
+mod factor;
 mod friction;
 mod harmonic_balance;
 mod harmonics;

@@ -327,31 +327,70 @@ impl<'a> Path<'a> {
         self.seen.columns(0, terms) * powers
     }
 
-    /// The first kink up to a part of the unit, and the part at which it is; without one, the given part.
+    /// The first kink up to a part of the unit, by what is seen at its moments, and the part at which it is; without one, the given part.
     fn first_kink(&self, reach: f64, values: &DMatrix<f64>) -> (f64, Option<usize>) {
-        let (mut first, mut changed) = (MOMENTS, Vec::new());
-        for (at, (&(row, offset), &side)) in self.kinks.iter().zip(&self.sides).enumerate() {
-            let moments = 0..MOMENTS.min(first + 1);
-            let Some(moment) = moments.into_iter().find(|&moment| (values[(row, moment)] + offset > 0.0) != side)
-            else {
-                continue;
-            };
-            if moment < first {
-                first = moment;
-                changed.clear();
+        let mut first = (reach, None);
+        for kink in 0..self.kinks.len() {
+            match self.first_change(kink, reach, values) {
+                Some([low, high]) if low < first.0 => {
+                    let part = self.change(kink, low, high);
+                    first = if part < first.0 { (part, Some(kink)) } else { first };
+                }
+                _ => {}
             }
-            changed.push(at);
         }
-        let low = first.checked_sub(1).map_or(0.0, |before| reach * moment(before));
-        let parts = changed.into_iter().map(|at| (self.change(at, low, reach * moment(first)), Some(at)));
-        parts.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((reach, None))
+        first
+    }
+
+    /// The value of a kink at a part of the unit, positive on the side where the motion is.
+    fn kink_at(&self, kink: usize, part: f64) -> f64 {
+        let (row, offset) = self.kinks[kink];
+        let value = (0..=self.degree).rev().fold(0.0, |sum, k| sum * part + self.seen[(row, k)]) + offset;
+        if self.sides[kink] { value } else { -value }
+    }
+
+    /// Two parts of the unit, before and after the first change of a kink. A change and its reverse between two moments are seen by the dip
+    /// that they make.
+    fn first_change(&self, kink: usize, reach: f64, values: &DMatrix<f64>) -> Option<[f64; 2]> {
+        let (row, offset) = self.kinks[kink];
+        let sign = if self.sides[kink] { 1.0 } else { -1.0 };
+        let is_changed = |value: f64| if self.sides[kink] { value <= 0.0 } else { value < 0.0 };
+        let mut before = [[f64::NAN; 2]; 2];
+        let mut now = [0.0, sign * (self.seen[(row, 0)] + offset)];
+        for at in 0..MOMENTS {
+            before = [before[1], now];
+            now = [reach * moment(at), sign * (values[(row, at)] + offset)];
+            if is_changed(now[1]) {
+                return Some([before[1][0], now[0]]);
+            }
+            let [[from, high], [middle, lowest]] = before;
+            if !(lowest <= high && lowest <= now[1]) {
+                continue;
+            }
+            // The parabola through all three, and how far it goes down.
+            let slopes = [(lowest - high) / (middle - from), (now[1] - lowest) / (now[0] - middle)];
+            let curvature = (slopes[1] - slopes[0]) / (now[0] - from);
+            let slope = slopes[0] + curvature * (middle - from);
+            let is_deep = lowest - slope * slope / (4.0 * curvature) < 0.1 * (high.max(now[1]) - lowest);
+            if !is_deep {
+                continue;
+            }
+            let (mut low, mut high) = (from, now[0]);
+            for _ in 0..40 {
+                let thirds = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+                let [one, two] = thirds.map(|part| self.kink_at(kink, part));
+                if one < two { high = thirds[1] } else { low = thirds[0] }
+            }
+            if is_changed(self.kink_at(kink, low)) {
+                return Some([from, low]);
+            }
+        }
+        None
     }
 
     /// The part of the unit at which a kink has just been passed, between one before and one after it: regula falsi, every third time a halving.
     fn change(&self, kink: usize, mut low: f64, mut high: f64) -> f64 {
-        let ((row, offset), side) = (self.kinks[kink], self.sides[kink]);
-        let value = |part: f64| (0..=self.degree).rev().fold(0.0, |sum, k| sum * part + self.seen[(row, k)]) + offset;
-        let (mut at_low, mut at_high) = (value(low), value(high));
+        let (mut at_low, mut at_high) = (self.kink_at(kink, low), self.kink_at(kink, high));
         for halving in 0..MOST_HALVINGS {
             if high - low <= 2.0 * f64::EPSILON * high {
                 break;
@@ -359,8 +398,8 @@ impl<'a> Path<'a> {
             let root = at_low / (at_low - at_high);
             let part = if halving % 3 == 2 || !(root > 0.0 && root < 1.0) { 0.5 } else { root };
             let middle = low + part * (high - low);
-            let at_middle = value(middle);
-            if (at_middle > 0.0) == side {
+            let at_middle = self.kink_at(kink, middle);
+            if at_middle > 0.0 || (at_middle == 0.0 && !self.sides[kink]) {
                 (low, at_low) = (middle, at_middle);
             } else {
                 (high, at_high) = (middle, at_middle);

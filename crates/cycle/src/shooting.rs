@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 
+use crate::factor::Factor;
 use crate::motion::amplitude;
 use crate::path::Path;
 use crate::{ContactSystem, Error};
@@ -114,11 +115,11 @@ pub fn shoot(
                 (0..d).for_each(|i| bordered[(i, d)] = rate[i] * period / scales[i]);
                 system.rate(&x, &mut rate);
                 (0..d).for_each(|i| bordered[(d, i)] = rate[i] * period / scales[i]);
-                bordered.lu()
+                Factor::new(bordered)
             }
         };
         let right = DVector::from_fn(d + 1, |i, _| if i < d { -difference[i] } else { 0.0 });
-        let Some(step) = bordered.solve(&right).filter(|step| step.iter().all(|x| x.is_finite())) else { break };
+        let Some(step) = bordered.as_ref().and_then(|bordered| bordered.solve(&right)) else { break };
         // Far from a solution a full step leaves the motion.
         let factor = (0.5 * size / step.rows(0, d).amax()).min(0.2 / step[d].abs()).min(1.0);
         x.iter_mut().zip(scales).zip(&step).for_each(|((x, scale), step)| *x += factor * scale * step);

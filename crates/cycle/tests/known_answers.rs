@@ -378,3 +378,33 @@ fn a_contact_that_is_open_in_steady_sliding_closes_where_its_gap_does() {
         assert!(error.contains("contact \"stop\": load = "), "{error}");
     }
 }
+
+#[test]
+fn a_contact_that_opens_for_a_hundredth_of_a_swing_is_seen() {
+    // A mass on springs of 1 and, until it opens at u = -1, another 1: u'' = -2 u, and u'' = 1 - u while it is open.
+    let stop = SlidingContact {
+        name: "stop".into(),
+        family: "friction".into(),
+        sliding: Vec::new(),
+        normal: vec![(0, 1.0)],
+        stiffness: 1.0,
+        load: 1.0,
+        speed: FAST,
+        friction: common::coulomb(0.5, 1e-3),
+    };
+    let mass = part("springs", dmatrix![1.0], dmatrix![0.0], dmatrix![2.0]);
+    let system = ContactSystem::new(vec![mass], vec![stop]).unwrap();
+    let w = 2.0_f64.sqrt();
+    for beyond in [1e-3, 1e-4, 1e-5] {
+        let speed = w * (1.0 + beyond);
+        let until = (w / speed).asin() / w;
+        let open = 2.0 * (0.5 * speed * (w * until).cos()).atan();
+        assert!(open < 0.1);
+        for part in [0.0, 0.3, 0.7] {
+            // Back at u = 0 after it was open, from several places on the way there.
+            let start = vec![-speed / w * (w * part * until).sin(), -speed * (w * part * until).cos()];
+            let end = state_after(&system, start, (2.0 - part) * until + open, w, TIGHT).unwrap();
+            assert!(end[0].abs() < 1e-10 && (end[1] - speed).abs() < 1e-10, "{beyond} {part}: {end:?}");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Balance, BalancedCycle, Equations};
+use crate::factor::Factor;
 use crate::{Error, NearMode, SystemAt};
 
 /// Corrections after which Newton's method has failed; chosen.
@@ -65,8 +66,7 @@ pub(crate) fn solve<E: From<Error>>(
         }
         last = found;
         let failed = Error::NoConvergence { method: "harmonic balance", residual: found };
-        let lu = matrix.lu();
-        let Some(step) = lu.solve(&right).filter(|step| step.iter().all(|x| x.is_finite())) else {
+        let Some(step) = Factor::new(matrix).and_then(|factor| factor.solve(&right)) else {
             return Err(failed.into());
         };
         unknowns += step;
