@@ -185,8 +185,8 @@ pub(crate) fn amplitude(x: &[f64], scales: &[f64]) -> f64 {
 
 /// The larger of a magnitude and that of a number; not a number where either is not.
 pub(crate) fn largest(size: f64, x: f64) -> f64 {
-    let x = x.abs();
-    if x > size || x.is_nan() { x } else { size }
+    // As integers, magnitudes have the same order, and what is no number is above all.
+    f64::from_bits(size.to_bits().max(x.abs().to_bits()))
 }
 
 /// Largest difference of two states, relative to the scales.

@@ -329,8 +329,17 @@ impl<'a> Path<'a> {
 
     /// The first kink up to a part of the unit, by what is seen at its moments, and the part at which it is; without one, the given part.
     fn first_kink(&self, reach: f64, values: &DMatrix<f64>) -> (f64, Option<usize>) {
+        // Least and greatest value of each row, and how far it goes between two moments at most.
+        let ranges: Vec<[f64; 3]> =
+            (0..values.nrows()).map(|row| range(self.seen[(row, 0)], values.row(row).iter().copied())).collect();
         let mut first = (reach, None);
-        for kink in 0..self.kinks.len() {
+        for (kink, (&(row, offset), &side)) in self.kinks.iter().zip(&self.sides).enumerate() {
+            let [least, greatest, step] = ranges[row];
+            // Too far away for a change, or for a dip between two moments.
+            let is_far = if side { least + offset > step } else { greatest + offset < -step };
+            if is_far {
+                continue;
+            }
             match self.first_change(kink, reach, values) {
                 Some([low, high]) if low < first.0 => {
                     let part = self.change(kink, low, high);
@@ -487,4 +496,14 @@ impl<'a> Path<'a> {
             x.iter_mut().zip(self.terms.column(term).iter()).for_each(|(x, term)| *x = *x * part + term);
         }
     }
+}
+
+/// Least and greatest of a number and those that follow it, and the largest difference of two neighbours.
+fn range(first: f64, others: impl Iterator<Item = f64>) -> [f64; 3] {
+    let (mut range, mut before) = ([first, first, 0.0_f64], first);
+    for value in others {
+        range = [range[0].min(value), range[1].max(value), range[2].max((value - before).abs())];
+        before = value;
+    }
+    range
 }

@@ -64,8 +64,22 @@ impl CountedSpectrum {
         spectrum: &Spectrum,
         work: &mut Workspace,
     ) -> Result<Self, CeaError> {
+        Self::of_some(threshold, system, spectrum, |_| true, work)
+    }
+
+    /// Counts those eigenvalues of the spectrum of a system that are asked for; the sides of the others, which may take bounds to know, are not looked at.
+    ///
+    /// # Errors
+    /// As [`CountedSpectrum::new`].
+    pub fn of_some(
+        threshold: &Threshold,
+        system: &SecondOrder,
+        spectrum: &Spectrum,
+        is_asked: impl Fn(Complex<f64>) -> bool,
+        work: &mut Workspace,
+    ) -> Result<Self, CeaError> {
         let (mut counted, mut judge) = (Self::default(), Judge::new(system, spectrum));
-        for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
+        for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0 && is_asked(**lambda)) {
             let verdict = match judge.verdict(lambda, threshold, work) {
                 Err(CeaError::Certified(CertifiedError::NoEigenvector { .. })) => {
                     Verdict::Undecided { bound: f64::INFINITY }

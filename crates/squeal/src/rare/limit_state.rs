@@ -69,9 +69,6 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
     /// The mode of the largest margin among the modes of a spectrum that are studied.
     fn judged(&self, counted: CountedSpectrum) -> Option<Mode> {
         let plan = self.study.plan();
-        // A reduced brake shows no divergence.
-        let has_divergence = self.study.brake().mode_source().is_none();
-        let is_studied = |lambda: &Complex<f64>| plan.is_studied(*lambda) && (lambda.im != 0.0 || has_divergence);
         let mode = |lambda: Complex<f64>, is_on: bool| {
             let margin = plan.threshold.margin(lambda);
             // What is on the threshold to within rounding does not fail.
@@ -79,8 +76,14 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         };
         let CountedSpectrum { flutter, divergence, marginal, below, .. } = counted;
         let sided = flutter.into_iter().chain(divergence.into_iter().map(Complex::from)).chain(below);
-        let sided = sided.filter(is_studied).map(|lambda| mode(lambda, false));
-        Mode::worst(sided.chain(marginal.into_iter().filter(is_studied).map(|lambda| mode(lambda, true))))
+        let sided = sided.map(|lambda| mode(lambda, false));
+        Mode::worst(sided.chain(marginal.into_iter().map(|lambda| mode(lambda, true))))
+    }
+
+    /// True of an eigenvalue that is studied; a reduced brake shows no divergence.
+    fn is_studied(&self, lambda: Complex<f64>) -> bool {
+        let has_divergence = self.study.brake().mode_source().is_none();
+        self.study.plan().is_studied(lambda) && (lambda.im != 0.0 || has_divergence)
     }
 
     /// The mode of the largest margin at each point.
@@ -91,8 +94,9 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         self.solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
         let of_system = |(system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
             let plan = self.study.plan();
-            let counted = CountedSpectrum::new(&plan.threshold, system, &spectrum?, &mut work)?;
-            match counted.blunt.iter().find(|lambda| plan.is_studied(**lambda)) {
+            let is_studied = |lambda| self.is_studied(lambda);
+            let counted = CountedSpectrum::of_some(&plan.threshold, system, &spectrum?, is_studied, &mut work)?;
+            match counted.blunt.first() {
                 Some(lambda) => Err(Error::Blunt { omega: lambda.im }),
                 None => Ok(self.judged(counted)),
             }
