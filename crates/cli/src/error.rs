@@ -160,6 +160,12 @@ impl From<squeal::Error> for Error {
             squeal::Error::Argument { argument: "from", value, allowed } => {
                 Self::Option { option: "--from", value, allowed }
             }
+            squeal::Error::Cycle(squeal::cycle::Error::Setting { field: "harmonics", value, allowed }) => {
+                Self::Option { option: "--harmonics", value: value.to_string(), allowed }
+            }
+            squeal::Error::Cycle(squeal::cycle::Error::Setting { field: "samples of a period", value, allowed }) => {
+                Self::Option { option: "--time-samples", value: value.to_string(), allowed }
+            }
             squeal::Error::Study(error) => error.into(),
             other => Self::Study(other),
         }

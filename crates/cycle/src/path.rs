@@ -30,8 +30,8 @@ const MOST_SUBSTITUTIONS: usize = 12;
 /// Pieces one after the other that may take no time; chosen, above the number of kinks that a motion of some symmetry has at once.
 const MOST_STANDING: usize = 10_000;
 
-/// Halvings of the part of a piece in which a kink lies; more than it has bits.
-const MOST_HALVINGS: usize = 60;
+/// Looks at the part of a piece in which a kink lies, at most; more than it has bits.
+const MOST_LOOKS: usize = 60;
 
 /// A motion at a time, the piece by which it came there, and the way on.
 pub(crate) struct Path<'a> {
@@ -166,7 +166,7 @@ impl<'a> Path<'a> {
         self.allowed = self.tolerance * amplitude(&self.x, self.scales).max(1.0);
         self.take_tangent();
         let rest = until - self.time;
-        let mut unit = self.next.min(rest);
+        let (next, mut unit) = (self.next, self.next.min(rest));
         let kink = loop {
             match self.piece(unit) {
                 Ok(kink) => break kink,
@@ -179,6 +179,9 @@ impl<'a> Path<'a> {
                 return Err(failed(self.time, "its steps of time vanish"));
             }
         };
+        if rest < next {
+            self.next = self.next.max(next);
+        }
         let taken = self.length * self.unit;
         let end = if kink.is_none() && taken == rest { until } else { self.begin + taken };
         self.standing = if end > self.begin { 0 } else { self.standing + 1 };
@@ -210,15 +213,16 @@ impl<'a> Path<'a> {
             }
             if change <= SUBSTITUTED {
                 (self.unit, self.length) = (unit, length);
-                // After a kink the next one may come as soon; a series whose terms have all been needed is as long as it can be.
-                let growth = if kink.is_some() { (2.0 * length).max(0.3) } else { 2.0 * length };
-                let growth = if reach < 1.0 { growth.min(reach) } else { growth };
+                // One more term costs so much less than one more piece that a kink within the unit makes the next unit no shorter; a series whose
+                // terms have all been needed is as long as it can be.
+                let growth = if kink.is_some() && !is_curved { 1.0 } else { 2.0 };
+                let growth = if reach < 1.0 { reach } else { growth };
                 let growth = if is_curved {
                     growth.min(0.9 * (SUBSTITUTED / last).powf(1.0 / (FITTED + 1) as f64))
                 } else {
                     growth
                 };
-                self.next = if unit < self.next && kink.is_none() && !is_curved { self.next } else { unit * growth };
+                self.next = unit * growth;
                 return Ok(kink);
             }
             if last > SUBSTITUTED {
@@ -332,30 +336,33 @@ impl<'a> Path<'a> {
         // Least and greatest value of each row, and how far it goes between two moments at most.
         let ranges: Vec<[f64; 3]> =
             (0..values.nrows()).map(|row| range(self.seen[(row, 0)], values.row(row).iter().copied())).collect();
-        let mut first = (reach, None);
-        for (kink, (&(row, offset), &side)) in self.kinks.iter().zip(&self.sides).enumerate() {
+        let is_near = |kink: &usize| {
+            let ((row, offset), side) = (self.kinks[*kink], self.sides[*kink]);
             let [least, greatest, step] = ranges[row];
-            // Too far away for a change, or for a dip between two moments.
-            let is_far = if side { least + offset > step } else { greatest + offset < -step };
-            if is_far {
-                continue;
+            // Others are too far away for a change, or for a dip between two moments.
+            if side { least + offset <= step } else { greatest + offset >= -step }
+        };
+        let changes = (0..self.kinks.len()).filter(is_near);
+        let changes = changes.filter_map(|kink| Some((self.first_change(kink, reach, values)?, kink)));
+        let mut changes: Vec<([f64; 2], usize)> = changes.collect();
+        changes.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+        let mut first = (reach, None);
+        for (between, kink) in changes {
+            if between[0] >= first.0 {
+                break;
             }
-            match self.first_change(kink, reach, values) {
-                Some([low, high]) if low < first.0 => {
-                    let part = self.change(kink, low, high);
-                    first = if part < first.0 { (part, Some(kink)) } else { first };
-                }
-                _ => {}
-            }
+            let part = self.change(kink, between);
+            first = if part < first.0 { (part, Some(kink)) } else { first };
         }
         first
     }
 
-    /// The value of a kink at a part of the unit, positive on the side where the motion is.
-    fn kink_at(&self, kink: usize, part: f64) -> f64 {
+    /// The value of a kink at a part of the unit, positive on the side where the motion is, and its derivative by the part.
+    fn kink_at(&self, kink: usize, part: f64) -> [f64; 2] {
         let (row, offset) = self.kinks[kink];
-        let value = (0..=self.degree).rev().fold(0.0, |sum, k| sum * part + self.seen[(row, k)]) + offset;
-        if self.sides[kink] { value } else { -value }
+        let add = |[value, slope]: [f64; 2], k: usize| [value * part + self.seen[(row, k)], slope * part + value];
+        let [value, slope] = (0..=self.degree).rev().fold([0.0; 2], add);
+        if self.sides[kink] { [value + offset, slope] } else { [-(value + offset), -slope] }
     }
 
     /// Two parts of the unit, before and after the first change of a kink. A change and its reverse between two moments are seen by the dip
@@ -387,34 +394,34 @@ impl<'a> Path<'a> {
             let (mut low, mut high) = (from, now[0]);
             for _ in 0..40 {
                 let thirds = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-                let [one, two] = thirds.map(|part| self.kink_at(kink, part));
+                let [one, two] = thirds.map(|part| self.kink_at(kink, part)[0]);
                 if one < two { high = thirds[1] } else { low = thirds[0] }
             }
-            if is_changed(self.kink_at(kink, low)) {
+            if is_changed(self.kink_at(kink, low)[0]) {
                 return Some([from, low]);
             }
         }
         None
     }
 
-    /// The part of the unit at which a kink has just been passed, between one before and one after it: regula falsi, every third time a halving.
-    fn change(&self, kink: usize, mut low: f64, mut high: f64) -> f64 {
-        let (mut at_low, mut at_high) = (self.kink_at(kink, low), self.kink_at(kink, high));
-        for halving in 0..MOST_HALVINGS {
-            if high - low <= 2.0 * f64::EPSILON * high {
-                break;
-            }
-            let root = at_low / (at_low - at_high);
-            let part = if halving % 3 == 2 || !(root > 0.0 && root < 1.0) { 0.5 } else { root };
-            let middle = low + part * (high - low);
-            let at_middle = self.kink_at(kink, middle);
-            if at_middle > 0.0 || (at_middle == 0.0 && !self.sides[kink]) {
-                (low, at_low) = (middle, at_middle);
+    /// The part of the unit at which a kink changes, between one before and one after it: Newton's method, with a halving where that leaves them.
+    fn change(&self, kink: usize, [mut low, mut high]: [f64; 2]) -> f64 {
+        let mut part = 0.5 * (low + high);
+        for _ in 0..MOST_LOOKS {
+            let [value, slope] = self.kink_at(kink, part);
+            if value > 0.0 {
+                low = part
             } else {
-                (high, at_high) = (middle, at_middle);
+                high = part
             }
+            let newton = part - value / slope;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - part).abs() <= 2.0 * f64::EPSILON * next {
+                return next;
+            }
+            part = next;
         }
-        high
+        part
     }
 
     /// Takes the remainder over the first part of the unit. Returns how much it changes the end of the piece against the remainder so far, and how much its

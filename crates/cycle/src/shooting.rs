@@ -139,3 +139,73 @@ fn multipliers(matrix: DMatrix<f64>) -> Result<Vec<Complex<f64>>, Error> {
     all.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
     Ok(all)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::sync::Arc;
+
+    use friction::{AmontonsCoulomb, BristleDamping, LuGre, LuGreParameters};
+    use friction::{VelocityDependent, VelocityDependentParameters};
+    use linsys::SecondOrder;
+    use nalgebra::dmatrix;
+
+    use super::*;
+    use crate::motion::state_after;
+    use crate::{Bristled, ContactFriction, Part, SlidingContact, Smoothed};
+
+    /// Two masses, one on a belt whose contact may open.
+    fn system(friction: Arc<dyn ContactFriction>) -> ContactSystem {
+        let (m, c) = (dmatrix![1.0, 0.0; 0.0, 1.5], dmatrix![0.05, 0.01; 0.01, 0.1]);
+        let matrices = SecondOrder::new(m, c, dmatrix![2.0, 1.0; 1.0, 3.0]).unwrap();
+        let belt = SlidingContact {
+            name: "belt".into(),
+            family: "friction".into(),
+            sliding: vec![(0, 1.0)],
+            normal: vec![(1, 1.0), (0, -0.2)],
+            stiffness: 0.8,
+            load: 1.0,
+            speed: 1.0,
+            friction,
+        };
+        ContactSystem::new(vec![Part { family: "structure".into(), matrices }], vec![belt]).unwrap()
+    }
+
+    #[test]
+    fn deviations_are_limits_of_differences_where_contacts_open_slide_and_stick() {
+        let parameters = VelocityDependentParameters { mu_s: 0.6, mu_k: 0.3, alpha: 2.0 };
+        let bristles = LuGreParameters {
+            mu_s: 0.6,
+            mu_k: 0.3,
+            v_s: 0.5,
+            sigma0: 20.0,
+            sigma1: 1.0,
+            sigma2: 0.02,
+            bristle_damping: BristleDamping::Decaying,
+        };
+        let laws: [Arc<dyn ContactFriction>; 3] = [
+            Arc::new(Smoothed { law: AmontonsCoulomb::new(0.5).unwrap(), stick_speed: 0.1 }),
+            Arc::new(Smoothed { law: VelocityDependent::new(parameters).unwrap(), stick_speed: 0.1 }),
+            Arc::new(Bristled { law: LuGre::new(bristles).unwrap(), stick_speed: 0.1 }),
+        ];
+        for law in laws {
+            let system = system(law);
+            let (d, scales, time) = (system.dimension(), system.scales(1.0), 7.0);
+            let mut start = vec![0.3, -1.7, 1.4, 0.6, 0.0];
+            start.truncate(d);
+            let after = |by: f64, of: usize| {
+                let moved = start.iter().enumerate().map(|(at, x)| if at == of { x + by * scales[of] } else { *x });
+                state_after(&system, moved.collect(), time, 1.0, 1e-12).unwrap()
+            };
+            let found = monodromy(&system, &start, time, &scales, 1e-12).unwrap();
+            for of in 0..d {
+                let (ahead, behind) = (after(1e-5, of), after(-1e-5, of));
+                for at in 0..d {
+                    let difference = (ahead[at] - behind[at]) / (2e-5 * scales[at]);
+                    assert!((difference - found[(at, of)]).abs() < 1e-6, "{at} {of}: {difference} {}", found[(at, of)]);
+                }
+            }
+        }
+    }
+}

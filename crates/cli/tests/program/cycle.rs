@@ -91,8 +91,8 @@ fn branches_go_from_the_onset_to_the_end_of_the_range() {
 fn what_has_no_motion_is_refused_in_a_line() {
     for (options, expected) in [
         (&["--stick", "0"][..], &["--stick = 0", "allowed: above 0 and below 1"][..]),
-        (&["--harmonics", "0"], &["harmonics = 0", "allowed: 1 to 100"]),
-        (&["--harmonics", "9", "--time-samples", "18"], &["samples of a period = 18", "allowed: 19 or more"]),
+        (&["--harmonics", "0"], &["--harmonics = 0", "allowed: 1 to 100"]),
+        (&["--harmonics", "9", "--time-samples", "18"], &["--time-samples = 18", "allowed: 19 or more"]),
         (&["--from", "1"], &["--from = 1", "allowed: noise, or the rank of an unstable mode: 2"]),
         (&["--over", "mu=0.1:0.5"], &["no mode oscillates and grows"]),
         (

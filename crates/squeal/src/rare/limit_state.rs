@@ -8,7 +8,8 @@ use cea::{CeaError, CertifiedError, CountedSpectrum, EigenSolver, Eigentriple, S
 use linsys::SecondOrder;
 use montecarlo::Progress;
 use num_complex::Complex;
-use study::{DrawnInputs, Scene, Study, UncertainBrake};
+use rayon::prelude::*;
+use study::{DrawnInputs, Plan, Scene, Study, UncertainBrake};
 
 use super::kept::{Kept, Question};
 use crate::Error;
@@ -67,8 +68,7 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
     }
 
     /// The mode of the largest margin among the modes of a spectrum that are studied.
-    fn judged(&self, counted: CountedSpectrum) -> Option<Mode> {
-        let plan = self.study.plan();
+    fn judged(plan: &Plan, counted: CountedSpectrum) -> Option<Mode> {
         let mode = |lambda: Complex<f64>, is_on: bool| {
             let margin = plan.threshold.margin(lambda);
             // What is on the threshold to within rounding does not fail.
@@ -80,28 +80,23 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         Mode::worst(sided.chain(marginal.into_iter().map(|lambda| mode(lambda, true))))
     }
 
-    /// True of an eigenvalue that is studied; a reduced brake shows no divergence.
-    fn is_studied(&self, lambda: Complex<f64>) -> bool {
-        let has_divergence = self.study.brake().mode_source().is_none();
-        self.study.plan().is_studied(lambda) && (lambda.im != 0.0 || has_divergence)
-    }
-
     /// The mode of the largest margin at each point.
     fn solved(&self, points: &[&[f64]]) -> Result<Vec<Option<Mode>>, Error> {
         let mut work = Workspace::default();
         let systems = points.iter().map(|u| self.system(u)).collect::<Result<Vec<_>, _>>()?;
         let mut spectra = Vec::with_capacity(systems.len());
         self.solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
-        let of_system = |(system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
-            let plan = self.study.plan();
-            let is_studied = |lambda| self.is_studied(lambda);
-            let counted = CountedSpectrum::of_some(&plan.threshold, system, &spectrum?, is_studied, &mut work)?;
+        // A reduced brake shows no divergence.
+        let (plan, has_divergence) = (self.study.plan(), self.study.brake().mode_source().is_none());
+        let is_studied = |lambda: Complex<f64>| plan.is_studied(lambda) && (lambda.im != 0.0 || has_divergence);
+        let of_system = |work: &mut Workspace, (system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
+            let counted = CountedSpectrum::of_some(&plan.threshold, system, &spectrum?, is_studied, work)?;
             match counted.blunt.first() {
                 Some(lambda) => Err(Error::Blunt { omega: lambda.im }),
-                None => Ok(self.judged(counted)),
+                None => Ok(Self::judged(plan, counted)),
             }
         };
-        let modes = systems.iter().zip(spectra).map(of_system).collect();
+        let modes = systems.par_iter().zip(spectra).map_init(Workspace::default, of_system).collect();
         self.progress.advance(points.len() as u64);
         modes
     }
