@@ -18,6 +18,9 @@ use crate::{ContactSystem, Error};
 /// Terms of a series after the first, at most; chosen: with more a piece costs less than it gains, until their alternating signs cost digits.
 const MOST_TERMS: usize = 30;
 
+/// Number of terms fewer than in the piece before from which on their size is looked at; chosen.
+const FEWER: usize = 6;
+
 /// Part of the allowed error that the last two terms of a series may have; chosen.
 const LAST_TERMS: f64 = 0.01;
 
@@ -42,8 +45,6 @@ pub(crate) struct Path<'a> {
     allowed: f64,
     /// 1 over the scales.
     per_scale: Vec<f64>,
-    /// Plane of velocities whose crossings end a piece; empty without.
-    section: &'a [f64],
     /// Functions whose changes of sign end a piece, by contact N, w + eps, w and w - eps, and at last the section: rows of `seen` and what is added.
     kinks: Vec<(usize, f64)>,
     /// Sides of the kinks on which the motion is in the piece, true where they are above 0.
@@ -62,7 +63,8 @@ pub(crate) struct Path<'a> {
     /// Terms of its series, one a column, and the number of them after the first.
     terms: DMatrix<f64>,
     degree: usize,
-    /// What contacts see of the terms: changes of the normal force, sliding velocities without v, bristles; and the section.
+    /// What contacts and the section see of a state, by rows, and of the terms: changes of the normal force, sliding velocities without v, bristles; and the section.
+    reads: DMatrix<f64>,
     seen: DMatrix<f64>,
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
     pub forces: Vec<ContactForces>,
@@ -77,14 +79,14 @@ pub(crate) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// The motion from a state at time 0.
+    /// The motion from a state at time 0, with a first unit of time, s. `section` is a plane of velocities, whose crossings end a piece; empty without.
     pub fn new(
         system: &'a ContactSystem,
         start: Vec<f64>,
         scales: &'a [f64],
         tolerance: f64,
         first: f64,
-        section: &'a [f64],
+        section: &[f64],
     ) -> Self {
         let (d, n, contacts) = (system.dimension(), system.order(), system.contacts().len());
         let mut kinks = Vec::with_capacity(4 * contacts + 1);
@@ -94,7 +96,10 @@ impl<'a> Path<'a> {
             kinks.extend([(slip, contact.speed), (slip, contact.speed - stick)]);
         }
         let rows = 2 * contacts + d - 2 * n;
+        let mut reads = system.reads.clone();
         if !section.is_empty() {
+            reads = reads.insert_row(rows, 0.0);
+            reads.view_mut((rows, n), (1, n)).copy_from_slice(section);
             kinks.push((rows, 0.0));
         }
         let weight = |at: usize| {
@@ -107,7 +112,6 @@ impl<'a> Path<'a> {
             tolerance,
             allowed: tolerance,
             per_scale: scales.iter().map(|scale| 1.0 / scale).collect(),
-            section,
             sides: Vec::new(),
             kink: None,
             time: 0.0,
@@ -116,7 +120,8 @@ impl<'a> Path<'a> {
             length: 0.0,
             terms: DMatrix::zeros(d, MOST_TERMS + 1),
             degree: 0,
-            seen: DMatrix::zeros(rows + section.len().min(1), MOST_TERMS + 1),
+            seen: DMatrix::zeros(reads.nrows(), MOST_TERMS + 1),
+            reads,
             forces: Vec::new(),
             below: DMatrix::zeros(0, 0),
             remainder: DMatrix::zeros(2 * contacts, FITTED),
@@ -261,7 +266,7 @@ impl<'a> Path<'a> {
     fn fill(&mut self, unit: f64, is_curved: bool) -> Result<f64, f64> {
         let (n, contacts) = (self.system.order(), self.system.contacts().len());
         self.terms.column_mut(0).copy_from_slice(&self.x);
-        let (mut before, mut last) = (f64::INFINITY, f64::INFINITY);
+        let (expected, mut before, mut last) = (self.degree, f64::INFINITY, f64::INFINITY);
         for k in 0..MOST_TERMS {
             let (from, mut to) = self.terms.columns_range_pair_mut(k, k + 1);
             let (from, to) = (from.as_slice(), to.as_mut_slice());
@@ -282,16 +287,17 @@ impl<'a> Path<'a> {
                 }
             }
             let factor = unit / (k + 1) as f64;
-            let mut size = 0.0;
-            for (x, per_scale) in to.iter_mut().zip(&self.per_scale) {
-                *x *= factor;
-                size = largest(size, *x * per_scale);
+            to.iter_mut().for_each(|x| *x *= factor);
+            self.degree = k + 1;
+            // As many are needed as in the piece before, or nearly.
+            if k + FEWER < expected {
+                continue;
             }
+            let size = to.iter().zip(&self.per_scale).fold(0.0, |size, (x, per_scale)| largest(size, x * per_scale));
             (before, last) = (last, size / self.allowed);
             if !last.is_finite() {
                 return Err(0.1);
             }
-            self.degree = k + 1;
             if before.max(last) <= LAST_TERMS && (!is_curved || k > FITTED) {
                 return Ok(1.0);
             }
@@ -302,19 +308,8 @@ impl<'a> Path<'a> {
 
     /// Takes what contacts and section see of the terms.
     fn see(&mut self) {
-        let (n, contacts, terms) = (self.system.order(), self.system.contacts().len(), self.degree + 1);
-        let of = |row: usize, rows: usize| self.terms.view((row, 0), (rows, terms));
-        let mut seen = self.seen.columns_mut(0, terms);
-        seen.rows_mut(0, contacts).gemm(1.0, &self.system.approaches, &of(0, n), 0.0);
-        seen.rows_mut(contacts, contacts).gemm(-1.0, &self.system.slips, &of(n, n), 0.0);
-        let bristles = self.system.dimension() - 2 * n;
-        seen.rows_mut(2 * contacts, bristles).copy_from(&of(2 * n, bristles));
-        if !self.section.is_empty() {
-            let velocities = of(n, n);
-            for (to, velocity) in seen.row_mut(2 * contacts + bristles).iter_mut().zip(velocities.column_iter()) {
-                *to = velocity.iter().zip(self.section).map(|(v, s)| v * s).sum();
-            }
-        }
+        let terms = self.degree + 1;
+        self.seen.columns_mut(0, terms).gemm(1.0, &self.reads, &self.terms.columns(0, terms), 0.0);
     }
 
     /// What contacts and section see at the moments of a part of the unit, by columns.

@@ -52,9 +52,8 @@ pub struct ContactSystem {
     /// `M^-1 c_i` and `M^-1 b_i`, n by contacts.
     normal: DMatrix<f64>,
     pub(crate) sliding: DMatrix<f64>,
-    /// `k_i c_i^T` and `b_i^T`, contacts by n.
-    pub(crate) approaches: DMatrix<f64>,
-    pub(crate) slips: DMatrix<f64>,
+    /// What contacts read of a state: `k_i c_i^T u`, `-b_i^T u'` and the bristles, by rows.
+    pub(crate) reads: DMatrix<f64>,
     /// Forces in steady sliding, and the rows of the Jacobian there below those that say that velocities are rates of displacements.
     at_rest: (Vec<ContactForces>, DMatrix<f64>),
     /// Flag that ends all work with the system.
@@ -155,12 +154,14 @@ impl ContactSystem {
         let mut free = DMatrix::zeros(order, 2 * order);
         free.columns_mut(0, order).copy_from(&-(&inverse_mass * &structure.k));
         free.columns_mut(order, order).copy_from(&-(&inverse_mass * &structure.c));
-        let (mut approaches, mut slips) =
-            (DMatrix::zeros(contacts.len(), order), DMatrix::zeros(contacts.len(), order));
+        let mut reads = DMatrix::zeros(2 * contacts.len() + dimension - 2 * order, dimension);
         for (at, contact) in contacts.iter().enumerate() {
-            contact.normal.iter().for_each(|&(dof, c)| approaches[(at, dof)] += contact.stiffness * c);
-            contact.sliding.iter().for_each(|&(dof, b)| slips[(at, dof)] += b);
+            contact.normal.iter().for_each(|&(dof, c)| reads[(at, dof)] += contact.stiffness * c);
+            contact.sliding.iter().for_each(|&(dof, b)| reads[(contacts.len() + at, order + dof)] -= b);
         }
+        reads
+            .view_mut((2 * contacts.len(), 2 * order), (dimension - 2 * order, dimension - 2 * order))
+            .fill_with_identity();
         let steady = contacts.iter().map(SlidingContact::steady).collect();
         let at_rest = (Vec::new(), DMatrix::zeros(dimension - order, dimension));
         let stop = None;
@@ -174,8 +175,7 @@ impl ContactSystem {
             free,
             normal,
             sliding,
-            approaches,
-            slips,
+            reads,
             at_rest,
             stop,
         };

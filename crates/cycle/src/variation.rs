@@ -62,11 +62,7 @@ impl Path<'_> {
             next.rows_mut(0, n).copy_from(&term.rows(n, n));
             next.rows_mut(n, d - n).gemm(1.0, below, &term, 0.0);
             if !slopes.is_empty() {
-                let mut of_term = DMatrix::zeros(d - 2 * n + 2 * contacts, term.ncols());
-                of_term.rows_mut(0, contacts).gemm(1.0, &system.approaches, &term.rows(0, n), 0.0);
-                of_term.rows_mut(contacts, contacts).gemm(-1.0, &system.slips, &term.rows(n, n), 0.0);
-                of_term.rows_mut(2 * contacts, d - 2 * n).copy_from(&term.rows(2 * n, d - 2 * n));
-                seen.push(of_term);
+                seen.push(&system.reads * &term);
                 let mut friction = DMatrix::zeros(contacts, term.ncols());
                 for Slopes { contact, powers } in &slopes {
                     let place = system.bristle(*contact);
