@@ -19,6 +19,7 @@ mod factor;
 mod friction;
 mod harmonic_balance;
 mod harmonics;
+mod kinks;
 mod measure;
 mod moments;
 mod motion;
