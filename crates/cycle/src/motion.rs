@@ -9,7 +9,7 @@ use crate::{ContactSystem, Cycle, Error};
 /// Settings of the integration of a motion: its error and its length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Allowed error of a step, relative to the scales of the motion; chosen 1e-9.
+    /// Allowed error of a piece of the motion, relative to its scales and size; chosen 1e-9.
     pub tolerance: f64,
     /// Periods of the mode after which a motion that does not repeat is not periodic; chosen 1,000.
     pub most_periods: usize,

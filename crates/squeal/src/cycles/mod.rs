@@ -120,7 +120,7 @@ const HISTORY: usize = STEPS / 8;
 /// Name of the computation that needs the contacts of a brake.
 pub const MOTION: &str = "the motion after the onset";
 
-/// Allowed error of a step of time, relative; chosen: cycles are known to some 1e-9.
+/// Allowed error of a piece of a motion, relative; chosen: cycles are known to some 1e-9.
 pub(crate) const TOLERANCE: f64 = 1e-10;
 
 /// The contacts of a brake beyond their tangents.
