@@ -13,7 +13,7 @@ pub struct Measures {
     pub peak: Vec<f64>,
     /// Mean kinetic energy, J.
     pub kinetic_energy: f64,
-    /// Mean power of each family of forces, W; the sum is 0, and so is that of contacts that open alone.
+    /// Mean power of each family of forces, W; the sum is 0, and so is that of contacts that open alone. None of a motion that need not be periodic.
     pub powers: Vec<(String, f64)>,
     /// Shares of the period, by contact.
     pub contacts: Vec<Shares>,
@@ -90,11 +90,11 @@ impl Measures {
 /// # Errors
 /// A motion that cannot be followed.
 pub fn measure(system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<Measures, Error> {
-    Ok(measure_over(system, &cycle.start, [cycle.period, cycle.period], tolerance)?.0)
+    Ok(measured(system, &cycle.start, [cycle.period, cycle.period], tolerance, system.families())?.0)
 }
 
 /// Goes on with a motion that need not be periodic for a time, s, of many periods, and measures it; gives its last state too. `period`, s, is
-/// about that in which it swings, and scales it. Powers need not sum to zero: the motion may end with another energy than it has at first.
+/// about that in which it swings, and scales it. There are no powers: the motion may end with another energy than it has at first.
 ///
 /// # Errors
 /// A motion that cannot be followed.
@@ -104,7 +104,18 @@ pub fn measure_over(
     [time, period]: [f64; 2],
     tolerance: f64,
 ) -> Result<(Measures, Vec<f64>), Error> {
-    let (n, families) = (system.order(), system.families());
+    measured(system, start, [time, period], tolerance, Vec::new())
+}
+
+/// Measures of a motion over a time, with the powers of these families, and its last state.
+fn measured(
+    system: &ContactSystem,
+    start: &[f64],
+    [time, period]: [f64; 2],
+    tolerance: f64,
+    families: Vec<String>,
+) -> Result<(Measures, Vec<f64>), Error> {
+    let n = system.order();
     let scales = system.scales(std::f64::consts::TAU / period);
     let mut motion = Path::new(system, start.to_vec(), &scales, tolerance, 0.1 * period, &[]);
     let (mut squares, mut energy) = (vec![0.0; n], 0.0);
@@ -125,7 +136,9 @@ pub fn measure_over(
             if weight > 0.0 {
                 squares.iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square += weight * duration * v * v);
                 energy += weight * duration * system.kinetic_energy(&x);
-                system.powers(&families, &x, &mut powers);
+                if !families.is_empty() {
+                    system.powers(&families, &x, &mut powers);
+                }
                 works.iter_mut().zip(&powers).for_each(|(work, power)| *work += weight * duration * power);
             }
             for (dof, peak) in peak.iter_mut().enumerate() {
