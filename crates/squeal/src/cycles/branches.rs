@@ -179,11 +179,17 @@ pub fn branches<B: UncertainBrake>(
     let branches = branches?;
     let branches = Branches { sweep: found, branches };
     let (growing_at_start, unresolved) = (branches.growing_at_start(), &branches.sweep.unresolved);
-    if branches.branches.is_empty() && (growing_at_start > 0 || !unresolved.is_empty()) {
+    let jumps = branches.sweep.onsets.iter().filter(|onset| onset.jump.is_some()).count();
+    if branches.branches.is_empty() && (growing_at_start > 0 || jumps > 0 || !unresolved.is_empty()) {
         let near = |(from, to): &(f64, f64)| format!("; from {from} to {to} one may be, or not");
         let unresolved: String = unresolved.iter().map(near).collect();
+        let jumps = if jumps > 0 {
+            format!("; onsets at which growth jumps as a contact opens: {jumps}")
+        } else {
+            String::new()
+        };
         let allowed = format!(
-            "a range with an onset in it; modes that grow at its begin already: {growing_at_start}{unresolved}"
+            "a range with an onset in it of a small motion; modes that grow at its begin already: {growing_at_start}{jumps}{unresolved}"
         );
         return Err(Error::Argument { argument: "over", value: over.to_string(), allowed });
     }

@@ -86,9 +86,10 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         let systems = points.iter().map(|u| self.system(u)).collect::<Result<Vec<_>, _>>()?;
         let mut spectra = Vec::with_capacity(systems.len());
         self.solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
-        // A reduced brake shows no divergence.
+        // A reduced brake shows no divergence, of a real eigenvalue or of a pair that grows faster than it oscillates.
         let (plan, has_divergence) = (self.study.plan(), self.study.brake().mode_source().is_none());
-        let is_studied = |lambda: Complex<f64>| plan.is_studied(lambda) && (lambda.im != 0.0 || has_divergence);
+        let is_divergence = |lambda: Complex<f64>| lambda.im == 0.0 || lambda.re > lambda.im;
+        let is_studied = |lambda: Complex<f64>| plan.is_studied(lambda) && (has_divergence || !is_divergence(lambda));
         let of_system = |work: &mut Workspace, (system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
             let counted = CountedSpectrum::of_some(&plan.threshold, system, &spectrum?, is_studied, work)?;
             match counted.blunt.first() {
