@@ -17,8 +17,8 @@ const DISSECTED: usize = 6_000;
 /// is zero, which a diagonal matrix, without operations, does not exceed.
 const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
 
-/// Symbolic factorisation of a symmetric pattern, of which the diagonal may be a part or not: by nested dissection of large ones, by
-/// approximate minimum degree of others. Groups of rows are joined as `groups` says. `None` where it does not fit into memory.
+/// Symbolic factorisation of a symmetric pattern, with or without a diagonal: large patterns are ordered by nested dissection, others by approximate
+/// minimum degree. Groups of rows are joined as `groups` says. `None` where it does not fit into memory.
 pub(crate) fn symbolic(
     pattern: SymbolicSparseColMatRef<'_, usize>,
     groups: SymbolicSupernodalParams<'_>,
@@ -33,8 +33,8 @@ pub(crate) fn symbolic(
     factorize_symbolic_cholesky(pattern, Side::Lower, order, parameters).ok()
 }
 
-/// Order of nested dissection, in which a group of rows stands behind those that it depends on and beside its own. `None` of a pattern
-/// with more entries than the library counts, some 2e9.
+/// Order of elimination by nested dissection: both parts of a pattern, each likewise, and then the rows that separate them. `None` for a pattern with more
+/// entries than the library counts, some 2e9.
 fn dissection(pattern: SymbolicSparseColMatRef<'_, usize>) -> Option<Perm<usize>> {
     let counted = |indices: &[usize]| indices.iter().map(|&i| i32::try_from(i).ok()).collect::<Option<Vec<i32>>>();
     let (starts, rows) = (counted(pattern.col_ptr())?, counted(pattern.row_idx())?);

@@ -189,7 +189,7 @@ pub fn branches<B: UncertainBrake>(
             String::new()
         };
         let allowed = format!(
-            "a range with an onset in it of a small motion; modes that grow at its begin already: {growing_at_start}{jumps}{unresolved}"
+            "a range with an onset in it; modes that grow at its begin already: {growing_at_start}{jumps}{unresolved}"
         );
         return Err(Error::Argument { argument: "over", value: over.to_string(), allowed });
     }
