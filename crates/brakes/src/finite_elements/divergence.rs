@@ -1,9 +1,9 @@
 //! Divergence of a finite element brake: what grows faster than it oscillates, whatever the band of the case. It is found in the whole brake.
 //!
 //! Far beyond the band, single pairs of nodes, which have little mass, grow where the curve of friction falls more steeply than their damping holds, or where they
-//! feed each other. A basis of modes of the band does not have that. Everything that does not grow so fast is far away, though: from the middle of a square to
-//! the right of the imaginary axis as far as that axis. So one factorisation and a small Krylov space about the middle show that the square is empty, and
-//! squares three times as large each reach any size in a few steps. Loss factors have no part in it: what does not oscillate has no complex stiffness.
+//! feed each other. A basis of modes of the band does not have that. Everything that does not grow so fast is far away, though: the middle of a rectangle to
+//! the right of the imaginary axis is as far from it as from that axis. So one factorisation and a small Krylov space about the middle show that the rectangle
+//! is empty, and rectangles three times as large each reach any size in a few steps. Loss factors have no part in it: what does not oscillate has no complex stiffness.
 
 use std::f64::consts::TAU;
 use std::iter::repeat_n;
@@ -23,10 +23,10 @@ use crate::case::FiniteElementCase;
 /// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
 /// motions.
 const SLOWEST: f64 = 1e-3;
-/// Size of a square beyond the band, as a multiple of the size of the one before. About 3.4 is the most at which its corners are nearer to its middle than the
+/// Size of a rectangle beyond the band, as a multiple of the size of the rectangle before. About 3.4 is the most at which its corners are nearer to its middle than the
 /// imaginary axis is.
 const LARGER: f64 = 3.0;
-/// Number of squares beyond the band: what grows with up to 2,187 times 2 pi times its highest frequency is found. Chosen: growth of cases/disc-pad reaches 170
+/// Number of rectangles beyond the band: what grows with up to 2,187 times 2 pi times its highest frequency is found. Chosen: growth of cases/disc-pad reaches 170
 /// times that.
 const BEYOND: i32 = 7;
 
