@@ -71,8 +71,8 @@ pub use real_modes::{NoRealModes, RealModes};
 pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};
 pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, damping_ratio, frequency_hz, rank_order, real_count};
 pub use stability::{
-    CountedSpectrum, ROUNDED_DATA, StabilityCensus, Threshold, is_alone, stability_census, verdict, verdicts,
-    verdicts_beyond,
+    CountedSpectrum, ROUNDED_DATA, StabilityCensus, Threshold, grows_too_fast, is_alone, stability_census, verdict,
+    verdicts, verdicts_beyond,
 };
 pub use workspace::{Counters, Workspace};
 

@@ -48,7 +48,7 @@ pub use compared::{Compared, compared};
 pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
 pub use loss::Losses;
-pub use reduced::{Reduced, ReducedModes, grows_too_fast};
+pub use reduced::{Reduced, ReducedModes};
 pub use residual::largest_residual;
 pub use route::{Route, RouteCounts};
 pub use shapes::shape_directions;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cea::{CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
+use cea::{CeaError, EigenSolver, QrSolver, Spectrum, Workspace, grows_too_fast};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -382,13 +382,6 @@ impl Reduced {
             if columns.is_empty() { DMatrix::zeros(shapes.nrows(), 0) } else { DMatrix::from_columns(&columns) };
         Ok(ReducedModes { lambdas, shapes, residuals, route })
     }
-}
-
-/// True of an eigenvalue that grows faster than it oscillates: no mode of a band but divergence, of single pairs of nodes for example, which no basis of
-/// the modes of a band holds. Whoever solves the whole brake has to say whether there are any.
-#[must_use]
-pub fn grows_too_fast(lambda: Complex<f64>) -> bool {
-    lambda.re > lambda.im
 }
 
 /// Name of a spectrum that is not there, in messages.

@@ -4,6 +4,7 @@
 //! directions of the modes at a few draws. Left vectors are among them, so that the error of an eigenvalue is the product
 //! of what is missing on both sides. How many draws it takes is told by the next ones: by what a basis misses of their modes before these enter it.
 
+use cea::grows_too_fast;
 use linsys::OperatingPoint;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -14,7 +15,7 @@ use super::basis::{ROUNDING, directions};
 use super::compared::compared;
 use super::norms::{Norms, NormsAt};
 use super::wanted::largest;
-use super::{dense, grows_too_fast, split};
+use super::{dense, split};
 use crate::ReductionError;
 
 /// Largest distance from the rectangle, as a fraction of the largest |lambda| in it, of modes that shape a basis too: others come into it

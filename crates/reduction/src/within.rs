@@ -8,6 +8,7 @@
 //! the norm of energy are the smaller basis. An eigenvalue is as good as the product of what is missing on both sides: the correction of the left vector
 //! times the residual of the right one tells its error.
 
+use cea::grows_too_fast;
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -18,7 +19,7 @@ use super::compared::compared;
 use super::shared::{Friction, Smaller, Structures};
 use super::spectra::{spectra, vectors};
 use super::wanted::{largest, outside};
-use super::{dense, grows_too_fast, split};
+use super::{dense, split};
 use crate::ReductionError;
 
 /// Largest distance from the rectangle, as a fraction of the largest |lambda| in it, of modes that shape a basis too: at other points such modes come into

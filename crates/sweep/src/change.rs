@@ -1,6 +1,6 @@
 //! A change of the number of unstable modes, and the line on which it is looked for.
 
-use cea::{CountedSpectrum, EigenSolver, Threshold, Workspace};
+use cea::{CountedSpectrum, EigenSolver, Threshold, Workspace, grows_too_fast};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
@@ -151,7 +151,7 @@ impl<'a> Along<'a> {
         let mut place = Place { at, counted, is_settled: false };
         place.put_rigid_motions_on_the_axis(self.rigid);
         if self.band.is_some_and(|band| band.is_of_basis) {
-            place.counted.flutter.retain(|lambda| lambda.re <= lambda.im);
+            place.counted.flutter.retain(|lambda| !grows_too_fast(*lambda));
         }
         Ok(place)
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cea::{CountedSpectrum, Counters, EigenSolver, Threshold, Verdict, WholeSpectra};
+use cea::{CountedSpectrum, Counters, EigenSolver, Threshold, Verdict, WholeSpectra, grows_too_fast};
 use linsys::SecondOrder;
 use montecarlo::Progress;
 use num_complex::Complex;
@@ -285,7 +285,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
     /// Numbers of the unstable modes of a spectrum that are studied: pairs that flutter, and real eigenvalues that diverge. A pair of a reduced brake that grows
     /// faster than it oscillates is no mode.
     pub fn counted(&self, spectrum: &CountedSpectrum) -> [usize; 2] {
-        let is_mode = |lambda: &&Complex<f64>| self.counts_divergence() || lambda.re <= lambda.im;
+        let is_mode = |lambda: &&Complex<f64>| self.counts_divergence() || !grows_too_fast(**lambda);
         let flutter = spectrum.flutter.iter().filter(is_mode).filter(|lambda| self.is_studied(lambda.im)).count();
         [flutter, if self.counts_divergence() { spectrum.divergence.len() } else { 0 }]
     }

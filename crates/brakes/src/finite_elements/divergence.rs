@@ -8,10 +8,9 @@
 use std::f64::consts::TAU;
 use std::iter::repeat_n;
 
-use cea::{ROUNDED_DATA, Spectrum, Threshold, Verdict, real_count};
+use cea::{ROUNDED_DATA, Spectrum, Threshold, Verdict, grows_too_fast, real_count};
 use linsys::OperatingPoint;
 use num_complex::Complex;
-use reduction::grows_too_fast;
 use sparse::{Eigenpair, Rectangle, SparseSecondOrder, eigenpairs_in};
 use study::{ModeSource, Scene};
 

@@ -1,13 +1,13 @@
 //! The basis of a set of constraints, V: it holds a brake in all its arrangements, and a smaller one is sought within it for each of them. It is made of the
 //! modes at draws, one draw after another, until it holds several in a row that it was not made of.
 
-use cea::{EigenSolver as _, QrSolver, Workspace};
+use cea::{EigenSolver as _, QrSolver, Workspace, grows_too_fast};
 use linsys::OperatingPoint;
 use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{Losses, ReductionError, Snapshot, Snapshots, grows_too_fast};
+use reduction::{Losses, ReductionError, Snapshot, Snapshots};
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};

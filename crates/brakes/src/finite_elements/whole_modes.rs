@@ -1,9 +1,9 @@
 //! Modes of the whole brake, and how far the modes of a reduced brake are from them.
 
-use cea::{ROUNDED_DATA, frequency_hz};
+use cea::{ROUNDED_DATA, frequency_hz, grows_too_fast};
 use linsys::OperatingPoint;
 use num_complex::Complex;
-use reduction::{compared, grows_too_fast, largest_residual};
+use reduction::{compared, largest_residual};
 use sparse::{Eigenpair, Rectangle, SparseSecondOrder, eigenpairs_in};
 use study::{BandMode, ModeResidual, Scene};
 

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use ::rare::{LimitState, Mode, tail};
-use cea::{CeaError, CertifiedError, CountedSpectrum, EigenSolver, Eigentriple, Spectrum, Workspace};
+use cea::{CeaError, CertifiedError, CountedSpectrum, EigenSolver, Eigentriple, Spectrum, Workspace, grows_too_fast};
 use linsys::SecondOrder;
 use montecarlo::Progress;
 use num_complex::Complex;
@@ -88,7 +88,7 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         self.solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
         // A reduced brake shows no divergence, of a real eigenvalue or of a pair that grows faster than it oscillates.
         let (plan, has_divergence) = (self.study.plan(), self.study.brake().mode_source().is_none());
-        let is_divergence = |lambda: Complex<f64>| lambda.im == 0.0 || lambda.re > lambda.im;
+        let is_divergence = |lambda: Complex<f64>| lambda.im == 0.0 || grows_too_fast(lambda);
         let is_studied = |lambda: Complex<f64>| plan.is_studied(lambda) && (has_divergence || !is_divergence(lambda));
         let of_system = |work: &mut Workspace, (system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
             let counted = CountedSpectrum::of_some(&plan.threshold, system, &spectrum?, is_studied, work)?;

@@ -1,5 +1,6 @@
 //! Every mode of a sample, stable ones too: what a surrogate of the growth of a mode is made from.
 
+use cea::grows_too_fast;
 use num_complex::Complex;
 
 use super::Study;
@@ -72,7 +73,7 @@ impl<B: UncertainBrake> Study<'_, B> {
         // Of a reduced brake a pair that grows faster than it oscillates is no mode: no basis of the modes of a band holds it, so that the whole one need not have it.
         let is_reduced = self.brake().mode_source().is_some();
         for modes in modes.iter_mut().flatten() {
-            modes.retain(|mode| !(is_reduced && mode.lambda.re > mode.lambda.im));
+            modes.retain(|mode| !(is_reduced && grows_too_fast(mode.lambda)));
             modes.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         }
         modes
