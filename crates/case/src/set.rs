@@ -481,7 +481,7 @@ coefficient = 1.0
         assert!(of_text(&short, &["a=0.2".to_owned()]).unwrap_err().contains("correlation.matrix"));
     }
 
-    /// The same of a field over contacts, for named parameters, for all, and for single values of contacts.
+    /// Fields over contacts leave a correlation likewise, for named parameters, for all, and for single values of contacts.
     #[test]
     fn what_is_set_to_a_constant_leaves_a_field() {
         let text =

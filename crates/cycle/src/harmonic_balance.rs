@@ -13,8 +13,8 @@ use num_complex::Complex;
 pub(crate) use self::equations::Equations;
 pub(crate) use self::solve::{Condition, solve};
 use crate::measure::states;
-use crate::motion::{amplitude, distance};
 use crate::shooting::shoot;
+use crate::size::{amplitude, distance};
 use crate::{ContactSystem, Cycle, Error, NearMode};
 
 /// Most harmonics and samples; chosen: more take long and say nothing, as the forces of contacts have kinks.

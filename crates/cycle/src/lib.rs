@@ -26,6 +26,7 @@ mod motion;
 mod path;
 mod powers;
 mod shooting;
+mod size;
 mod system;
 mod tangent;
 mod variation;

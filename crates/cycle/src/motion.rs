@@ -4,6 +4,7 @@ use num_complex::Complex;
 
 use crate::path::Path;
 use crate::shooting::shoot;
+use crate::size::{amplitude, distance};
 use crate::{ContactSystem, Cycle, Error};
 
 /// Settings of the integration of a motion: its error and its length.
@@ -176,22 +177,6 @@ fn check(system: &ContactSystem, start: &[f64], omega: f64, settings: &Settings)
 fn section(system: &ContactSystem, shape: &[Complex<f64>]) -> Vec<f64> {
     let m = &system.structure().m;
     m.column_iter().map(|column| column.iter().zip(shape).map(|(m, phi)| m * phi.re).sum()).collect()
-}
-
-/// Size of a state, relative to the scales.
-pub(crate) fn amplitude(x: &[f64], scales: &[f64]) -> f64 {
-    x.iter().zip(scales).fold(0.0, |size, (x, scale)| largest(size, x / scale))
-}
-
-/// The larger of a magnitude and that of a number; not a number where either is not.
-pub(crate) fn largest(size: f64, x: f64) -> f64 {
-    // As integers, magnitudes have the same order, and what is no number is above all.
-    f64::from_bits(size.to_bits().max(x.abs().to_bits()))
-}
-
-/// Largest difference of two states, relative to the scales.
-pub(crate) fn distance(x: &[f64], other: &[f64], scales: &[f64]) -> f64 {
-    x.iter().zip(other).zip(scales).map(|((x, y), scale)| ((x - y) / scale).abs()).fold(0.0, f64::max)
 }
 
 /// State of the motion from `start` after a time, s.

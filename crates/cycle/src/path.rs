@@ -11,7 +11,7 @@
 use nalgebra::DMatrix;
 
 use crate::moments::{FITTED, MOMENTS, fit, moment};
-use crate::motion::{amplitude, largest};
+use crate::size::{amplitude, largest};
 use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Error};
 
@@ -60,7 +60,8 @@ pub(crate) struct Path<'a> {
     /// Terms of its series, one a column, and the number of them after the first.
     terms: DMatrix<f64>,
     pub degree: usize,
-    /// What contacts and the section see of a state, by rows, and of the terms: changes of the normal force, sliding velocities without v, bristles; and the section.
+    /// Matrix of the readings of a state by contacts, and that times the terms: by rows changes of the normal force, N, sliding velocities without v, m/s,
+    /// bristles; and the section.
     reads: DMatrix<f64>,
     pub seen: DMatrix<f64>,
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
@@ -309,7 +310,7 @@ impl<'a> Path<'a> {
         self.seen.columns_mut(0, terms).gemm(1.0, &self.reads, &self.terms.columns(0, terms), 0.0);
     }
 
-    /// What contacts and section see at the moments of a part of the unit, by columns.
+    /// Readings of contacts and section at the moments of a part of the unit, by columns.
     fn seen_at(&self, [from, to]: [f64; 2]) -> DMatrix<f64> {
         let terms = self.degree + 1;
         let mut powers = DMatrix::zeros(terms, MOMENTS);

@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 
 use crate::factor::Factor;
-use crate::motion::amplitude;
 use crate::path::Path;
+use crate::size::amplitude;
 use crate::{ContactSystem, Error};
 
 /// Corrections after which a shooting has failed; chosen.

@@ -52,7 +52,7 @@ pub struct ContactSystem {
     /// `M^-1 c_i` and `M^-1 b_i`, n by contacts.
     normal: DMatrix<f64>,
     pub(crate) sliding: DMatrix<f64>,
-    /// What contacts read of a state: `k_i c_i^T u`, `-b_i^T u'` and the bristles, by rows.
+    /// Matrix of the readings of a state by contacts: `k_i c_i^T u`, `-b_i^T u'` and the bristles, by rows.
     pub(crate) reads: DMatrix<f64>,
     /// Forces in steady sliding, and the rows of the Jacobian there below those that say that velocities are rates of displacements.
     at_rest: (Vec<ContactForces>, DMatrix<f64>),

@@ -1,11 +1,11 @@
-//! What becomes of small deviations from a motion: the variational equation, over the pieces of the motion.
+//! Small deviations from a motion: the variational equation, over the pieces of the motion.
 
 use nalgebra::DMatrix;
 
 use crate::Error;
 use crate::moments::{FITTED, fit, moment};
-use crate::motion::{amplitude, largest};
 use crate::path::Path;
+use crate::size::{amplitude, largest};
 
 /// Terms of a series of deviations, at most; chosen.
 const MOST_TERMS: usize = 60;
@@ -22,7 +22,7 @@ const MOST_PARTS: usize = 1 << 16;
 /// Changes of the slopes of friction over a part of a piece, as powers of time from 0 on.
 struct Slopes {
     contact: usize,
-    /// Of the friction by gap, velocity and bristle, and of the rate of the bristle by velocity and itself.
+    /// Powers of the slopes of friction by gap, velocity and bristle, and of the rate of the bristle by velocity and itself.
     powers: [[f64; FITTED + 1]; 5],
 }
 

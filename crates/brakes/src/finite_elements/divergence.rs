@@ -73,7 +73,7 @@ fn highest(case: &FiniteElementCase) -> f64 {
 }
 
 impl FiniteElementBrake {
-    /// What diverges in a scene, at an operating point of the brake: eigenvalues of the whole brake from a thousandth of the lowest frequency of the band, as the
+    /// Divergence in a scene, at an operating point of the brake: eigenvalues of the whole brake from a thousandth of the lowest frequency of the band, as the
     /// eigenvalues of a body that is free to move are zero, to the highest, and whether there are any beyond that. Where the `reduced` brake there has one up
     /// to the highest frequency in size and the whole one has none, what the whole one has is not told.
     ///
