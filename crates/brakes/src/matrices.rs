@@ -172,6 +172,14 @@ impl Parametrised for MatricesBrake {
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
         self.system(scene, &self.with_values(values))
     }
+
+    fn contact_points(&self, _: &Scene) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn closed_points(&self, _: &Scene, _: &[(usize, f64)]) -> Result<Vec<bool>, study::Error> {
+        Ok(Vec::new())
+    }
 }
 
 impl CaseBrake for MatricesBrake {

@@ -6,13 +6,13 @@ use formats::FormatsError;
 
 use crate::CaseError;
 
-/// A case file of which files say what they can: `squeal check` takes it as it is, without contact and friction. A line that
-/// begins with `#` and a letter or bracket is a field that waits to be filled in, wherever `?` stands.
+/// A case file of which files say what they can: `squeal check` takes it as it is, without contact and friction. A line that begins with `#` and no
+/// blank is commented out; it waits to be filled in where a `?` stands before its own comment.
 #[derive(Debug, Clone)]
 pub struct Draft {
     /// Text of the case file.
     pub text: String,
-    /// Finds of the files, a name and words each.
+    /// What was found in the files, for the screen: a label and words on it.
     pub found: Vec<(&'static str, String)>,
 }
 
@@ -24,7 +24,7 @@ impl Draft {
     }
 }
 
-/// Number of lines of a case file with a field that is commented out and has a `?` to be filled in.
+/// Number of lines of a draft that wait to be filled in. No text of a draft in quotes has a `#`.
 pub(crate) fn waiting(text: &str) -> usize {
     let fields = text.lines().filter_map(|line| line.strip_prefix('#')).filter(|line| !line.starts_with(' '));
     fields.filter(|line| line.split('#').next().is_some_and(|field| field.contains('?'))).count()
@@ -56,7 +56,7 @@ pub(crate) fn quoted(text: &str) -> String {
     toml::Value::from(text).to_string()
 }
 
-/// The path of a file from the folder of a case, or from the root where it is not in it.
+/// The path of a file from the folder in which the case file `case` is, or from the root where it is not in that folder.
 pub(crate) fn named(file: &Path, case: &Path) -> String {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (file, folder) = (absolute(file), absolute(case));

@@ -360,6 +360,7 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
         is_lateral,
         stiffness_factor,
         friction_factor,
+        own_friction_factors,
         spread,
         has_spring_channels: _,
         load_factor,
@@ -418,6 +419,13 @@ fn of_contact(to: &mut Written, contact: &PatchContact) {
     if friction_factor.is_some() {
         to.text("friction factor");
         to.option(friction_factor.as_ref(), expression);
+    }
+    for (number, (_, factor)) in
+        own_friction_factors.iter().enumerate().filter_map(|(at, own)| Some((at, own.as_ref()?)))
+    {
+        to.text("friction factor of a contact");
+        to.count(number);
+        expression(to, factor);
     }
     of_spread(to, spread);
     if load_factor.is_some() || own_speed.is_some() {

@@ -12,7 +12,7 @@
 //! | `lattice::{parameters, readings, dof}` | parameters, readings of open points, names of degrees of freedom |
 //! | `lattice::assembly` | matrices of the lattice without friction |
 //! | `lattice::{arrangement, symmetry, sectors}` | which oscillators are in contact, which arrangements are alike |
-//! | `lattice::prepared` | [`PreparedLattice`]: one arrangement as a [`Brake`], and the operating point of a [`Sliding`] state |
+//! | `lattice::operating_point` | [`PreparedLattice`]: one arrangement as a [`Brake`], and the operating point of a [`Sliding`] state |
 //! | `lattice::preload` | normal loads, given or from static equilibrium |
 //!
 //! **The lattice.**

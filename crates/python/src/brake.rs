@@ -398,6 +398,14 @@ impl Parametrised for PythonBrake {
         let system = &self.plan().brake(scene).system;
         points.into_iter().map(|point| Ok(system.assemble(&point?)?)).collect()
     }
+
+    fn contact_points(&self, _: &Scene) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn closed_points(&self, _: &Scene, _: &[(usize, f64)]) -> Result<Vec<bool>, squeal::study::Error> {
+        Ok(Vec::new())
+    }
 }
 
 impl CaseBrake for PythonBrake {

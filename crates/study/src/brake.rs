@@ -13,8 +13,8 @@ use crate::{
 /// equations. Spectra, certificates, names of modes, net work, plain sampling, tables and figures follow from these alone. Each further
 /// ability of a brake is a capability, a trait of its own; a computation that needs one that is `None` says so by its name.
 ///
-/// A brake whose draws are independent numbers is an [`IndependentBrake`](crate::IndependentBrake), which has all of this but
-/// [`Modifiable`] and [`ModeSource`] from its distributions and one function.
+/// A brake whose draws are independent numbers is an [`IndependentBrake`](crate::IndependentBrake), which has
+/// [`DrawnInputs`] and [`Parametrised`] too, from its distributions and one function.
 pub trait UncertainBrake: Sync {
     /// Draw of all that is uncertain; every scene uses the same.
     type Sample: Send + Sync;
@@ -148,6 +148,10 @@ macro_rules! forwarded {
 
             fn error_of_reduction(&self, scene: &Scene) -> f64 {
                 (**self).error_of_reduction(scene)
+            }
+
+            fn source_with_losses(&self, scene: &Scene) -> Option<&dyn ModeSource> {
+                (**self).source_with_losses(scene)
             }
 
             fn sliding_contacts(&self) -> Option<&dyn SlidingContacts> {

@@ -234,4 +234,12 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> Parametrised
         }
         self.system(scene, &sample)
     }
+
+    fn contact_points(&self, _: &Scene) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn closed_points(&self, _: &Scene, _: &[(usize, f64)]) -> Result<Vec<bool>, Error> {
+        Ok(Vec::new())
+    }
 }

@@ -85,10 +85,8 @@ pub trait Modifiable: Sync {
     /// Medians that have no operating point.
     fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error>;
 
-    /// Names of the terms of the brake that are parts of it, whose stiffness, damping and mass can be scaled. None, as provided, and of a reduced brake: its basis need not hold the modes with them.
-    fn scalable_terms(&self, _constraints: usize) -> Vec<String> {
-        Vec::new()
-    }
+    /// Names of the terms of the brake that are parts of it, whose stiffness, damping and mass can be scaled; none of a reduced brake, whose basis need not hold the modes with them.
+    fn scalable_terms(&self, constraints: usize) -> Vec<String>;
 
     /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; with each arrangement the plan has
     /// all others that the symmetries make of it. Without any the list is empty.

@@ -33,17 +33,13 @@ pub trait Parametrised: Sync {
         values.iter().map(|values| self.system_with(scene, values)).collect()
     }
 
-    /// Contact points that open and close as parameters change, by their names. None, as provided, where systems are smooth in all parameters.
-    fn contact_points(&self, _scene: &Scene) -> Vec<String> {
-        Vec::new()
-    }
+    /// Contact points that open and close as parameters change, by their names; empty where systems are smooth in all parameters.
+    fn contact_points(&self, scene: &Scene) -> Vec<String>;
 
     /// Flags of [`Parametrised::contact_points`], true of those that are closed, at values as of [`Parametrised::system_with`]. Where all flags
     /// are the same systems are smooth functions of the parameters; where one changes, at an *opening*, they kink or jump.
     ///
     /// # Errors
     /// As [`Parametrised::system_with`].
-    fn closed_points(&self, _scene: &Scene, _values: &[(usize, f64)]) -> Result<Vec<bool>, Error> {
-        Ok(Vec::new())
-    }
+    fn closed_points(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<Vec<bool>, Error>;
 }

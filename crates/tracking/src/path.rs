@@ -38,12 +38,15 @@ pub enum PathStart<'a> {
 /// An eigenvalue, rad/s, with its shape up to a factor.
 pub type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
 
-/// A path that its owner evaluates, because it knows a cheaper way than by the matrices: between two frictions of one structure, say.
+/// A path that its owner evaluates, because it knows a cheaper way than by the matrices: from all contacts closed to some of them open, say. It is
+/// the straight line between the systems at its ends, as every [`Path`].
 pub trait OwnedPath: Debug + Sync {
-    /// The eigenvalue at `t` that a guess, rad/s, leads to, its derivative over t, and its shape up to a factor; `None` where the guess leads to no eigenvalue.
+    /// The eigenvalue at `t` that a guess, rad/s, leads to, converged to a relative error of 1e-4 or less, as no further correction follows; its derivative over t; and its
+    /// shape up to a factor. `None` where the guess leads to no eigenvalue.
     fn correct(&self, t: f64, lambda: Complex<f64>) -> Option<(NewtonStep, DVector<Complex<f64>>)>;
 
-    /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros.
+    /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros, det Q for one; the same function at all points, up to one
+    /// factor for them all. Points go beyond t = 1 by 1e-7, for differences.
     fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>>;
 
     /// Eigenvalues at `t`, the `count` nearest to each number in `to`, rad/s, every one of them once, with shapes up to a
@@ -69,7 +72,7 @@ pub struct PathEnd<'a> {
 }
 
 /// Indices of the modes at the end of a path that each mode at its beginning may have become: one index where the
-/// mode is identified, none where it ceased to oscillate.
+/// mode is identified, several where it is in doubt, none where it ceased to oscillate.
 pub type Links = Vec<Vec<usize>>;
 
 /// A point of a path, and an eigenvalue there or a guess of one.

@@ -1,9 +1,10 @@
 //! Divergence of a finite element brake: what grows faster than it oscillates, whatever the band of the case. It is found in the whole brake.
 //!
 //! Far beyond the band, single pairs of nodes, which have little mass, grow where the curve of friction falls more steeply than their damping holds, or where they
-//! feed each other. A basis of modes of the band does not have that. Everything that does not grow so fast is far away, though: the middle of a rectangle to
-//! the right of the imaginary axis is as far from it as from that axis. So one factorisation and a small Krylov space about the middle show that the rectangle
-//! is empty, and rectangles three times as large each reach any size in a few steps. Loss factors have no part in it: what does not oscillate has no complex stiffness.
+//! feed each other. A basis of modes of the band does not have that. Eigenvalues that do not grow lie on the imaginary axis or left of it, and most that grow are next to
+//! it, so that few are nearer to the middle of a rectangle to the right of the axis than the axis is. So one factorisation and a small Krylov space about the middle
+//! show that the rectangle is empty, and rectangles three times as large each reach any growth in a few steps. Loss factors have no part in it: a complex
+//! stiffness is that of a steady vibration, which a motion that grows faster than it oscillates is not.
 
 use std::f64::consts::TAU;
 use std::iter::repeat_n;
@@ -22,11 +23,11 @@ use crate::case::FiniteElementCase;
 /// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
 /// motions.
 const SLOWEST: f64 = 1e-3;
-/// Size of a rectangle beyond the band, as a multiple of the size of the rectangle before. About 3.4 is the most at which its corners are nearer to its middle than the
-/// imaginary axis is.
+/// Size of a rectangle beyond the band, as a multiple of the size of the rectangle before. With 3.44 at most, one disc that reaches 0.95 of the distance from its middle to
+/// the imaginary axis covers it: what a search trusts of a Krylov space there.
 const LARGER: f64 = 3.0;
-/// Number of rectangles beyond the band: what grows with up to 2,187 times 2 pi times its highest frequency is found. Chosen: growth of cases/disc-pad reaches 170
-/// times that.
+/// Number of rectangles beyond the band: growth of up to 2,187 times 2 pi times its highest frequency is found. Chosen: growth of cases/disc-pad reaches 170 times 2 pi
+/// times it.
 const BEYOND: i32 = 7;
 
 /// Smallest growth that is looked for as divergence of a case, 1/s.
@@ -35,7 +36,8 @@ fn slowest_divergence(case: &FiniteElementCase) -> f64 {
 }
 
 /// Eigenvalues of a whole brake in a rectangle that surely are beyond a threshold and grow faster than they oscillate, 1/s, Im >= 0, by ascending growth.
-/// `None` where the search does not come to an end, or rounding leaves open whether all that is found grows.
+/// `None` where the search does not come to an end, or nothing surely grows and rounding leaves open whether something does; beside one that surely grows those
+/// are left out.
 fn fast_in(system: &SparseSecondOrder, right: &Rectangle, threshold: &Threshold) -> Option<Vec<Complex<f64>>> {
     let found = eigenpairs_in(system, right, &sparse::Options::default(), &mut |_| {}).ok()?;
     let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);
@@ -52,12 +54,12 @@ fn fast_in(system: &SparseSecondOrder, right: &Rectangle, threshold: &Threshold)
     (!growing.is_empty() || !fast.iter().any(is_open)).then_some(growing)
 }
 
-/// True if something beyond a size, rad/s, surely is beyond a threshold and grows faster than it oscillates in a whole brake. `None` where it is not found, and
+/// True if something in a whole brake grows faster than it oscillates and than `growth`, 1/s, and surely is beyond a threshold. `None` where it is not found, and
 /// a search does not tell.
-fn diverges_beyond(system: &SparseSecondOrder, size: f64, threshold: &Threshold) -> Option<bool> {
+fn diverges_beyond(system: &SparseSecondOrder, growth: f64, threshold: &Threshold) -> Option<bool> {
     let mut is_open = false;
     for step in 0..BEYOND {
-        let [from, to] = [step, step + 1].map(|step| size * LARGER.powi(step));
+        let [from, to] = [step, step + 1].map(|step| growth * LARGER.powi(step));
         match fast_in(system, &Rectangle { re: [from, to], im: [0.0, to] }, threshold) {
             Some(growing) if !growing.is_empty() => return Some(true),
             Some(_) => {}
@@ -73,29 +75,30 @@ fn highest(case: &FiniteElementCase) -> f64 {
 }
 
 impl FiniteElementBrake {
-    /// Divergence in a scene, at an operating point of the brake: eigenvalues of the whole brake from a thousandth of the lowest frequency of the band, as the
-    /// eigenvalues of a body that is free to move are zero, to the highest, and whether there are any beyond that. Where the `reduced` brake there has one up
-    /// to the highest frequency in size and the whole one has none, what the whole one has is not told.
+    /// Divergence in a scene, at an operating point of the brake: eigenvalues of the whole brake whose growth is above the threshold and above 2 pi times a thousandth
+    /// of the lowest frequency of the band (below it are the zeros of a body that is free to move), by at most 2 pi times the highest; and whether there are any that grow
+    /// faster. They are not told where a search does not tell, and where the whole brake has none and the `reduced` one there has.
     ///
     /// # Errors
     /// A point that the brake refuses.
     pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Diverging, Error> {
         let system = self.sets[self.part(scene).set].system.assemble(at)?.without_structural_damping();
-        let (end, threshold) = (highest(&self.case), &self.plan.threshold);
+        let threshold = &self.plan.threshold;
         let from = threshold.growth_above().max(slowest_divergence(&self.case));
-        let whole = fast_in(&system, &Rectangle { re: [from, from + end], im: [0.0, from + end] }, threshold);
-        let beyond = diverges_beyond(&system, from + end, threshold);
+        let end = from + highest(&self.case);
+        let whole = fast_in(&system, &Rectangle { re: [from, end], im: [0.0, end] }, threshold);
+        let beyond = diverges_beyond(&system, end, threshold);
         let error = self.relative_error(scene);
-        let is_below = |lambda: &Complex<f64>| {
+        let is_listed = |lambda: &Complex<f64>| {
             lambda.im >= 0.0
                 && grows_too_fast(*lambda)
-                && lambda.norm() > slowest_divergence(&self.case)
+                && (from..=end).contains(&lambda.re)
                 && threshold.margin(*lambda) > error * lambda.norm()
-                && lambda.norm() <= end
         };
-        let has_below = reduced.eigenvalues.iter().any(is_below);
+        let reduced_has_any = reduced.eigenvalues.iter().any(is_listed);
+        // One that grows faster in the whole brake may be the one that the reduced brake has.
         let is_told = |whole: &Vec<Complex<f64>>| {
-            !whole.is_empty() || beyond == Some(true) || !has_below && beyond == Some(false)
+            !whole.is_empty() || beyond == Some(true) || !reduced_has_any && beyond == Some(false)
         };
         Ok(Diverging { whole: whole.filter(is_told), beyond: beyond == Some(true) })
     }

@@ -99,10 +99,10 @@ pub struct FiniteElementSample {
 /// Divergence of a finite element brake at an operating point: what grows faster than it oscillates, beyond the threshold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diverging {
-    /// Eigenvalues of the whole brake that do, Im >= 0, 1/s, up to 2 pi times the highest frequency of the band in size, by ascending growth. `None`
-    /// where a search does not tell, or the reduced brake alone has any there.
+    /// Eigenvalues of the whole brake that do, Im >= 0, 1/s, with a growth of up to 2 pi times the highest frequency of the band, by ascending growth. `None`
+    /// where a search does not tell, or the reduced brake alone has any of these.
     pub whole: Option<Vec<Complex<f64>>>,
-    /// True if the whole brake has any beyond that size; how many is not counted.
+    /// True if the whole brake has any that grow faster; how many is not counted.
     pub beyond: bool,
 }
 
@@ -377,6 +377,10 @@ impl Modifiable for FiniteElementBrake {
 
     fn symmetry_of_member(&self, _: &Scene, _: usize) -> usize {
         0
+    }
+
+    fn scalable_terms(&self, _: usize) -> Vec<String> {
+        Vec::new()
     }
 }
 

@@ -195,8 +195,14 @@ impl Sliding<'_> {
 
     /// The factor of the friction of each pair of a patch.
     fn friction_factors(&self, patch: usize) -> Result<Vec<f64>, CaseError> {
-        let own = self.contact.friction_factor.as_ref();
-        positive_at_pairs(self.case, (self.contact, patch), own, FRICTION_FACTOR, self.sample)
+        let of = |factor: Option<&Expression>, field: &str| {
+            positive_at_pairs(self.case, (self.contact, patch), factor, field, self.sample)
+        };
+        let of_all = of(self.contact.friction_factor.as_ref(), FRICTION_FACTOR)?;
+        let Some((field, own)) = &self.contact.own_friction_factors[self.contact.patches[patch].contact] else {
+            return Ok(of_all);
+        };
+        Ok(of_all.into_iter().zip(of(Some(own), field)?).map(|(of_all, own)| of_all * own).collect())
     }
 
     /// The equilibrium of the closed patches, whose loads are multiplied.

@@ -126,6 +126,26 @@ fn a_patch_has_its_own_stiffness_and_friction() {
     assert!(off < 1e-12, "{off:e}");
 }
 
+/// A friction that a contact has of its own is that of its patch: the same brake as with a factor over patches, of which one is changed.
+#[test]
+fn a_contact_has_its_own_friction() {
+    for given in [true, false] {
+        let over = parse("two-pads", &two_pads("over = \"patches\"\n", given)).unwrap();
+        let own = two_pads("", given).replace("friction_factor = \"f\"\n", "");
+        let own = own.replace("name = \"outer\"\nslave", "name = \"outer\"\nfriction_factor = \"f\"\nslave");
+        let own = own.replace("name = \"inner\"\nslave", "name = \"inner\"\nfriction_factor = 1.1\nslave");
+        let own = parse("two-pads", &own).unwrap();
+        let of_one = system(&over, &with(&over, median(&over), "f@1", 0.8));
+        let of_own = system(&own, &with(&own, median(&own), "f", 0.8));
+        let [off, moved] = [&of_own, &system(&own, &median(&own))].map(|other| difference(other, &of_one));
+        println!("{off:.1e} where medians are {moved:.1e} away");
+        assert!(off < 1e-12 && moved > 1e-3, "{off:e} {moved:e}");
+    }
+    let negative = two_pads("", true).replace("name = \"inner\"\n", "name = \"inner\"\nfriction_factor = \"f - 2\"\n");
+    let error = parse("two-pads", &negative).unwrap_err();
+    assert!(error.contains("contact \"inner\".friction_factor") && error.ends_with("allowed: > 0"), "{error}");
+}
+
 /// Draws of patches are independent, each with the distribution that is given, and correlated where the case says so; what else is drawn by its name before
 /// them stays.
 #[test]

@@ -234,6 +234,14 @@ impl Parametrised for LatticeBrake {
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
         Ok(parameters::system(self, scene, values)?)
     }
+
+    fn contact_points(&self, _: &Scene) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn closed_points(&self, _: &Scene, _: &[(usize, f64)]) -> Result<Vec<bool>, study::Error> {
+        Ok(Vec::new())
+    }
 }
 
 /// The sliding state of a sample: the tangent of a law at a speed, and the normal load, in each contact of a lattice.

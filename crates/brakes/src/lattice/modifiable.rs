@@ -42,4 +42,8 @@ impl Modifiable for LatticeBrake {
         let reversal = self.members[scene.configuration][member];
         self.symmetries[scene.key.constraints].iter().position(|&other| other == reversal).unwrap_or(0)
     }
+
+    fn scalable_terms(&self, _: usize) -> Vec<String> {
+        Vec::new()
+    }
 }

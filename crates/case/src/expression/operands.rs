@@ -50,6 +50,9 @@ impl Pass<'_> {
             allowed: "numbers as 2, 0.5 or 1e-3, with * before a name".into(),
         };
         match text.parse::<f64>() {
+            Ok(0.0) if complete && !joined && is_not_zero(&text) => {
+                Err(fault(format!("{} is too small", shown(&text))))
+            }
             Ok(value) if complete && !joined && value.is_finite() => Ok(value),
             Ok(_) if complete && !joined => Err(fault(format!("{} is too large", shown(&text)))),
             _ => {
@@ -134,4 +137,9 @@ impl Pass<'_> {
 fn known_functions() -> String {
     let names: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
     format!("the functions {}; pi", names.join(" "))
+}
+
+/// True if a number as text, exponent or not, has a digit other than 0 before its exponent.
+fn is_not_zero(text: &str) -> bool {
+    text.split(['e', 'E']).next().is_some_and(|digits| digits.contains(|c: char| c.is_ascii_digit() && c != '0'))
 }

@@ -96,6 +96,7 @@ fn of_nodes(
         is_lateral,
         stiffness_factor,
         friction_factor,
+        own_friction_factors: vec![None],
         has_spring_channels,
         load_factor: None,
         load_exponent: 0.0,
@@ -136,6 +137,13 @@ fn of_faces(
         Ok((structure.value(key, &factor)?, factor))
     };
     let at_medians = forces.iter().map(factor_of_force).collect::<Result<Vec<_>, CaseError>>()?;
+    let mut own_factor = |table: &FacesTable| {
+        let given = table.friction_factor.clone()?;
+        let key = field("contact", &table.name, "friction_factor");
+        Some(formulas.local_expression(&key, Some(given), 1.0).map(|factor| (key, factor)))
+    };
+    let own_friction_factors =
+        tables.iter().map(|table| own_factor(table).transpose()).collect::<Result<Vec<_>, CaseError>>()?;
     let median = |field: &str, factor: Option<&Expression>| match factor {
         None => Ok(1.0),
         Some(factor) => match structure.value(field.to_owned(), factor)? {
@@ -144,11 +152,16 @@ fn of_faces(
         },
     };
     let load = median(LOAD_FACTOR, load_factor.as_ref())?;
+    let mu = mu * median(FRICTION_FACTOR, friction_factor.as_ref())?;
+    let own_mu = |own: &Option<(String, Expression)>| match own {
+        None => Ok(mu),
+        Some((field, factor)) => Ok(mu * median(field, Some(factor))?),
+    };
     let pressing = Pressing {
         forces,
         at_medians: at_medians.iter().map(|(value, _)| load * value).collect(),
         factors: at_medians.into_iter().map(|(_, factor)| factor).collect(),
-        mu: mu * median(FRICTION_FACTOR, friction_factor.as_ref())?,
+        mu: own_friction_factors.iter().map(own_mu).collect::<Result<_, CaseError>>()?,
         stiffness: median(STIFFNESS_FACTOR, stiffness_factor.as_ref())?,
     };
     let solids = Solids::new(model, "[[contact]]")?;
@@ -167,6 +180,7 @@ fn of_faces(
         has_spring_channels: has_spring_channels || balance.is_some(),
         stiffness_factor,
         friction_factor,
+        own_friction_factors,
         load_exponent: match balance {
             None => load_exponent(check, tables, load_factor.is_some())?,
             Some(_) => 0.0,
@@ -209,6 +223,7 @@ struct Shared {
     has_spring_channels: bool,
     stiffness_factor: Option<Expression>,
     friction_factor: Option<Expression>,
+    own_friction_factors: Vec<Option<(String, Expression)>>,
     load_factor: Option<Expression>,
     load_exponent: f64,
     has_power_law: bool,
@@ -268,6 +283,7 @@ fn patch_contact(
         has_spring_channels: shared.has_spring_channels,
         stiffness_factor: shared.stiffness_factor,
         friction_factor: shared.friction_factor,
+        own_friction_factors: shared.own_friction_factors,
         spread: SpreadParameters::default(),
         load_factor: shared.load_factor,
         load_exponent: shared.load_exponent,

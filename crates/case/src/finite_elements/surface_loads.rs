@@ -24,8 +24,9 @@ pub(super) struct Pressing<'a> {
     /// Factor of each of the forces, and their values at the medians.
     pub factors: Vec<Expression>,
     pub at_medians: Vec<f64>,
-    /// Coefficient of friction, and the factor of the stiffness, at the medians.
-    pub mu: f64,
+    /// Coefficient of friction of each contact at the medians.
+    pub mu: Vec<f64>,
+    /// Factor of the stiffness at the medians.
     pub stiffness: f64,
 }
 
@@ -121,11 +122,13 @@ pub(super) fn balanced(
         balance.slips.extend(points.iter().map(|point| point.slip_row(&solids.rows)));
     }
     let points = balance.points();
+    let of_points = contacts.iter().zip(&pressing.mu);
+    let mu: Vec<f64> = of_points.flat_map(|(contact, &mu)| vec![mu; contact.interface.points().len()]).collect();
     let (coefficients, k) = (structure.coefficients_at_medians()?, structure.at_medians(0.0)?);
     let at_medians = Acting {
         coefficients: &coefficients,
         loads: &pressing.at_medians,
-        mu: &vec![pressing.mu; points],
+        mu: &mu,
         stiffness: &vec![pressing.stiffness; points],
     };
     let found = balance.state(&at_medians, &|| k.clone()).map_err(&of_contact)?;
@@ -138,15 +141,18 @@ pub(super) fn balanced(
     let mut rest = found.forces.as_slice();
     let mut of_contacts = Vec::new();
     let mut words = Vec::new();
-    for contact in contacts {
+    let first = pressing.mu[0];
+    let is_one = pressing.mu.iter().all(|mu| *mu == first);
+    for (contact, mu) in contacts.iter().zip(&pressing.mu) {
         let (own, others) = rest.split_at(contact.interface.points().len());
         rest = others;
-        words.push(format!("{} {:.6e} N", contact.table.name, own.iter().sum::<f64>()));
+        let with = if is_one { String::new() } else { format!(" with mu = {mu}") };
+        words.push(format!("{} {:.6e} N{with}", contact.table.name, own.iter().sum::<f64>()));
         of_contacts.push(own.to_vec());
     }
+    let of_all = if is_one { format!("friction.mu = {first}") } else { "friction".to_owned() };
     let note = format!(
-        "contacts in equilibrium, at the medians with friction.mu = {} (Amontons-Coulomb): {closed} of {points} points are closed, {}; {}",
-        pressing.mu,
+        "contacts in equilibrium, at the medians with {of_all} (Amontons-Coulomb): {closed} of {points} points are closed, {}; {}",
         words.join(", "),
         found.uniqueness
     );

@@ -25,6 +25,7 @@ pub(super) struct FacesTable {
     pub patches: Vec<String>,
     #[serde(default)]
     pub integration: IntegrationEntry,
+    pub friction_factor: Option<Formula>,
 }
 
 impl FacesTable {

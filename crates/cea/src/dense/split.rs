@@ -16,8 +16,11 @@ use nalgebra::DMatrix;
 
 /// Most steps of the fixed-point iteration: at a contraction of one half, the slowest accepted, 53 steps reach rounding.
 const MOST_FIXED_POINT_STEPS: usize = 60;
+/// Size of a step, in rounding errors of L, at which the iteration ends: smaller steps are rounding and no longer become shorter.
+const ROUNDING: f64 = 4.0;
 
-/// `A11 + A12 L` and `A22 - L A12` for the last `fast` states; `None` where they are too slow for the iteration to converge.
+/// `A11 + A12 L` and `A22 - L A12` for the last `fast` states, all internal states of a system: their rows and columns are diagonal among themselves, and
+/// what is beside that diagonal is not looked at. `None` where the slowest of them is too slow for the iteration to converge.
 pub(crate) fn split(state: &DMatrix<f64>, fast: usize) -> Option<[DMatrix<f64>; 2]> {
     let slow = state.nrows() - fast;
     let (a11, a12) = (state.view((0, 0), (slow, slow)), state.view((0, slow), (slow, fast)));
@@ -30,7 +33,7 @@ pub(crate) fn split(state: &DMatrix<f64>, fast: usize) -> Option<[DMatrix<f64>; 
         next.row_iter_mut().zip(rates.iter()).for_each(|(mut row, rate)| row /= *rate);
         let step = (&next - &l).norm();
         l = next;
-        if step <= 4.0 * f64::EPSILON * l.norm() {
+        if step <= ROUNDING * f64::EPSILON * l.norm() {
             return Some([a11 + a12 * &l, a22 - &l * a12]);
         }
         if step.is_nan() || step > 0.5 * last {

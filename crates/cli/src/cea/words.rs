@@ -43,14 +43,17 @@ pub(super) fn divergence_in_words(found: &Diverging, highest: f64) -> String {
     let mut lines = found.whole.as_ref().map_or_else(
         || {
             vec![format!(
-                "whether anything of the whole brake diverges below 2 pi {} Hz could not be told",
+                "whether anything of the whole brake diverges by less than 2 pi {} Hz could not be told",
                 hertz(highest)
             )]
         },
         |whole| diverging_in_words(whole),
     );
     if found.beyond {
-        lines.push(format!("UNSTABLE: something beyond 2 pi {} Hz diverges, how fast is not known", hertz(highest)));
+        lines.push(format!(
+            "UNSTABLE: something diverges by more than 2 pi {} Hz, how fast is not known",
+            hertz(highest)
+        ));
     }
     in_paragraph(lines)
 }
@@ -86,12 +89,12 @@ mod tests {
         let said = |whole: Option<Vec<Complex<f64>>>, beyond| divergence_in_words(&Diverging { whole, beyond }, 5540.0);
         assert_eq!(said(Some(Vec::new()), false), "");
         // No growth is said of what the reduced brake alone tells.
-        let beyond = "UNSTABLE: something beyond 2 pi 5540.000 Hz diverges, how fast is not known\n\n";
+        let beyond = "UNSTABLE: something diverges by more than 2 pi 5540.000 Hz, how fast is not known\n\n";
         assert_eq!(said(Some(Vec::new()), true), beyond);
         assert_eq!(said(Some(vec![real]), true), words(&[real]) + "\n" + beyond);
         assert!(
             said(None, false)
-                .starts_with("whether anything of the whole brake diverges below 2 pi 5540.000 Hz could not")
+                .starts_with("whether anything of the whole brake diverges by less than 2 pi 5540.000 Hz could not")
         );
     }
 }

@@ -3,8 +3,8 @@
 use linsys::{ChannelGain, OperatingPoint};
 use nalgebra::DVector;
 
+use super::operating_point::ContactSpring;
 use super::parameters::check_value;
-use super::prepared::ContactSpring;
 use super::{ContactPoint, Lateral, Preload, PreparedLattice};
 use crate::OscModelError;
 use crate::error::Allowed;

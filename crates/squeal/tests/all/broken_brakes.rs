@@ -185,6 +185,14 @@ impl Parametrised for Slider {
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::study::Error> {
         self.system(scene, &(self.faults.with)(&self.median(), values))
     }
+
+    fn contact_points(&self, _: &Scene) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn closed_points(&self, _: &Scene, _: &[(usize, f64)]) -> Result<Vec<bool>, study::Error> {
+        Ok(Vec::new())
+    }
 }
 
 /// The fault that a study of a brake is refused for; `None` where it is made.
