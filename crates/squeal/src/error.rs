@@ -15,6 +15,14 @@ pub enum Error {
     /// An error of an estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<study::estimators::EstimatorError>),
+    /// A draw that cannot be solved, where occurrences are estimated to a half width.
+    #[error(
+        "no occurrence to a half width, as a draw cannot be solved: {source}; or plain sampling, which counts draws that fail"
+    )]
+    Unsolved {
+        /// What is wrong with the draw.
+        source: Box<study::Error>,
+    },
     /// A scene in which nothing is drawn.
     #[error(
         "{study}: {scene}: nothing is drawn in this scene; allowed: a brake that names what it draws, with one distribution that is not constant"

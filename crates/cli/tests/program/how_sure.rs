@@ -185,3 +185,25 @@ mu = "mu"
         assert_eq!(said.contains("every occurrence is NOT within 0.1"), !is_reached, "{to} {said}");
     }
 }
+
+/// A table that draws leave, at one end: a screen passes over such draws in its prediction and counts them in what it confirms; an integral to a half width has to
+/// have all, and says what counts them.
+#[test]
+fn draws_that_fail_are_counted_by_a_screen_and_refused_by_an_integral() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(hoffmann()).unwrap();
+    let text = text.replace("name = \"dashpots\"\n", "name = \"dashpots\"\ncoefficient = \"f(mu)\"\n")
+        + "\n[tables.f]\nat = [0.0, 1.0]\nvalue = [1.0, 1.0]\n";
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, text).unwrap();
+    let options = |command: &str, out: &str| {
+        let mut program = squeal();
+        program.arg(command).arg(&case).arg("--out").arg(folder.path().join(out)).args(["--samples", "200"]);
+        program
+    };
+    let screened = options("screen", "screened").output().unwrap();
+    let said = String::from_utf8(screened.stdout).unwrap();
+    assert!(screened.status.success() && said.contains("FAILED"), "{said}");
+    let integral = options("run", "integral").args(["--half-width", "0.05"]).output().unwrap();
+    refusal(&integral, &["f(1.0", "no occurrence to a half width", "plain sampling"]);
+}

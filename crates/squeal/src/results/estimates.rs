@@ -218,7 +218,8 @@ fn shares<B: UncertainBrake>(
 /// The error of a study that an estimator met, or the estimator's own.
 fn inner(error: EstimatorError) -> Error {
     match error {
-        EstimatorError::Study(error) => error.into(),
+        EstimatorError::Study(error) if error.is_cancelled() => error.into(),
+        EstimatorError::Study(source) => Error::Unsolved { source: Box::new(source) },
         other => Error::Estimator(Box::new(other)),
     }
 }

@@ -19,6 +19,8 @@ use crate::cycles::{Following, UntilStopped, drawn_contacts_of, growth_outside, 
 
 /// Number of arrangements of a panel that are analysed; chosen: the prediction only ranks.
 const ARRANGEMENTS_PER_PANEL: usize = 2;
+/// Number of times that as many draws as are wanted are drawn, before there are as many with operating points; chosen: with half of them, two do.
+const MOST_ROUNDS: u64 = 8;
 
 /// Prediction for a brake with some changes: means over the analyses of a few draws.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -43,6 +45,40 @@ struct Answer {
     squealing: f64,
     fastest: Vec<f64>,
     loudest: Vec<f64>,
+}
+
+/// Draws, and their operating points scene by scene.
+type Solvable<S> = (Vec<S>, Vec<Vec<OperatingPoint>>);
+
+/// Draws that have an operating point in each of these scenes. Draws that have none are passed over: the prediction ranks changes,
+/// and what fails is counted where changes are confirmed.
+fn solvable<B: UncertainBrake>(brake: &B, scenes: &[&Scene], draws: u64) -> Result<Solvable<B::Sample>, study::Error> {
+    let (mut samples, mut points, mut failed) = (Vec::new(), vec![Vec::new(); scenes.len()], None);
+    for round in 0..MOST_ROUNDS {
+        // Streams from the other end than the streams of the samples of a study.
+        let indices = (round * draws..(round + 1) * draws).map(|draw| u64::MAX - draw);
+        let drawn = indices.map(|index| brake.draw(&mut stream(brake.plan().seed, index)));
+        let drawn: Vec<B::Sample> =
+            drawn.filter_map(|sample| sample.map_err(|error| failed = Some(error)).ok()).collect();
+        let refs: Vec<&B::Sample> = drawn.iter().collect();
+        let mut found: Vec<_> = scenes.iter().map(|scene| brake.operating_points(scene, &refs).into_iter()).collect();
+        for sample in drawn {
+            // One of each scene, so that all go on.
+            let own: Vec<_> = found.iter_mut().filter_map(Iterator::next).collect();
+            match own.into_iter().collect::<Result<Vec<_>, _>>() {
+                Ok(own) if (samples.len() as u64) < draws => {
+                    samples.push(sample);
+                    points.iter_mut().zip(own).for_each(|(of_scene, point)| of_scene.push(point));
+                }
+                Ok(_) => {}
+                Err(error) => failed = failed.or(Some(error)),
+            }
+        }
+        if samples.len() as u64 == draws {
+            return Ok((samples, points));
+        }
+    }
+    failed.map_or(Ok((samples, points)), Err)
 }
 
 /// Analyses of a brake, a few, on which sets of changes are compared.
@@ -74,7 +110,7 @@ impl<'a> Probes<'a> {
     /// Probes: two arrangements of each panel of a set of constraints, with the same draws, which are not draws of the study.
     ///
     /// # Errors
-    /// A draw without an operating point; where motions are to be followed, a brake that does not give its contacts.
+    /// No draws with an operating point in all scenes; where motions are to be followed, a brake that does not give its contacts.
     pub fn new<B: UncertainBrake>(
         brake: &'a B,
         constraints: usize,
@@ -82,9 +118,6 @@ impl<'a> Probes<'a> {
         following: Option<UntilStopped>,
     ) -> Result<Self, Error> {
         let plan = brake.plan();
-        // Streams from the other end than the streams of the samples of a study.
-        let samples = (0..draws).map(|draw| brake.draw(&mut stream(plan.seed, u64::MAX - draw)));
-        let samples = samples.collect::<Result<Vec<_>, study::Error>>()?;
         let by_plan = ModifiablePlan(plan);
         let modifiable = modifiable_of(brake, &by_plan)?;
         let symmetries = modifiable.symmetries(constraints);
@@ -96,30 +129,35 @@ impl<'a> Probes<'a> {
                 None => panels.push((scene.key, members.collect())),
             }
         }
-        let mut probes = Vec::new();
+        let mut taken: Vec<(&Scene, usize, f64)> = Vec::new();
         for (key, members) in &mut panels {
             members.sort_by_key(|(scene, at)| scene.members[*at]);
-            let taken = members.len().min(ARRANGEMENTS_PER_PANEL);
-            for nth in 0..taken {
-                let (scene, at) = members[nth * members.len() / taken];
-                let motions = match &following {
-                    Some((Following { stick, .. }, _)) => {
-                        let contacts = drawn_contacts_of(brake)?;
-                        samples.iter().map(|sample| contacts.contact_system_of(scene, sample, *stick).ok()).collect()
-                    }
-                    None => Vec::new(),
-                };
-                let points = brake.operating_points(scene, &samples.iter().collect::<Vec<_>>());
-                probes.push(Probe {
-                    configuration: plan.configuration(scene),
-                    contacts: modifiable.contacts(scene),
-                    symmetry: symmetries.get(modifiable.symmetry_of_member(scene, at)).map(inverse),
-                    points: points.into_iter().collect::<Result<_, study::Error>>()?,
-                    motions,
-                    error: brake.error_of_reduction(scene),
-                    weight: (plan.speeds_of(*key) * members.len()) as f64 / taken as f64,
-                });
-            }
+            let count = members.len().min(ARRANGEMENTS_PER_PANEL);
+            let weight = (plan.speeds_of(*key) * members.len()) as f64 / count as f64;
+            taken.extend(
+                (0..count).map(|nth| members[nth * members.len() / count]).map(|(scene, at)| (scene, at, weight)),
+            );
+        }
+        let scenes: Vec<&Scene> = taken.iter().map(|(scene, ..)| *scene).collect();
+        let (samples, points) = solvable(brake, &scenes, draws)?;
+        let mut probes = Vec::new();
+        for ((scene, at, weight), points) in taken.into_iter().zip(points) {
+            let motions = match &following {
+                Some((Following { stick, .. }, _)) => {
+                    let contacts = drawn_contacts_of(brake)?;
+                    samples.iter().map(|sample| contacts.contact_system_of(scene, sample, *stick).ok()).collect()
+                }
+                None => Vec::new(),
+            };
+            probes.push(Probe {
+                configuration: plan.configuration(scene),
+                contacts: modifiable.contacts(scene),
+                symmetry: symmetries.get(modifiable.symmetry_of_member(scene, at)).map(inverse),
+                points,
+                motions,
+                error: brake.error_of_reduction(scene),
+                weight,
+            });
         }
         let all: f64 = probes.iter().map(|probe| probe.weight).sum();
         probes.iter_mut().for_each(|probe| probe.weight /= all);
