@@ -280,18 +280,20 @@ impl FiniteElementBrake {
 
 /// The error of a band without a mode names the band.
 fn named_band(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
-    |error| match error {
+    |error| {
+        match error {
         Error::Reduction(ReductionError::NoModes) => CaseError::Value {
             path: case.header.path.clone(),
             field: "reduction.frequencies".into(),
             value: format!("{:?}", case.reduction.frequencies),
             allowed: format!(
-                "a band with a mode of the brake, which has none there with a growth above {} 1/s",
+                "a band with a mode of the brake, which has none there with a growth above {} 1/s; mass and stiffness may be swapped, or their units not be those of the band",
                 case.reduction.growth[0]
             ),
         }
         .into(),
         error => error,
+    }
     }
 }
 

@@ -146,6 +146,21 @@ fn a_contact_has_its_own_friction() {
     assert!(error.contains("contact \"inner\".friction_factor") && error.ends_with("allowed: > 0"), "{error}");
 }
 
+/// A stiffness in other units than those of the matrices is asked for, one in theirs is not.
+#[test]
+fn a_stiffness_in_other_units_is_asked_for() {
+    for factor in [1.0, 1e-9, 1e9] {
+        let pads =
+            two_pads("", true).replace("{ per_area = 150.0 }", &format!("{{ per_area = {:e} }}", 150.0 * factor));
+        let pad = shipped("disc-pad").replace("stiffness = 4.05e8", &format!("stiffness = {:e}", 4.05e8 * factor));
+        for (folder, text) in [("two-pads", pads), ("disc-pad", pad)] {
+            let case = parse(folder, &text).unwrap();
+            let asked = case.header.notes.iter().filter(|note| note.contains("times as stiff as")).count();
+            assert_eq!(asked, usize::from(factor != 1.0), "{folder} {factor}: {:?}", case.header.notes);
+        }
+    }
+}
+
 /// Draws of patches are independent, each with the distribution that is given, and correlated where the case says so; what else is drawn by its name before
 /// them stays.
 #[test]

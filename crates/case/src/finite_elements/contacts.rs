@@ -3,6 +3,9 @@
 use std::sync::Arc;
 
 use montecarlo::Distribution;
+use nalgebra_sparse::CscMatrix;
+use nalgebra_sparse::csc::CscCol;
+use sparse::SparseTerm;
 
 use super::contact::Patches;
 use super::entries::LateralEntry;
@@ -24,6 +27,10 @@ use crate::expression::formulas::{Formula, Formulas};
 use crate::lattice::{distributions, speed_ranges};
 use crate::schema::BristleDampingEntry;
 use crate::{CaseError, Draws, Expression, FrictionDistributions, Law, schema};
+
+/// Ratios of the stiffness of a contact to that of the bodies at its nodes, as sums over the diagonal there, of which nothing is said. Chosen: a lining presses with
+/// about a hundredth, penalties with a hundred times; numbers per area in other units are off by 1e9.
+const PLAUSIBLE: [f64; 2] = [1e-6, 1e4];
 
 /// The tables of a case about contacts.
 pub(super) struct GivenContacts {
@@ -70,8 +77,45 @@ pub(super) fn read_contact(
         }
     };
     let friction = friction.ok_or_else(|| check.value("friction", "missing", "a table, as there is a contact"))?;
+    report_stiffness(structure, &patches)?;
     let own = std::mem::take(&mut patches.patches);
     Ok(Some((patch_contact(check, shared, own, (laws, speeds, friction))?, patches)))
+}
+
+/// Asks for the units of the patch that is softest or stiffest beside the bodies at its nodes, where that is not plausible.
+fn report_stiffness(structure: &Structure<'_>, patches: &Patches) -> Result<(), CaseError> {
+    let mut of_bodies = vec![0.0; patches.terms.first().map_or(0, |term| term.matrices.order())];
+    let (coefficients, holders) =
+        (structure.coefficients_at_medians()?, structure.holders.iter().map(|term| (term, 1.0)));
+    for (term, theta) in structure.terms.iter().zip(coefficients).chain(holders) {
+        of_bodies.iter_mut().zip(diagonal(&term.matrices.k)).for_each(|(sum, own)| *sum += theta * own);
+    }
+    let ratio = |term: &SparseTerm| {
+        let springs = diagonal(&term.matrices.k);
+        let bodies: f64 = springs.iter().zip(&of_bodies).filter(|(own, _)| **own != 0.0).map(|(_, of)| of).sum();
+        springs.iter().sum::<f64>() / bodies
+    };
+    // A patch without closed springs, or on rows that nothing makes stiff, has no ratio.
+    let ratios =
+        patches.terms.iter().map(|term| (term, ratio(term))).filter(|(_, ratio)| ratio.is_normal() && *ratio > 0.0);
+    let far = |(_, ratio): &(&SparseTerm, f64)| (ratio / (PLAUSIBLE[0] * PLAUSIBLE[1]).sqrt()).ln().abs();
+    let Some((term, ratio)) = ratios.max_by(|a, b| far(a).total_cmp(&far(b))) else { return Ok(()) };
+    if !(PLAUSIBLE[0]..=PLAUSIBLE[1]).contains(&ratio) {
+        structure.check.note(format!(
+            "the springs of patch {:?} are {ratio:.1e} times as stiff as the bodies at their nodes; is the stiffness of the contact in the units of the matrices?",
+            term.name
+        ));
+    }
+    Ok(())
+}
+
+/// The diagonal of a matrix.
+fn diagonal(matrix: &CscMatrix<f64>) -> Vec<f64> {
+    let at = |(column, entries): (usize, CscCol<'_, f64>)| {
+        let found = entries.row_indices().binary_search(&column);
+        found.map_or(0.0, |place| entries.values()[place])
+    };
+    matrix.col_iter().enumerate().map(at).collect()
 }
 
 /// A contact between nodes at the same places.
