@@ -74,7 +74,7 @@ pub enum ContactError {
     },
     /// Points of the slave beside the master, the first of them at whatever distance.
     #[error(
-        "the master is smaller than the slave: {beside} of {total} points have no face of it within reach, the first, at node {node}, none at any distance"
+        "the master is smaller than the slave: {beside} of {total} points have no face of it within reach, the first, at node {node}, none at any distance; allowed with an overhang, which carries nothing"
     )]
     MasterSmaller {
         /// The number of the node of the slave next to the first such point.

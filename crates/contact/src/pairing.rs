@@ -40,13 +40,23 @@ pub struct Pairing {
     /// Largest distance of a point outside of the master's faces, in their own coordinates (2 across a quadrilateral): meshes of a curved face
     /// leave slits between their facets.
     pub slit: f64,
+    /// True where points of the slave that have no face of the master opposite at any distance carry nothing, as those of a pad over the edge of a disc or over its
+    /// holes; false where they are refused.
+    pub overhang: bool,
 }
 
 impl Pairing {
-    /// A pairing with points of Gauss, normals that look at each other within 60 degrees, and slits of a hundredth of a face.
+    /// A pairing with points of Gauss, normals that look at each other within 60 degrees, slits of a hundredth of a face, and no overhang.
     #[must_use]
     pub fn new(sliding: Sliding, reach: f64) -> Self {
-        Self { sliding, reach, integration: Integration::GaussPoints, largest_cosine: -0.5, slit: 0.02 }
+        Self {
+            sliding,
+            reach,
+            integration: Integration::GaussPoints,
+            largest_cosine: -0.5,
+            slit: 0.02,
+            overhang: false,
+        }
     }
 
     fn check(&self) -> Result<(), ContactError> {
@@ -67,6 +77,7 @@ impl Pairing {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interface {
     points: Vec<ContactPoint>,
+    overhang: f64,
     projections: usize,
 }
 
@@ -75,13 +86,15 @@ impl Interface {
     ///
     /// # Errors
     /// A setting that is not allowed, a side without faces, a face without area, faces that do not meet, a master that is smaller than the
-    /// slave, normals that contradict each other, an axis through the slave, no sliding along a face.
+    /// slave without [`Pairing::overhang`], normals that contradict each other, an axis through the slave, no sliding along a face.
     pub fn new(mesh: &Mesh, slave: &[FaceId], master: &[FaceId], pairing: &Pairing) -> Result<Self, ContactError> {
         pairing.check()?;
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
         pairing.sliding.check(mesh, &slave)?;
         let mut search = Search { grid: Grid::new(&master, pairing.reach), master: &master, pairing, projections: 0 };
-        let (mut points, mut total, mut beside, mut first) = (Vec::new(), 0, 0, None);
+        let (mut points, mut total, mut overhang) = (Vec::new(), 0, 0.0);
+        // Points without a face opposite: those that may overhang, if anything meets, and others.
+        let (mut overhanging, mut beside) = (Vec::new(), Vec::new());
         for face in &slave {
             let rule = match pairing.integration {
                 Integration::GaussPoints => face.kind.rule(),
@@ -93,8 +106,11 @@ impl Interface {
                 let node = mesh.labels()[face.nodes[largest(&at.shape)]];
                 let outwards = at.area.normalize();
                 let Some((opposite, found)) = search.opposite(&at.position, &outwards, node)? else {
-                    beside += 1;
-                    first = first.or(Some((node, at.position, outwards)));
+                    let may_overhang = pairing.overhang
+                        && search.distance(&at.position, &outwards, pairing.largest_cosine).is_infinite();
+                    overhang += if may_overhang { weight * at.area.norm() } else { 0.0 };
+                    let list = if may_overhang { &mut overhanging } else { &mut beside };
+                    list.push((node, at.position, outwards));
                     continue;
                 };
                 let normal = snapped(&found.normal);
@@ -113,9 +129,13 @@ impl Interface {
                 });
             }
         }
-        let Some((node, position, outwards)) = first else {
-            return Ok(Self { points, projections: search.projections });
+        if points.is_empty() {
+            beside.extend(overhanging);
+        }
+        let Some(&(node, position, outwards)) = beside.first() else {
+            return Ok(Self { points, overhang, projections: search.projections });
         };
+        let beside = beside.len();
         // Where no face is within reach of any point, one that looks elsewhere says how far off it is, too.
         let largest_cosine = if points.is_empty() { f64::INFINITY } else { pairing.largest_cosine };
         let (distance, reach) = (search.distance(&position, &outwards, largest_cosine), pairing.reach);
@@ -158,6 +178,12 @@ impl Interface {
     #[must_use]
     pub fn area(&self) -> f64 {
         self.points.iter().map(|point| point.area).sum()
+    }
+
+    /// The area of the slave that overhangs the master and carries nothing ([`Pairing::overhang`]), as the points without a face opposite add up to it.
+    #[must_use]
+    pub fn overhang(&self) -> f64 {
+        self.overhang
     }
 
     /// Number of projections of a point on a face: what the search costs.

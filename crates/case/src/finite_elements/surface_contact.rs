@@ -57,7 +57,7 @@ impl<'t> SurfaceContact<'t> {
             StiffnessEntry::Power(table) => Stiffness::Power { c: table.c, m: table.m },
         };
         law.check().map_err(check.contact::<ContactError>(&key("stiffness")))?;
-        let pairing = Pairing { integration, ..Pairing::new(sliding, table.reach) };
+        let pairing = Pairing { integration, overhang: table.overhang, ..Pairing::new(sliding, table.reach) };
         let (mut slave, master) =
             (solids.faces(&key("slave"), &table.slave)?, solids.faces(&key("master"), &table.master)?);
         let of_contact = check.contact::<ContactError>(&format!("contact {:?}", table.name));
@@ -68,6 +68,14 @@ impl<'t> SurfaceContact<'t> {
             }
         }
         let interface = Interface::new(&solids.mesh, &slave, &master, &pairing).map_err(&of_contact)?;
+        if interface.overhang() > 0.0 {
+            let share = interface.overhang() / (interface.overhang() + interface.area());
+            check.note(format!(
+                "contact {:?}: {:.1} % of the slave's area has no master opposite and carries nothing",
+                table.name,
+                100.0 * share
+            ));
+        }
         let steepest = interface.points().iter().map(|point| {
             let velocity = sliding.velocity(&point.position);
             (velocity.dot(&point.normal).abs() / velocity.norm()).min(1.0).asin().to_degrees()

@@ -26,6 +26,8 @@ pub(super) struct FacesTable {
     #[serde(default)]
     pub integration: IntegrationEntry,
     pub friction_factor: Option<Formula>,
+    #[serde(default)]
+    pub overhang: bool,
 }
 
 impl FacesTable {

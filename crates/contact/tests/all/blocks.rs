@@ -248,6 +248,35 @@ fn a_gap_beyond_the_reach_is_not_a_master_that_is_too_small() {
     }
 }
 
+/// A master that covers a part of the slave: with an overhang the points over it are those of the same slave without it, to the last bit, and the rest of the
+/// area is told. Where nothing meets, and where a gap is beyond the reach, an overhang is no excuse.
+#[test]
+fn what_hangs_over_the_edge_of_the_master_carries_nothing() {
+    for integration in [Integration::GaussPoints, Integration::Segments] {
+        for kind in [Kind::Hexahedron8, Kind::Hexahedron20] {
+            let (mesh, slave, master) = two_blocks((kind, [4, 3, 1]), (kind, [3, 3, 1]));
+            let pairing = along_x(integration);
+            let [plain, hanging] = [false, true].map(|overhang| Pairing { overhang, ..pairing });
+            let whole = Interface::new(&mesh, &slave, &master, &plain).unwrap();
+            assert_eq!(Interface::new(&mesh, &slave, &master, &hanging), Ok(whole.clone()));
+            // Two of three rows of the master: x or y below 2/3.
+            let centre = |id: &FaceId| mesh.face(*id).unwrap().positions.iter().sum::<Vector3<f64>>();
+            let count = |id: &FaceId| mesh.face(*id).unwrap().positions.len() as f64;
+            let part: Vec<FaceId> = master.iter().copied().filter(|id| centre(id).y / count(id) < 0.6).collect();
+            assert_eq!(part.len(), 6);
+            let refused = Interface::new(&mesh, &slave, &part, &plain).unwrap_err();
+            assert!(matches!(refused, ContactError::MasterSmaller { .. }), "{refused}");
+            let found = Interface::new(&mesh, &slave, &part, &hanging).unwrap();
+            assert!((found.area() - 2.0 / 3.0).abs() < 1e-12 && (found.overhang() - 1.0 / 3.0).abs() < 1e-12);
+            let covered: Vec<_> = whole.points().iter().filter(|point| part.contains(&point.master_face)).collect();
+            assert_eq!(found.points().iter().collect::<Vec<_>>(), covered);
+            let near = Pairing { reach: 1e-3, ..hanging };
+            let bottom = faces(&mesh, |p| p.z < -0.5 + 1e-12);
+            assert!(matches!(Interface::new(&mesh, &slave, &bottom, &near), Err(ContactError::Apart { .. })));
+        }
+    }
+}
+
 #[test]
 fn what_is_no_contact_is_refused_by_name() {
     let (mesh, slave, master) = two_blocks((Kind::Hexahedron8, [2, 2, 1]), (Kind::Hexahedron8, [3, 3, 1]));
