@@ -14,9 +14,9 @@ pub struct SparseTerm {
     pub name: String,
     /// The family to which the work of its damping, and of a stiffness that is not symmetric, belongs.
     pub family: String,
-    /// Matrices M, C and K, without internal states and structural damping. For a matrix that the term does not have this holds an empty matrix of full order.
+    /// Matrices M, C and K, without internal states and structural damping. A matrix that the term does not have is one of full order without entries.
     pub matrices: SparseSecondOrder,
-    /// Loss factor eta of the stiffness, >= 0: `K (1 + i eta)` above the real axis. 0 of most.
+    /// Loss factor eta of the stiffness, >= 0: `K (1 + i eta)` above the real axis. 0 for most terms.
     pub loss: f64,
 }
 
@@ -78,7 +78,7 @@ impl SparseAffineSystem {
     /// The system over the free degrees of freedom. Channels keep the entries of their forces and readings at these.
     ///
     /// # Errors
-    /// Another number of degrees of freedom.
+    /// Another number of degrees of freedom, none that is free.
     pub fn on(&self, dofs: &DofMap) -> Result<Self, SparseError> {
         let (found, expected) = (dofs.total(), self.order());
         if found != expected {
@@ -139,8 +139,8 @@ impl SparseAffineSystem {
         Ok(SparseSecondOrder { m: (&m).into(), c: (&c).into(), k: (&k).into(), h: h.as_ref().map(Into::into), states })
     }
 
-    /// Projection `V^T Q(lambda) V` term by term and channel by channel: the same form, dense, over the columns of the real n x k matrix
-    /// V, which should be orthonormal. A reduced brake is a brake. Loss factors have no part in it, as it is real.
+    /// Projection `V^T Q(lambda) V` term by term and channel by channel: the same form, dense, over the columns of the real n x k matrix V, which should be
+    /// orthonormal (not checked). A reduced brake is a brake. Loss factors are left out, as the projection is real.
     ///
     /// Both sides have one basis, because a channel `b (mu r^T + lambda s b^T)` stays one only then. A matrix that is exactly
     /// symmetric stays so.

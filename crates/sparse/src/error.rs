@@ -66,7 +66,7 @@ pub enum SparseError {
         /// Order of the projected problem.
         order: usize,
     },
-    /// A pair that inverse iteration did not make one.
+    /// A candidate that inverse iteration did not make an eigenpair.
     #[error("an eigenvalue near {lambda:.6e} rad/s does not converge: its backward error stays at {residual:.1e}")]
     NotConverged {
         /// Eigenvalue near which the pair was sought, rad/s.
@@ -94,7 +94,7 @@ pub enum SparseError {
         /// Number of eigenvalues that the space has.
         settled: usize,
     },
-    /// A rectangle of no extent, or without end.
+    /// A rectangle of no extent, reversed, or without end.
     #[error("{part} from {from} to {to} rad/s; both must be finite and the first below the second")]
     Rectangle {
         /// Name of the side: `Re lambda` or `Im lambda`.
@@ -104,7 +104,7 @@ pub enum SparseError {
         /// Upper border of that side, rad/s.
         to: f64,
     },
-    /// A loss factor that is none, or structural damping in the matrices of a term, where a loss factor says it.
+    /// A loss factor that is negative or not finite, or a matrix H among the matrices of a term, whose structural damping its loss factor has to give.
     #[error(
         "term {term:?} has structural damping, loss factor {loss}; allowed: a finite loss factor >= 0 of the stiffness, and no matrix of it"
     )]
@@ -133,7 +133,7 @@ pub enum SparseError {
         shifts: usize,
         /// Eigenvalues found so far.
         found: usize,
-        /// Part of the rectangle that was covered.
+        /// Fraction of the rectangle that was covered.
         covered: f64,
         /// The shifts allowed.
         most_shifts: usize,

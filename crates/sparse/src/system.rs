@@ -20,7 +20,7 @@ pub struct SparseSecondOrder {
     /// Structural damping H, n x n, `eta K` of parts with a loss factor eta; `None` without structural damping. The stiffness is `K + i H` above the real axis
     /// and `K - i H` below it, where eigenvalues are the conjugates of the eigenvalues above.
     pub h: Option<CscMatrix<f64>>,
-    /// The first-order states, none for most systems.
+    /// The first-order states, none for most systems. Not checked: their degrees of freedom have to exist.
     pub states: Vec<State>,
 }
 

@@ -12,14 +12,15 @@ use crate::SparseError;
 use crate::symmetric::{Factor, largest_entry, nearest_to_zero, norm, scaled_part, shifted};
 pub use solutions::{SolutionErrors, solution_errors};
 
-/// Largest eigenvalue that is zero, as a fraction of the norm; chosen: an export with 14 digits moves a zero by some 1e-14.
+/// Largest magnitude of an eigenvalue that counts as zero, as a fraction of the norm |S|, the largest sum of the absolute values of a row; chosen: an
+/// export with 14 digits moves a zero by some 1e-14.
 pub const NULL: f64 = 1e-13;
 /// Most null vectors that are looked at; their number is known from the signs. Chosen: a brake whose two bodies are
 /// free has twelve.
 const MOST_VECTORS: usize = 12;
 /// Number of vectors beyond those wanted, for inverse iteration; chosen: with more, it converges faster and each step costs more.
 const MORE_VECTORS: usize = 2;
-/// Factor on that limit for an eigenvalue found by inverse iteration; chosen, for the rounding of products.
+/// Factor on [`NULL`] for an eigenvalue found by inverse iteration; chosen, for the rounding of products.
 const FOUND: f64 = 10.0;
 
 /// Numbers of eigenvalues by their sign.
@@ -35,25 +36,25 @@ pub struct Signs {
 
 /// Health of a square sparse matrix.
 ///
-/// Signs, rank and singular rows belong to its symmetric part, scaled to `S_ij = A_ij / sqrt(d_i d_j)` with the diagonal d, so that
-/// metres and radians weigh alike, on the rows that are not empty.
+/// Signs, rank and singular rows belong to its symmetric part, scaled to `S_ij = A_ij / sqrt(d_i d_j)` with the absolute values d of the diagonal, raised
+/// where they are nearly zero, so that metres and radians weigh alike, on the rows that are not empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatrixHealth {
     /// Entries that are not zero.
     pub entries: usize,
-    /// The largest `|A_ij - A_ji|` as a part of the largest `|A_ij|`: 0 for a symmetric matrix, 2 for an antisymmetric one.
+    /// The largest `|A_ij - A_ji|` as a fraction of the largest `|A_ij|`: 0 for a symmetric matrix, 2 for an antisymmetric one.
     pub asymmetry: f64,
-    /// Rows without an entry that is not zero, neither in their column, ascending.
+    /// Rows, from 0, ascending, that have only zeros, as have the columns of the same number.
     pub empty_rows: Vec<usize>,
     /// Signs of the eigenvalues of S; `None` where its factorisation, which has pivots only within blocks, is unsound: of saddle
     /// points, such as those of multipliers.
     pub signs: Option<Signs>,
-    /// The eigenvalue of S that inverse iteration finds nearest to zero, as a part of the norm; 0 where there are no signs.
+    /// The eigenvalue of S that inverse iteration finds nearest to zero, as a fraction of the norm; 0 where `signs` is `None` or all rows are empty.
     pub smallest: f64,
     /// Null vectors found: as many as `null`, or 12 of more. Fewer where inverse iteration did not find what the signs say.
     pub null_vectors: usize,
-    /// Rows that the null vectors move, the largest first: the sum of the squares of their entries over all null vectors found,
-    /// which are orthonormal. None where there are no null vectors.
+    /// Rows, from 0, that are not empty, each with the sum of the squares of its entries in the null vectors found, which are orthonormal; the largest sum
+    /// first. Empty where there are no null vectors.
     pub null_rows: Vec<(usize, f64)>,
 }
 
@@ -95,14 +96,14 @@ impl MatrixHealth {
         Ok(health)
     }
 
-    /// The number of eigenvalues of the symmetric part that are not zero.
+    /// The number of eigenvalues of the symmetric part that are not zero; `None` where the signs are not known.
     #[must_use]
     pub fn rank(&self) -> Option<usize> {
         self.signs.map(|signs| signs.negative + signs.positive)
     }
 }
 
-/// The rows that the first vectors move, with the sums of squares of their entries.
+/// The rows with the sums of the squares of their entries in the first `count` vectors, the largest sum first.
 fn moved_rows(rows: &[usize], vectors: &DMatrix<f64>, count: usize) -> Vec<(usize, f64)> {
     if count == 0 {
         return Vec::new();

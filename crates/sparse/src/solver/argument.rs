@@ -159,7 +159,7 @@ impl<'a> Counting<'a> {
         }
     }
 
-    /// The logarithm of det Q at z divided by the known factors, but for whole turns; `None` where Q is singular.
+    /// The logarithm of det Q at z divided by the known factors, but for whole turns; `None` where Q is singular or its determinant is not to be had.
     fn logarithm(&mut self, z: Complex<f64>, known: &[Known]) -> Option<Complex<f64>> {
         self.points += 1;
         let (sigma, pencil) = (z / self.gamma, &self.problem.pencil);
@@ -187,7 +187,8 @@ fn without_smooth(samples: &[(f64, Complex<f64>)]) -> Option<Vec<f64>> {
 }
 
 impl Around<'_> {
-    /// The radius, or of those that are clear of eigenvalues that number `skipped`, or that farthest from them.
+    /// Number `skipped`, from 0, of the radii that are clear of the known eigenvalues ([`BOUNDS`], [`CLEAR`]); where not so many are clear, the radius
+    /// whose circle is farthest from them.
     fn clear_radius(&self, skipped: usize) -> f64 {
         let clearance = |radius: f64| {
             let own = |k: &Known| ((k.lambda - self.centre).norm() - radius).abs() - BOUNDS * k.bound;

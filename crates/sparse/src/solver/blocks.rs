@@ -30,12 +30,12 @@ pub(super) fn dot(a: &[Complex<f64>], b: &[Complex<f64>]) -> Complex<f64> {
     sums.iter().sum::<Complex<f64>>() + rest
 }
 
-/// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
+/// A fixed block without structure, the same on every machine: sums of two numbers of [`unpatterned`].
 pub(super) fn starting_block(rows: usize, columns: usize) -> Mat<Complex<f64>> {
     another_block(rows, columns, 0)
 }
 
-/// A fixed block without structure as [`starting_block`], another one for each `number` of columns that there were before.
+/// A fixed block without structure as [`starting_block`], which has the `number` 0: another one for each `number`.
 pub(super) fn another_block(rows: usize, columns: usize, number: usize) -> Mat<Complex<f64>> {
     Mat::from_fn(rows, columns, |i, j| {
         let k = (i * columns + j + 1 + 7919 * number) as f64;

@@ -42,9 +42,10 @@ const OF_MISSING: f64 = 0.75;
 const CHECKED_BY: usize = 2;
 /// Number of steps that both blocks then make together; chosen likewise.
 const CHECK_STEPS: usize = 3;
-/// Factor on the number of columns that a space may have, and on the number of columns of a block, at least [`WIDEST`], where blocks come back full; chosen.
+/// Factor by which a space may have more columns than [`Options::columns`], and a block more than [`Options::block`] or [`WIDEST`], whichever is more: for
+/// the second block that checks the first, and where blocks come back full; chosen.
 const GROWN: usize = 4;
-/// Number of columns that a narrower block counts with in [`GROWN`]; chosen.
+/// Number of columns that a narrower block is taken to have in [`GROWN`]; chosen.
 const WIDEST: usize = 16;
 /// Number of shifts that are tried, the first one included, where Q(shift) is singular; chosen: a shift hits an eigenvalue by chance alone, so that more
 /// than one further is needed only where Q is singular everywhere, which is refused.
@@ -61,7 +62,7 @@ pub(crate) struct Candidate {
     pub(crate) lambda: Complex<f64>,
     /// phi, not normalised.
     pub(crate) right: Vec<Complex<f64>>,
-    /// The conjugate of psi; none where the left space does not hold it yet.
+    /// The conjugate of psi; `None` where the left Krylov space does not show it accurately enough.
     pub(crate) left: Option<Vec<Complex<f64>>>,
 }
 
@@ -99,7 +100,8 @@ impl Problem {
         }
     }
 
-    /// The eigenvalues of `target` near its centre: those in the disc, which need not cover the target; and all Ritz values.
+    /// The eigenvalues of `target` near its centre: those in the disc, which need not cover the target; and all Ritz values, those outside the disc with
+    /// the bound 0.
     pub(super) fn near_centre(
         &self,
         target: &Rectangle,
@@ -235,8 +237,7 @@ impl Problem {
     }
 }
 
-/// Distance from the shift to the nearest Ritz value that is not known, which in the target takes a smaller residual; infinite where
-/// all are.
+/// Distance from the shift to the nearest Ritz value that is not known, which in the target takes a smaller residual; infinite where all are known.
 fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle) -> f64 {
     let is_known =
         |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { NEARLY } else { SEEN };

@@ -126,8 +126,8 @@ impl<'a> Factor<'a> {
         self.errors(known).map(|(_, forward)| forward <= REGULAR)
     }
 
-    /// The backward and the relative forward error of the solution for `Q(sigma) x`, for a block x that is known. The latter is
-    /// infinite where refinement does not make the former small.
+    /// The backward and the relative forward error of the solution for `Q(sigma) x`, for a vector x that is known, a block of one column. The forward error
+    /// is infinite where refinement does not make the backward error small.
     ///
     /// # Errors
     /// As [`solve`](Self::solve), but for a solution that is not accurate.

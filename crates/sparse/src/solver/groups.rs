@@ -3,7 +3,7 @@
 use cea::certified::enclosures::unions;
 use num_complex::Complex;
 
-/// Positions of the members of each group, ascending: neighbours are no farther from each other than `reach` of the lower one.
+/// Positions of the members of each group, ascending: neighbours are no farther from each other than the `reach` of the one with the lower imaginary part.
 pub(super) fn groups(lambdas: &[Complex<f64>], reach: impl Fn(Complex<f64>) -> f64) -> Vec<Vec<usize>> {
     let reaches: Vec<f64> = lambdas.iter().map(|&lambda| reach(lambda)).collect();
     let meet = |a: usize, b: usize| {

@@ -40,8 +40,8 @@ pub(crate) struct Krylov<'a> {
 }
 
 impl<'a> Krylov<'a> {
-    /// An iteration for at most `capacity` columns and blocks of `widest` in all, started with the image of the block `start` of extended
-    /// vectors: it has no part in the null space of a singular M.
+    /// An iteration for at most `capacity` columns and blocks of `widest` columns in all. It starts with the image of the block `start` of extended vectors
+    /// (u, v / scale, z), as the image has no part in the null space of a singular M.
     pub(crate) fn new(
         factor: &'a Factor<'a>,
         side: Side,

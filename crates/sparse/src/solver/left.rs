@@ -31,9 +31,9 @@ const SAME_AS_RIGHT: f64 = 1e-5;
 
 type Block = Mat<Complex<f64>>;
 
-/// Conjugates of left vectors: right ones of the transposed system, whose Krylov space starts with combinations of the right
-/// vectors, which they are where the matrices are symmetric. The block of `options` is wider than any
-/// is multiple.
+/// Conjugates of left vectors: right ones of the transposed system, whose Krylov space starts with combinations of the right vectors, which they are where
+/// the matrices are symmetric. The block of `options` has to have more columns than any of the eigenvalues has copies. `None` for an eigenvalue whose left
+/// vector is not accurate enough when the space is full.
 pub(super) fn left_vectors(
     factor: &Factor<'_>,
     scale: f64,

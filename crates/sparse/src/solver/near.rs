@@ -12,11 +12,11 @@ impl Problem {
     /// Rayleigh quotients, with a factorisation for each of a few steps, one where `lambda` is very near. The pair has a backward error of at most
     /// `tolerance`.
     ///
-    /// Which one is found follows from `shape` as much as from `lambda`, so that the modes of a reduced brake are those to begin with.
+    /// Which one is found follows from `shape` as much as from `lambda`: the modes of a reduced brake are good ones to begin with.
     ///
     /// # Errors
-    /// A shape of another length, Q singular beside the eigenvalue, a factorisation that does not fit into memory,
-    /// [`SparseError::NotConverged`].
+    /// A shape of another length, a factorisation that does not fit into memory, [`SparseError::NotConverged`], also where Q next to `lambda` is singular
+    /// or cannot be solved with accurately.
     pub fn eigenpair_near(
         &self,
         lambda: Complex<f64>,

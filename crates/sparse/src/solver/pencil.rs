@@ -245,8 +245,8 @@ impl Pencil {
         (APART * f64::EPSILON.sqrt() * scale).max(TOLD_APART * lambda.norm())
     }
 
-    /// Size to which a residual at lambda is compared: [`size`](Self::size), or for an eigenvalue that rounding does not tell from zero that at
-    /// gamma. There K may vanish, and with it all that the computed eigenvalue could be compared with.
+    /// Size to which a residual at lambda is compared: [`size`](Self::size) there, or for an eigenvalue that rounding does not tell from zero the size at
+    /// gamma ([`natural`](Self::natural)). There K may vanish, and with it all that the computed eigenvalue could be compared with.
     pub(crate) fn measure(&self, lambda: Complex<f64>) -> f64 {
         let is_zero = lambda.norm() <= self.blur(lambda);
         self.size(if is_zero { Complex::from(self.natural()) } else { lambda })

@@ -48,7 +48,8 @@ pub(super) struct Polished {
     /// The Ritz value.
     pub(super) ritz: Complex<f64>,
     pub(super) pair: Eigenpair,
-    /// True if both vectors are as good as they are asked to be.
+    /// True if the backward error of the right vector is as small as asked for, and that of the left one too, which is not looked at again after inverse
+    /// iteration.
     pub(super) is_good: bool,
 }
 
@@ -249,7 +250,8 @@ pub(super) fn pair_of(pencil: &Pencil, lambda: Complex<f64>, x: &Vector, y: &Vec
     Trial { lambda, x, y, error, slope }.finish(pencil)
 }
 
-/// The first-order bound of an eigenvalue and the verdict by it, given by how much it moves when the matrices do, rad/s.
+/// The first-order bound of an eigenvalue, rad/s, and the verdict by it. `motion` is how far the eigenvalue moves per relative change of the matrices,
+/// rad/s.
 pub(super) fn judged(lambda: Complex<f64>, motion: f64, backward_error: f64) -> (f64, Verdict) {
     let (bound, tolerance) = (first_order(motion, backward_error), first_order(motion, 0.0));
     // An eigenvalue that the roundings of an assembly move by all of its size may be any other, and a double zero.
@@ -261,8 +263,8 @@ pub(super) fn judged(lambda: Complex<f64>, motion: f64, backward_error: f64) -> 
     (bound, if is_marginal { Verdict::Marginal { tolerance } } else { Verdict::of(lambda, bound) })
 }
 
-/// Error bound of an eigenvalue, to first order: its distance from the exact one of these matrices or of any that round to them, given by how
-/// much it moves when the matrices do, rad/s.
+/// Error bound of an eigenvalue, rad/s, to first order: its distance from the exact one of these matrices or of any that round to them. `motion` as in
+/// [`judged`].
 fn first_order(motion: f64, backward_error: f64) -> f64 {
     let bound = FIRST_ORDER_SAFETY * motion * backward_error.max(0.5 * f64::EPSILON);
     if bound.is_nan() { f64::INFINITY } else { bound }

@@ -15,8 +15,8 @@ use crate::{SparseError, SparseSecondOrder};
 
 /// Half diagonal of the smallest rectangle that is searched, in units of the margin around what a disc covers; chosen: a smaller one would be mostly margin.
 const LEAST_SIZE: f64 = 8.0;
-/// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead. Chosen: with less
-/// long targets are covered by many thin strips, with more they are cut where a strip would do.
+/// A strip narrower than this fraction of the shorter side of its target is not worth its disc; the target is cut in two instead. Chosen: with less long
+/// targets are covered by many thin strips, with more they are cut where a strip would do.
 const THINNEST: f64 = 0.1;
 /// Number of shifts after which the size of a rectangle is estimated; chosen: with fewer, the estimate is poorer; with more, a rectangle that is too large is
 /// refused later.
@@ -29,18 +29,17 @@ const WIDER: usize = 4;
 
 /// Eigenpairs in `rectangle`, its border included, all of them.
 ///
-/// A system of up to `options.certified` degrees of freedom is solved whole by `cea::certified`, and the list counted again by the
-/// argument principle. Of larger ones discs around shifts cover the rectangle, and where M is positive definite nothing beyond the
-/// largest |lambda| and |Re lambda| that the norms of the matrices allow ([`Found::reach`]). In each disc, all eigenvalues are known as far as
-/// a block Krylov space of the shifted and inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and
-/// a second block checks the first. A block that comes back full of copies of one eigenvalue is widened. Up to `options.counted`
-/// degrees of freedom the list is counted again by the argument principle. Without damping an eigenvalue that no other is near is on the imaginary axis, and
-/// marginal.
+/// A system of up to `options.certified` degrees of freedom, without structural damping, is solved whole by `cea::certified`, and the list counted again by
+/// the argument principle. Of larger ones discs around shifts cover the rectangle, and where M is positive definite nothing beyond the largest |lambda| and
+/// |Re lambda| that the norms of the matrices allow ([`Found::reach`]). In each disc, all eigenvalues are known as far as a block Krylov space of the
+/// shifted and inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and a second block checks the first. A
+/// block that comes back full of copies of one eigenvalue is widened. Up to `options.counted` degrees of freedom, without structural damping, the list is
+/// counted again by the argument principle. Without damping an eigenvalue that no other is near is on the imaginary axis, and marginal.
 ///
 /// # Errors
 /// A rectangle that is empty, reversed or not finite, or not above the real axis where there is structural damping; Q singular at all shifts tried; a
-/// factorisation that does not fit into memory; solutions that refinement does not make accurate; two counts that contradict each other; an eigenvalue
-/// that occurs too often; more shifts or eigenvalues than allowed.
+/// factorisation that does not fit into memory; solutions that refinement does not make accurate; two counts that contradict each other; an eigenvalue that
+/// occurs too often; a group of eigenvalues that is not found again in the space of its vectors; more shifts or eigenvalues than allowed.
 pub fn eigenpairs_in(
     system: &SparseSecondOrder,
     rectangle: &Rectangle,
@@ -125,7 +124,7 @@ fn search(
     Ok(Found { pairs, discs, reach, is_certified: false, count, counters })
 }
 
-/// Part of a rectangle that has to be searched with Im lambda >= 0, since eigenvalues of real matrices are real or come in conjugate pairs.
+/// The rectangle with Im lambda >= 0 that has to be searched for a given one, since eigenvalues of real matrices are real or come in conjugate pairs.
 fn upper_part(rectangle: &Rectangle) -> Rectangle {
     let [from, to] = rectangle.im;
     let im = if from >= 0.0 {
@@ -138,8 +137,8 @@ fn upper_part(rectangle: &Rectangle) -> Rectangle {
     Rectangle { re: rectangle.re, im }
 }
 
-/// The rectangle, widened where it is smaller than what rounding does not tell apart: eigenvalues of no smaller one can be searched for, and which of
-/// them the rectangle holds their bounds say.
+/// The rectangle, widened where it is smaller than what rounding does not tell apart: a smaller one cannot be searched, and the bounds of what is found say
+/// which eigenvalues are in the one given.
 fn wide_enough(problem: &Problem, upper: Rectangle) -> Rectangle {
     let least = LEAST_SIZE * problem.margin(&upper);
     if upper.half_diagonal() < least { upper.widened(least) } else { upper }

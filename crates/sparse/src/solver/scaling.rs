@@ -18,9 +18,11 @@ use crate::{SparseSecondOrder, State};
 const ROUNDS: usize = 5;
 /// Most sweeps of Ruiz's iteration in each round; the number of `cea::certified`.
 const SWEEPS: usize = 8;
-/// Largest distance from one of the largest entries of all rows and columns after which no further sweep is made; chosen: factors become powers of two.
+/// Largest difference from 1 of the largest entry of any row or column with which no further sweep is made; chosen: factors are rounded to powers of two
+/// anyway.
 const EVEN: f64 = 0.02;
-/// Largest ratio of two factors of rows, or of columns, without which a search does; with a larger one it needs the scaling. Chosen: a million between entries.
+/// Largest ratio of two factors of rows, or of two of columns, with which a system is searched as it is; with a larger one the scaled system is. Chosen: a
+/// million between two entries of a diagonal.
 const UNEVEN: f64 = 1e3;
 
 /// A system in units of its own.
@@ -64,7 +66,8 @@ impl Scaled {
         Self { system: SparseSecondOrder { m, c, k, h, states }, gamma, left, right }
     }
 
-    /// True if rows or columns are so different that a search needs the scaling: left alone what needs none keeps its bits.
+    /// True if rows or columns are so different that a search needs the scaling. A system that needs none is searched as it is, so that its results keep
+    /// their bits.
     pub(super) fn is_uneven(&self) -> bool {
         let is_uneven = |factors: &[f64]| {
             let (least, most) =

@@ -29,7 +29,7 @@ impl Rectangle {
         Ok(())
     }
 
-    /// True if lambda is inside or within `margin` of the border.
+    /// True if lambda is inside or within `margin`, rad/s, of the border.
     #[must_use]
     #[inline]
     pub fn contains(&self, lambda: Complex<f64>, margin: f64) -> bool {
@@ -37,7 +37,7 @@ impl Rectangle {
         within(lambda.re, self.re) && within(lambda.im, self.im)
     }
 
-    /// True if lambda is inside, or to the right of the rectangle, or within `margin` of where it would be.
+    /// True if lambda is in the rectangle extended to Re lambda = infinity, or within `margin`, rad/s, of its border.
     #[must_use]
     #[inline]
     pub fn contains_to_the_right(&self, lambda: Complex<f64>, margin: f64) -> bool {
@@ -84,24 +84,24 @@ impl Rectangle {
 /// Settings that a user need not touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Largest backward error of an eigenpair.
+    /// Backward error below which an eigenpair is not improved further. A search lists a pair that stays above it too, with [`Eigenpair::backward_error`].
     pub tolerance: f64,
-    /// Largest backward error of its left vector. An eigenvalue has an error of the order of the product of both, and a condition number needs few
-    /// digits.
+    /// The same for its left vector. An eigenvalue has an error of the order of the product of both, and a condition number needs few digits.
     pub left_tolerance: f64,
     /// Right-hand sides that are solved together, and so the largest multiplicity that a Krylov space surely shows.
     pub block: usize,
-    /// Most columns of a Krylov basis at one shift; memory is two doubles for each degree of freedom and column.
+    /// Most columns of a Krylov basis at one shift, at which its disc ends; a check by a second block, and wider blocks for copies of an eigenvalue, may
+    /// make it up to four times as large. Memory is two doubles for each degree of freedom and column.
     pub columns: usize,
     /// Most shifts; a rectangle that needs more is refused, as soon as the first ones show it.
     pub shifts: usize,
     /// Most bytes of the vectors found; a rectangle that holds more is refused likewise.
     pub bytes: usize,
-    /// Most degrees of freedom of a system whose whole spectrum is certified, by dense matrices, and what is in the rectangle taken
-    /// from it: nothing is then searched. 0, the default, for a search in any case.
+    /// Most degrees of freedom of a system whose whole spectrum is certified, by dense matrices, and what is in the rectangle taken from it: nothing is
+    /// then searched. 0, the default, for a search in any case; with structural damping there is always a search.
     pub certified: usize,
-    /// Most degrees of freedom of a system whose list from a search is counted again by the argument principle, for the price of some
-    /// ten factorisations a disc. 0, the default, for a second block of vectors alone.
+    /// Most degrees of freedom of a system whose list from a search is counted again by the argument principle, for the price of some ten factorisations a
+    /// disc. 0, the default, for a second block of vectors alone, which is also all with structural damping.
     pub counted: usize,
 }
 
@@ -129,10 +129,11 @@ pub struct Eigenpair {
     pub right: DVector<Complex<f64>>,
     /// Left eigenvector psi, length n, unit 2-norm: `psi^H Q(lambda) = 0`, to a backward error of [`Options::left_tolerance`].
     pub left: DVector<Complex<f64>>,
-    /// Backward error `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, as [`cea::backward_error`].
+    /// Backward error `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, as [`cea::backward_error`]; with structural
+    /// damping |K| is the norm of `K + i H`.
     pub backward_error: f64,
-    /// Condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as
-    /// [`cea::certified::CertifiedEigenvalue::condition`]. Infinite for lambda = 0 and where the vectors are orthogonal.
+    /// Condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as [`cea::certified::CertifiedEigenvalue::condition`].
+    /// Infinite for lambda = 0 and where `psi^H Q'(lambda) phi` is 0, as for a defective eigenvalue.
     pub condition: f64,
     /// Error bound, rad/s: how far the eigenvalue may be from the exact eigenvalue of these matrices or of any matrices that round to them; by
     /// `cea::certified` where the spectrum is certified ([`Options::certified`]), else to first order. Infinite where nothing is known.
@@ -161,8 +162,8 @@ pub struct Disc {
 pub struct Found {
     /// The eigenpairs, by frequency as [`cea::by_frequency`] orders them.
     pub pairs: Vec<Eigenpair>,
-    /// Discs whose union covers the rectangle, or of a rectangle on both sides of the real axis its larger half: the matrices
-    /// are real.
+    /// Discs whose union covers the rectangle as far as `reach` goes; of a rectangle below the real axis they cover its mirror image, and of one on both
+    /// sides of it the larger half: the matrices are real. None where `is_certified`.
     pub discs: Vec<Disc>,
     /// Reach of the eigenvalues, where the rectangle is larger and M positive definite: what is beyond has no discs.
     pub reach: Option<Reach>,
@@ -177,7 +178,7 @@ pub struct Found {
 /// A second count of the eigenvalues, which agrees with the list; where it does not there is an error in place of a list.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Count {
-    /// The argument principle: how often det Q turns about zero along circles that together hold all that was searched.
+    /// The argument principle: how often det Q turns about zero along circles that together contain all that was searched.
     Argument {
         /// The circles.
         circles: Vec<Circle>,
@@ -222,7 +223,7 @@ pub struct Counters {
 /// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Part of the rectangle that is covered, 0 to 1.
+    /// Fraction of the rectangle that is covered, 0 to 1.
     pub covered: f64,
     /// Eigenvalues found.
     pub found: usize,
@@ -230,14 +231,14 @@ pub struct Progress {
     pub shifts: usize,
 }
 
-/// An eigenvalue that is known, and how far it may be off, rad/s.
+/// An eigenvalue that is known, and how far it may be off, rad/s: 0 for a Ritz value outside of its disc, of which nothing is known.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub(super) lambda: Complex<f64>,
     pub(super) bound: f64,
 }
 
-/// Part of the rectangle that a disc covers, and how far around it pairs are listed.
+/// Part of the rectangle that a disc covers, and how far around it pairs are listed, rad/s.
 pub(super) struct Covered {
     pub(super) part: Rectangle,
     pub(super) margin: f64,

@@ -102,7 +102,8 @@ impl Factor {
         Some(negative)
     }
 
-    /// `A^-1 X`. The permutations are applied here: the library's own solver for this factorisation (0.24.4) takes B for diagonal.
+    /// `A^-1 X`, whether the factorisation is sound or not. The permutations are applied here: the library's own solver for this factorisation (0.24.4)
+    /// takes B for diagonal.
     pub(crate) fn solve(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return x.clone() };
         let factor = SupernodalIntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, self.permutation());

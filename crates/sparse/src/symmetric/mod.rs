@@ -10,13 +10,14 @@ use crate::product::times;
 use crate::unpatterned::unpatterned;
 pub(crate) use factor::Factor;
 
-/// Fraction of the largest entry of a row below which the diagonal entry does not scale the row; chosen: smaller than the fraction of a rotation in metres.
+/// Fraction of the largest entry of a row below which the diagonal entry does not scale the row; chosen: the diagonal entry of a rotation is a larger
+/// fraction of the entries that couple it with displacements in metres.
 const SMALL_DIAGONAL: f64 = 1e-8;
-/// Number of steps of inverse iteration; chosen.
+/// Number of steps of inverse iteration; chosen: with fewer the eigenvalues have fewer digits, each step is a solution with the whole block.
 const STEPS: usize = 4;
 
-/// The factor of each row in `A_ij / (s_i s_j)` that makes the diagonal 1, or nearly all rows alike where it is zero; 0 for a row
-/// that is empty, and its column too.
+/// Scales s_i with which `A_ij / (s_i s_j)` has a diagonal of 1: the roots of |A_ii|, or of [`SMALL_DIAGONAL`] times the largest entry of row and column i
+/// where that is more. 0 where row and column are empty.
 pub(crate) fn scales(a: &CscMatrix<f64>) -> Vec<f64> {
     let (mut diagonal, mut largest) = (vec![0.0; a.nrows()], vec![0.0_f64; a.nrows()]);
     for (row, column, &value) in a.triplet_iter() {
@@ -59,8 +60,8 @@ pub(crate) fn shifted(a: &CscMatrix<f64>, shift: f64) -> CscMatrix<f64> {
     a + CscMatrix::identity(a.nrows()) * shift
 }
 
-/// Eigenvalues of a symmetric matrix nearest to zero with orthonormal vectors, the nearest first, by inverse iteration with a block
-/// and the Rayleigh quotients of it.
+/// The `count` eigenvalues of a symmetric matrix nearest to zero, at most its order, with orthonormal vectors, the nearest first: by inverse iteration with
+/// a block and the Rayleigh quotients of it. `factor` is of the matrix, or of the matrix shifted by next to nothing.
 pub(crate) fn nearest_to_zero(
     a: &CscMatrix<f64>,
     factor: &Factor,
