@@ -30,7 +30,8 @@ pub(super) fn directions(
 /// Largest singular value, of vectors of unit length, of a direction that is nothing but rounding; the vectors have about ten digits.
 pub(super) const ROUNDING: f64 = 1e-11;
 
-/// The fewest leading columns of `directions` that make `error` at most `wanted`; at most `most`. By bisection: more columns are taken to be better.
+/// The fewest leading columns of `directions` that make `error` at most `wanted`; `most` of them, or all, where no fewer do, whatever the error is then. By
+/// bisection: more columns are taken to be better.
 pub(super) fn fewest(
     directions: &DMatrix<f64>,
     most: usize,

@@ -4,9 +4,9 @@
 //! what is missing on each, so that half as many columns hold eigenvalues to five digits as hold shapes to the residual that is asked for, and a whole
 //! spectrum on them takes a tenth of the time or less. Internal states of the friction law, one for each contact, lie in a few directions as well.
 //!
-//! A sample is solved in three steps: all eigenvalues on W; the residual of each mode in and next to the rectangle, on the basis of the reduced brake,
-//! whose square tells its error beside the largest at the points that W was made of; and two-sided inverse iteration on that basis for the modes that may
-//! be wanted. A sample in which any of this fails has a [`Doubt`], and gets the whole spectrum of the reduced brake.
+//! A sample is solved in three steps: all eigenvalues on W; the residual of each mode in and next to the rectangle, on the basis of the reduced brake: the
+//! square of its ratio to the largest residual at the points that W was made of tells the error of the mode; and two-sided inverse iteration on that basis
+//! for the modes that may be wanted. A sample in which any of this fails has a [`Doubt`], and gets the whole spectrum of the reduced brake.
 
 use cea::{CeaError, Spectrum, Workspace, right_vectors_of_all};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
@@ -38,8 +38,9 @@ const MOST_ERROR: f64 = 1e-3;
 const WORTH: f64 = 0.8;
 /// Most inverse iterations of one mode; chosen: each triples the digits, and a mode that needs more is another one.
 const MOST_ITERATIONS: usize = 4;
-/// Distance of two modes next to each other without their coupling, at most, as a part of |lambda|; chosen: an error of the coupling, times that, moves the
-/// square of half their distance, so that near a coalescence the error of each is the root of it.
+/// Distance of a mode from the nearest other one, relative to |lambda|, below which its error is larger: in inverse proportion to the distance, and at a
+/// coalescence, at most, the root of this number times the error. Chosen: no farther from each other are two neighbours at most without their coupling; an
+/// error of the coupling, times that, moves the square of half their distance.
 const DETUNING: f64 = 0.05;
 /// Largest change of an eigenvalue by the last iteration, relative to |lambda|; chosen.
 const SETTLED: f64 = 1e-7;
@@ -72,9 +73,9 @@ pub struct CoarseBasis {
     pub basis: DMatrix<f64>,
     /// Directions of internal states; `None` for a brake without internal states, and where the directions spare nothing.
     pub states: Option<CoarseStates>,
-    /// The largest distance of a mode, relative to |lambda|, at the points that it was made of.
+    /// The largest distance of a mode on it from that of the reduced brake, relative to |lambda|, at the points that it was made of; at least 1e-9.
     pub error: f64,
-    /// The largest residual there.
+    /// The largest residual there of a mode on it, in the reduced brake.
     pub residual: f64,
 }
 
@@ -160,7 +161,8 @@ impl Coarse {
         &self.own
     }
 
-    /// The wanted modes of the reduced brake at `points`, with its `systems` there: those whose eigenvalue, rad/s, `may_be_wanted`, given its relative error.
+    /// The wanted modes of the reduced brake at `points`, with its `systems` there: those whose eigenvalue, rad/s, `may_be_wanted`, given its relative
+    /// error. Where a point has a doubt it is the error, and never `None` here.
     pub fn polished(
         &self,
         reduced: &Reduced,

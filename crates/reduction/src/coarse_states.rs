@@ -24,7 +24,7 @@ pub struct CoarseStates {
 
 impl CoarseStates {
     /// The directions of the internal `states` of contacts at each of `points`, of a system with channels `of`; `None` where no point has any, or they
-    /// spare nothing.
+    /// spare nothing. They are for the contacts of the first point that has any: points where others have internal states are left out.
     pub(super) fn new(
         of: &[Channel],
         points: &[OperatingPoint],

@@ -63,8 +63,8 @@ pub(super) struct OuterRows {
 }
 
 impl OuterRows {
-    /// `S^T W Q(lambda_j) V y_j` of the terms with `coefficients`, with these times loss factors, if there are any, in `losses`, and with the friction of all
-    /// channels over the basis.
+    /// `S^T W Q(lambda_j) V y_j` of the terms with `coefficients` and of `friction`, that of all channels over the basis, with `gains`. `losses` are the
+    /// coefficients times loss factors, `None` without any. The y_j and the result are [`split`].
     pub fn of(
         &self,
         (friction, gains): (&Friction, &[ChannelGain]),

@@ -13,7 +13,7 @@ pub struct Compared {
     pub distance: f64,
     /// Eigenvalues without a counterpart within a thousandth of their size.
     pub missed: Vec<Complex<f64>>,
-    /// Eigenvalues of the other that are nobody's counterpart.
+    /// Eigenvalues of the other system that are no counterpart.
     pub left: Vec<Complex<f64>>,
     /// Pairs of counterparts.
     pub pairs: Vec<[Complex<f64>; 2]>,

@@ -25,7 +25,7 @@ use crate::ReductionError;
 
 /// Highest frequency of the modes that are kept, as a multiple of the highest frequency of the band; chosen: more modes change nothing but the cost.
 const KEPT: f64 = 1.2;
-/// Most directions in which the systems differ, as a part of their order; chosen: with more, matrices are as cheap.
+/// Most directions in which the systems differ, as a fraction of their order; chosen: with more, the matrices themselves cost no more.
 const MOST_DIRECTIONS: f64 = 0.34;
 /// Relative distance from the guess at which the problem is factored; chosen, as for paths that are evaluated by matrices: at an eigenvalue itself nothing may
 /// be left of a pivot.
@@ -53,7 +53,7 @@ pub struct ContactPath {
     others: Part,
     /// The power of lambda of each direction.
     powers: Vec<i32>,
-    /// A size of eigenvalues, rad/s.
+    /// Unit of eigenvalues, rad/s: the `highest` of [`ContactPath::new`].
     size: f64,
 }
 
@@ -93,8 +93,8 @@ struct Place {
 }
 
 impl ContactPath {
-    /// The way between two systems for eigenvalues up to `highest`, rad/s; `None` where they differ in many directions, in the number of
-    /// degrees of freedom or in internal states.
+    /// The way between two systems for eigenvalues up to `highest`, rad/s; `None` where they differ nowhere or in many directions, differ in the number of
+    /// degrees of freedom, or where one has internal states.
     ///
     /// # Errors
     /// A mass matrix that is singular.
@@ -153,11 +153,10 @@ impl ContactPath {
         self.corrected(t, guess, CONVERGED, MOST_CORRECTIONS)
     }
 
-    /// The `count` eigenvalues at a place of the path that are nearest to each number in `to`, rad/s, each of them once, with rates
-    /// and shapes; `None` where they are not told apart.
+    /// The `count` eigenvalues at a place of the path that are nearest to each number in `to`, rad/s, at least one, each eigenvalue once, with rates and
+    /// shapes; `None` where they are not told apart.
     ///
-    /// Guesses are the eigenvalues of the problem with all but lambda itself as it is amid the numbers: what is eliminated hardly changes
-    /// over the band.
+    /// Guesses are the eigenvalues of the problem with its matrix taken at the mean of the numbers: what is eliminated hardly changes over the band.
     #[must_use]
     pub fn nearest(&self, t: f64, to: &[Complex<f64>], count: usize) -> Option<Vec<OnContactPath>> {
         let middle = to.iter().sum::<Complex<f64>>() / to.len() as f64;

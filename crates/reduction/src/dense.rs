@@ -81,8 +81,7 @@ fn multiply<T: faer::traits::ComplexField>(
     end_wide();
 }
 
-/// The left singular vectors and the singular values, descending, of a matrix A with more rows than columns. One with many
-/// more rows goes through its QR decomposition.
+/// The left singular vectors, as columns, and the singular values, descending, of a matrix: as many as the smaller of its numbers of rows and columns.
 pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>), ReductionError> {
     let what = "singular values of the vectors of a basis";
     check(a, what)?;

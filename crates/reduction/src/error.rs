@@ -8,13 +8,13 @@ use sparse::SparseError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReductionError {
-    /// A tolerance that is no part of a whole.
+    /// A tolerance that is not above 0 and below 1.
     #[error("the tolerance of a reduction is {value}; it must be above 0 and below 1")]
     Tolerance {
         /// Value of the tolerance.
         value: f64,
     },
-    /// A rectangle that holds no mode of the large system at any point that was looked at.
+    /// A rectangle that contains no mode of the large system at any point that was looked at.
     #[error("no mode of the large system is in the rectangle")]
     NoModes,
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.

@@ -24,7 +24,7 @@ use crate::ReductionError;
 const MORE_DISTANCE: f64 = 10.0;
 /// Largest change of an eigenvalue by the last iteration, relative to |lambda|; chosen: what is left is of the order of its square.
 const SETTLED: f64 = 1e-9;
-/// Farthest that a guess leads, relative to |lambda|; chosen: modes that grow fast, and so are no question, move by a hundredth.
+/// Farthest that a guess leads, relative to |lambda|; chosen: modes that grow fast, whose verdict is not in question, move by a hundredth.
 const FARTHEST: f64 = 0.05;
 /// Largest |Re lambda|, as a part of |lambda|, of a mode whose verdict dashpots may change; chosen: what is damped or grows by more has dashpots that lose
 /// otherwise, and the same verdict.
@@ -58,7 +58,8 @@ pub(super) struct LossesAt {
 }
 
 impl Losses {
-    /// The losses of a system in its projection, with the dashpots of the modes at a point; `None` where no term has a loss factor.
+    /// The losses of a system in its projection `reduced`, term by term, with dashpots made from the real modes at a point; `None` where no term has a loss
+    /// factor.
     ///
     /// # Errors
     /// A point of another system, a structure that has no real modes there.
@@ -89,7 +90,8 @@ impl Losses {
         self.with_times(1.0, reduced)
     }
 
-    /// Eigenvalues, rad/s, above the real axis, of a reduced brake with the dashpots at a point: all of them, by a whole spectrum.
+    /// Eigenvalues with loss factors, rad/s, above the real axis, at a point: all of them, by a whole spectrum. `reduced` is the brake that has the
+    /// dashpots ([`Losses::with_dashpots`]); H takes their place.
     ///
     /// # Errors
     /// A point of another system, a mass matrix that is singular.
@@ -102,7 +104,7 @@ impl Losses {
         Ok(all.into_iter().map(|(lambda, _)| lambda).filter(|lambda| lambda.im > 0.0).collect())
     }
 
-    /// The reduced brake without the dashpots, which has them.
+    /// `reduced`, a brake that has the dashpots, without them.
     pub(super) fn without_dashpots(&self, reduced: &AffineSystem) -> Result<AffineSystem, ReductionError> {
         self.with_times(-1.0, reduced)
     }

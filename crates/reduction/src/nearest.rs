@@ -7,7 +7,7 @@ use num_complex::Complex;
 /// Largest relative distance of two eigenvalues that are one; chosen.
 const SAME: f64 = 1e-7;
 
-/// The places of the `count` values nearest to each number in `to`, each of them once, ascending.
+/// Indices of the `count` values nearest to each number in `to`, each of them once, ascending.
 pub(super) fn nearest(to: &[Complex<f64>], values: &[Complex<f64>], count: usize) -> BTreeSet<usize> {
     let of_number = |number: &Complex<f64>| {
         let distance = |at: &usize| (values[*at] - number).norm();

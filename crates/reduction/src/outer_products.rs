@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Entries up to this part of the largest are taken for rounding; chosen: differences of matrices that are projected lose a few digits.
+/// Largest entry, as a fraction of the largest of the matrix, that is taken for rounding; chosen: differences of matrices that are projected lose a few
+/// digits.
 const ROUNDING: f64 = 1e-10;
 
 /// Columns and rows whose outer products sum up to a matrix, by elimination with complete pivoting; `None` where it takes more than `most`.

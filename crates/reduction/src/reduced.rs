@@ -18,7 +18,7 @@ use crate::{ReductionError, Route};
 
 /// A reduction of a [`SparseAffineSystem`](sparse::SparseAffineSystem) for the modes in a rectangle.
 ///
-/// Cloning and sharing are free of state: the modes at a point depend on the point alone.
+/// It keeps nothing from one point to the next: the modes at a point depend on the point alone, also where threads share it.
 #[derive(Debug, Clone)]
 pub struct Reduced {
     system: AffineSystem,
@@ -34,7 +34,8 @@ pub struct Reduced {
     tolerance: f64,
 }
 
-/// The modes of a reduced system in the rectangle at one operating point, ascending in frequency.
+/// The modes of a reduced system in the rectangle or to its right at one operating point, ascending in frequency, but those that grow faster than they
+/// oscillate ([`grows_too_fast`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReducedModes {
     /// Eigenvalues, rad/s.
@@ -49,12 +50,13 @@ pub struct ReducedModes {
 }
 
 impl Reduced {
-    /// The projection on a smaller basis W, k x m, within a basis V, n x k, of orthonormal columns, from the `system` on V and `combinations` for V: nothing
-    /// large is computed. Modes are found to a part of the tolerance, the residual that they shall not exceed, above 0 and below 1. Where there are
-    /// `losses` the system has their dashpots ([`Losses::with_dashpots`]), and modes are those of the complex stiffness.
+    /// The projection on a smaller basis W, k x m, within a basis V, n x k, of orthonormal columns, from the `system` on V and `combinations` for V:
+    /// nothing large is computed. Modes are found to a tenth of the tolerance, the residual that they shall not exceed, above 0 and below 1. Not checked:
+    /// `combinations` of another basis than V. Where there are `losses` the system has their dashpots ([`Losses::with_dashpots`]), and modes are those of
+    /// the complex stiffness.
     ///
     /// # Errors
-    /// A tolerance out of its range, a basis of another system, a reduced mass matrix that is singular.
+    /// A tolerance out of its range, a basis of another system, a projection that is not finite.
     pub fn within(
         (larger, system, combinations): (&Arc<DMatrix<f64>>, &AffineSystem, &Combinations),
         losses: Option<&Losses>,
@@ -171,7 +173,7 @@ impl Reduced {
         linsys::real_times_complex(&self.larger, &linsys::real_times_complex(&self.columns, y))
     }
 
-    /// The modes in the rectangle at a point, with their residuals.
+    /// The modes in the rectangle or to its right at a point, with their residuals.
     ///
     /// # Errors
     /// A point of another system, or a reduced system that the dense solver does not support.
@@ -179,8 +181,8 @@ impl Reduced {
         self.modes_of_all(std::slice::from_ref(point), &|_, _| true).remove(0)
     }
 
-    /// The modes in the rectangle at each of several points whose eigenvalues, rad/s, are wanted. `is_wanted` is asked of each with the relative error
-    /// up to which it is known then: a mode that may be wanted is found exactly, and asked for again with an error of 0. Others cost little.
+    /// The modes in the rectangle or to its right at each of several points whose eigenvalues, rad/s, are wanted. `is_wanted` is asked of each with the
+    /// relative error up to which it is known then: a mode that may be wanted is found exactly, and asked for again with an error of 0. Others cost little.
     ///
     /// # Errors
     /// As [`Reduced::modes`], of each point.
@@ -227,20 +229,20 @@ impl Reduced {
         self.by_spectrum(point, &system, spectrum, None, &|_, _| true)
     }
 
-    /// Eigenvalues of a spectrum in the rectangle or to its right, or outside by no more than a part of their size; without those that grow faster than they
-    /// oscillate ([`grows_too_fast`]).
+    /// Eigenvalues of a spectrum in the rectangle or to its right, or outside by no more than `part` and the error of dashpots, as fractions of |lambda|;
+    /// without those that grow faster than they oscillate ([`grows_too_fast`]).
     pub(super) fn next_to_rectangle(&self, spectrum: &Spectrum, part: f64) -> Vec<Complex<f64>> {
         let part = part + self.error_of_dashpots();
         spectrum.eigenvalues.iter().copied().filter(|&lambda| self.is_wanted_within(lambda, part)).collect()
     }
 
-    /// True of an eigenvalue in the rectangle or to its right, or outside by no more than a part of its size, that does not grow too fast.
+    /// True of an eigenvalue in the rectangle or to its right, or outside by no more than `part` times |lambda|, that does not grow too fast.
     fn is_wanted_within(&self, lambda: Complex<f64>, part: f64) -> bool {
         self.rectangle.contains_to_the_right(lambda, part * lambda.norm()) && !grows_too_fast(lambda)
     }
 
-    /// The modes in the rectangle at a point as by [`Reduced::modes`], from the whole spectrum of another system in its place: one that was changed, with the
-    /// losses at the point and without residuals, which are of the unchanged brake.
+    /// The modes at a point as by [`Reduced::modes`], from the whole spectrum of another system in its place: one that was changed, with the losses of the
+    /// unchanged brake at the point. `residuals` is empty, as only residuals in the unchanged brake are known.
     ///
     /// # Errors
     /// A system of another order, or one that the dense solver does not support.
@@ -386,12 +388,12 @@ impl Reduced {
 
 /// Name of a spectrum that is not there, in messages.
 const NO_SPECTRUM: &str = "spectrum of a reduced system";
-/// Part of the wanted residual at which the modes of the reduced system itself have converged; chosen: so that what is left
-/// of them adds little to the residual in the large system.
+/// Residual in the reduced system, as a fraction of the tolerance, at which its modes have converged; chosen: so that what is left of them adds little to
+/// the residual in the large system.
 const REDUCED_PART: f64 = 0.1;
 
 impl ReducedModes {
-    /// The largest residual, zero where there is no mode, not a number where one is not.
+    /// The largest residual, 0 where there is no mode, NaN where one of them is NaN.
     #[must_use]
     pub fn largest_residual(&self) -> f64 {
         largest_residual(self.residuals.iter().copied())

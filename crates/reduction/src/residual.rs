@@ -5,8 +5,8 @@
 //!               + sum_i b_i (mu_i r_i^T V y + lambda s_i(lambda) b_i^T V y)
 //! ```
 //!
-//! All that stands on the left of coefficients is known when the basis V is: the columns of every `A_k V` and the b_i. The part of the residual in V
-//! is the residual in the reduced system; the norm of the part orthogonal to V is bounded by random combinations of its rows.
+//! All matrices here are known when the basis V is: the columns of every `A_k V` and the b_i. The part of the residual in V is the residual in the reduced
+//! system; the norm of the part orthogonal to V is bounded by random combinations of its rows.
 
 use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;

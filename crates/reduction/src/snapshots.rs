@@ -114,8 +114,8 @@ impl<'a> Snapshots<'a> {
         Ok(())
     }
 
-    /// The principal directions of all vectors, of unit length, by descending singular value down to a floor: V, n x k with k at most
-    /// `most_columns`; with the singular values.
+    /// The principal directions of all vectors, of unit length, by descending singular value down to a floor: V, n x k with k at least 1 and at most
+    /// `most_columns`; with the k singular values.
     ///
     /// # Errors
     /// No mode that was added.
@@ -153,7 +153,8 @@ impl Snapshot<'_> {
     }
 
     /// The largest error, relative to |lambda| and to first order, that the eigenvalues have on a basis V, n x k, of orthonormal columns:
-    /// `|w^H Q(lambda) x / (lambda psi^H Q'(lambda) phi)|`, x and w what V holds of the vectors phi and psi; infinite where too little of one is in it.
+    /// `|w^H Q(lambda) x / (lambda psi^H Q'(lambda) phi)|`, x and w the parts of the vectors phi and psi in the span of V; infinite where more than a tenth
+    /// of the length of one is outside of it.
     ///
     /// # Errors
     /// Those of assembling the brake at its point.

@@ -13,8 +13,8 @@ use crate::ReductionError;
 /// have at most some millionths of each other.
 const TOGETHER: f64 = 1e-10;
 
-/// With `z = [y; lambda y / gamma]` the system is `A z = lambda B z`, `A = [0, gamma I; -K / gamma, -C]`, `B = [I, 0; 0, M]`, and left
-/// vectors are scaled so that `W^H B Z = I`. From these
+/// All eigenvalues and vectors of a system of order k. With `z = [y; lambda y / gamma]` it is `A z = lambda B z`, `A = [0, gamma I; -K / gamma, -C]`,
+/// `B = [I, 0; 0, M]`; the right vectors are the columns of Z, the left ones those of W, scaled so that `W^H B Z = I`. From these
 ///
 /// ```text
 /// Q(lambda)^-1 = sum_j y_j v_j^H / (gamma (lambda - lambda_j))      v: lower parts of left vectors
@@ -29,8 +29,10 @@ pub(super) struct StateModes {
 }
 
 impl StateModes {
+    /// The modes of a system, whose internal states are left out; gamma, rad/s, scales velocities.
+    ///
     /// # Errors
-    /// A mass matrix that is singular.
+    /// A mass matrix that is singular, vectors that are not independent.
     pub fn new(system: &SecondOrder, gamma: f64) -> Result<Self, ReductionError> {
         let SecondOrder { m, c, k, .. } = system;
         let order = m.nrows();

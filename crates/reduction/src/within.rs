@@ -42,9 +42,10 @@ const LOWER: f64 = 0.6;
 pub struct Within {
     /// W, k x m, orthonormal: columns of the smaller basis in terms of the larger one.
     pub basis: DMatrix<f64>,
-    /// The points at which all modes of the larger system were found, as corrections did not end there.
+    /// The points at which all modes of the larger system were found, as corrections did not reach the error there.
     pub solved: Vec<OperatingPoint>,
-    /// Modes that a smaller basis did not have, however often others were corrected, or that the first columns of the larger one did not have either.
+    /// Eigenvalues, rad/s, of modes that were missing on a smaller basis after the most corrections at a point, or that the whole spectrum at the middle
+    /// point showed to be unknown.
     pub missed: Vec<Complex<f64>>,
     /// The largest estimated error of an eigenvalue in the rectangle, relative to its size; 1 where one is missing.
     pub distance: f64,
@@ -88,7 +89,7 @@ pub fn within(
             is_reached = false;
             corrections[at] += 1;
             if corrections[at] <= MOST_CORRECTIONS {
-                // As many that are new are those that are known, at other places.
+                // Where no fewer are new than are lost, the new ones are taken for the lost ones at other eigenvalues.
                 let lost = if lost.len() > found.len() { lost } else { Vec::new() };
                 let lost = known[at].selected(&lost);
                 known[at] = search.better(judged)?.and(&lost);
@@ -179,8 +180,8 @@ struct Search<'a> {
     friction: Friction,
     /// `Q(i omega)^-1` at the first point, each with its frequency omega, rad/s.
     inverses: Vec<(f64, dense::Factored)>,
-    /// `L^T` of `L L^T = K + omega^2 M`, symmetric parts without friction at the first point, with the highest frequency that is wanted; the identity where
-    /// that is not positive.
+    /// `L^T` of `L L^T = K + omega^2 M`, symmetric parts without friction at the first point, omega the highest frequency that is wanted; the identity
+    /// where the sum is not positive definite.
     energy: DMatrix<f64>,
 }
 
@@ -253,7 +254,8 @@ impl<'a> Search<'a> {
         systems.iter().zip(modes).enumerate().map(one).collect()
     }
 
-    /// The error of modes whose slopes `y^T Q'(lambda) x` are given: with a better left vector y - c the eigenvalue changes by `c^T Q(lambda) x` over that.
+    /// The error of modes whose slopes `y^T Q'(lambda) x` are given: with a better left vector y - c the eigenvalue changes by `c^T Q(lambda) x` over the
+    /// slope.
     fn judge(&self, point: usize, modes: Modes, slopes: &[Complex<f64>]) -> Result<Judged, ReductionError> {
         let ((_, SecondOrder { m, c, k, .. }), gains) = (self.structures.of(point), &self.points[point].channels);
         let mut residual = split::quadratic([m, c, k], &modes.lambdas, &modes.right);
@@ -291,14 +293,14 @@ impl<'a> Search<'a> {
         Ok(Modes { lambdas, right, left })
     }
 
-    /// `Q(i omega)^-1` at the first point, omega next to an eigenvalue.
+    /// `Q(i omega)^-1` at the first point, omega the frequency with an inverse that is nearest to Im lambda.
     fn inverse(&self, lambda: Complex<f64>) -> &dense::Factored {
         let distance = |at: &usize| (lambda.im - self.inverses[*at].0).abs();
         let nearest = (0..INVERSES).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         &self.inverses[nearest.unwrap_or_default()].1
     }
 
-    /// The system on the principal directions of all vectors, of unit energy, down to a singular value.
+    /// The system on the principal directions of all vectors, scaled to unit energy, down to the singular value `floor`.
     fn smaller(&self, known: &[Modes], floor: f64) -> Result<Smaller, ReductionError> {
         let none = split::zeros(self.reduced.order(), 0);
         let sides = known.iter().flat_map(|modes| [&modes.right, &modes.left]);
