@@ -8,7 +8,7 @@ use num_complex::Complex;
 use reduction::{CoarseBasis, CoarseStates, SnapshotMode, Within};
 use study::{DivergenceCounts, FullChecks};
 
-/// A value that bytes hold, numbers little-endian.
+/// A value that can be written as bytes and read again, numbers little-endian.
 pub(crate) trait Bits: Sized {
     /// Adds the value to bytes.
     fn put(&self, to: &mut Vec<u8>);

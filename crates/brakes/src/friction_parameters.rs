@@ -13,7 +13,7 @@ pub(super) struct FrictionUse {
     pub has_bristle_damping: bool,
 }
 
-/// Parameter of friction: name, unit, and how a draw holds it.
+/// Parameter of friction: name, unit, and how it is read from a draw and set in it.
 #[derive(Debug)]
 pub(super) struct FrictionParameter {
     pub name: &'static str,

@@ -70,7 +70,8 @@ fn own_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoin
     Ok(of_brake(case, closed, &naming_point(case, closed)?))
 }
 
-/// Change of the operating point from the naming point of a set of constraints to the naming point `to` of a configuration. A system is linear in it.
+/// Change of the operating point from the naming point of a set of constraints to the naming point `to` of a configuration. The matrices of a system are
+/// linear in it; its internal states are not, and are left out.
 fn change(case: &FiniteElementCase, to: &OperatingPoint) -> Result<OperatingPoint, Error> {
     let from = own_point(case, &all_patches(case))?;
     let gain = |(from, to): (&ChannelGain, &ChannelGain)| ChannelGain {

@@ -20,7 +20,7 @@ use super::{Diverging, FiniteElementBrake};
 use crate::Error;
 use crate::case::FiniteElementCase;
 
-/// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
+/// Smallest real eigenvalue that is looked for as divergence, as a fraction of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
 /// motions.
 const SLOWEST: f64 = 1e-3;
 /// Size of a rectangle beyond the band, as a multiple of the size of the rectangle before. With 3.44 at most, one disc that reaches 0.95 of the distance from its middle to
@@ -36,8 +36,8 @@ fn slowest_divergence(case: &FiniteElementCase) -> f64 {
 }
 
 /// Eigenvalues of a whole brake in a rectangle that surely are beyond a threshold and grow faster than they oscillate, 1/s, Im >= 0, by ascending growth.
-/// `None` where the search does not come to an end, or nothing surely grows and rounding leaves open whether something does; beside one that surely grows those
-/// are left out.
+/// `None` where the search does not come to an end, or nothing surely grows and rounding leaves open whether something does; beside one that surely grows
+/// the open ones are left out.
 fn fast_in(system: &SparseSecondOrder, right: &Rectangle, threshold: &Threshold) -> Option<Vec<Complex<f64>>> {
     let found = eigenpairs_in(system, right, &sparse::Options::default(), &mut |_| {}).ok()?;
     let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);

@@ -145,7 +145,7 @@ impl FiniteElementBrake {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let mut brake = match purpose {
-            // The findings of a study say of whose errors nothing is known.
+            // A study lists in its findings the scenes of whose errors nothing is known: no doubt is added to its plan.
             Purpose::Study => return Self::checked_of((case, pieces), progress),
             Purpose::Analysis => Self::with_points((case, pieces), Bases::OfEach, (&[], &[]), progress),
             // Errors of the reduced brake are not asked for.
@@ -195,8 +195,8 @@ impl FiniteElementBrake {
         Self::with_points((case, &pieces), bases, (&[], &[]), progress)
     }
 
-    /// Reduces the brake; the points are `swept` ones, at which the modes of the first configuration shall be held in the place of draws, and further ones that
-    /// are `trained` on.
+    /// Reduces the brake; the points are `swept` ones, at which the modes of the first configuration shall lie in the bases, in the place of draws, and
+    /// further ones that are `trained` on.
     fn with_points(
         (case, pieces): (FiniteElementCase, &Pieces<'_>),
         bases: Bases,

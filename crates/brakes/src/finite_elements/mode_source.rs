@@ -39,7 +39,7 @@ impl FiniteElementBrake {
         }
     }
 
-    /// Number of samples that each way has found so far, in all scenes.
+    /// Number of samples whose modes each route has found so far, in all scenes.
     #[must_use]
     pub fn routes(&self) -> RouteCounts {
         // What a panic of another thread left is a count all the same.
@@ -54,7 +54,7 @@ impl FiniteElementBrake {
     pub fn judged(&self, scene: &Scene, at: &OperatingPoint, found: &ReducedModes) -> Result<Vec<BandMode>, Error> {
         let part = self.part(scene);
         let mut modes = self.with_bounds(scene, at, found);
-        // Where not even which modes there are is known, no verdict of one of them closes anything.
+        // Where it is not even known which modes there are, settling the verdict of one of them helps nothing.
         let are_known = self.unknown_error(scene).is_none();
         let most = if are_known { self.case.reduction.full_verdicts } else { 0 };
         if settled::settle(&mut modes, &self.plan, (part, &self.sets[part.set]), at, most)? {
@@ -186,7 +186,7 @@ impl ModeSource for FiniteElementBrake {
     }
 
     fn whole_shape(&self, constraints: usize, shape: &DVector<Complex<f64>>) -> Vec<(String, Complex<f64>)> {
-        // One of `every` rows of the model, before any is held: the same rows with another set of constraints.
+        // Every `every`-th row of the model, counted before any is fixed: the same rows with another set of constraints.
         let every = self.case.dofs.len().div_ceil(ROWS_OF_SHAPES);
         let lifted = self.origin(constraints).reduced.lift(shape);
         let rows = self.sets[constraints].dofs.free().iter().zip(lifted.iter());

@@ -19,7 +19,7 @@ impl OuterFaces for FiniteElementBrake {
             return Ok(None);
         }
         let rows = mesh.rows_of_nodes(&self.free_rows(scene.key.constraints));
-        // What the case fixes, huge entries hold or the mesh holds is at rest.
+        // What the case, huge entries or the mesh fix is at rest.
         let case = &self.case;
         let known: Vec<Dof> = case.dofs.iter().chain(&case.held).chain(&case.held_in_mesh).copied().collect();
         Ok(Some(FacesInMotion {

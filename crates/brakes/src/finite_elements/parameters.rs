@@ -98,7 +98,7 @@ pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
     of_scene(scene).into_iter().filter_map(named).collect()
 }
 
-/// The values of a scene whose parameters have `values`, by their indices, and all others their medians.
+/// The values of a scene whose parameters have `values`, by their indices in [`named`] (not checked), and all others their medians.
 pub(super) fn changed(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Values {
     let (mut at, parameters) = (medians(scene), of_scene(scene));
     for &(place, value) in values {
@@ -141,7 +141,7 @@ pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<Oper
     whole_point(scene, &changed(scene, values))
 }
 
-/// As [`point`], with what it stands for.
+/// As [`point`], of values that were put together before.
 pub(super) fn whole_point(scene: &SceneOf<'_>, at: &Values) -> Result<OperatingPoint, Error> {
     let point = points::scaled_point(scene.case, scene.closed, at.friction, &at.sample, at.scales())?;
     let mut whole = points::of_brake(scene.case, scene.closed, &point);

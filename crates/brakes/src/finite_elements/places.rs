@@ -27,8 +27,8 @@ pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeCo
 /// The node sets of the mesh in x, y and z, as far as they are free; what is attached is shared equally by the nodes. Sets with
 /// contact nodes of the disc are left out, because the disc turns.
 ///
-/// A direction's own mass and stiffness are what the reduced brake without friction has there: `1 / (p^T A^-1 p)` with the mean
-/// motion p of the nodes, the static stiffness for K.
+/// A direction's own mass and stiffness are what the reduced brake without friction has there: `1 / (p^T A^-1 p)` with the mean motion p of the nodes and M
+/// or K for A; for K it is the static stiffness. NaN where the matrix is singular.
 ///
 /// # Errors
 /// [`Error::SeveralBases`] where configurations have different bases.
@@ -76,7 +76,7 @@ pub(super) fn places(brake: &FiniteElementBrake, constraints: usize) -> Result<V
     Ok(case.node_sets.iter().filter_map(place).collect())
 }
 
-/// The rows of the basis, each with its share.
+/// The rows of the basis, each divided by the root of their number: what is attached is shared by as many nodes.
 fn parts(of_rows: &DMatrix<f64>) -> Vec<Vec<(usize, f64)>> {
     let share = 1.0 / (of_rows.nrows() as f64).sqrt();
     of_rows.row_iter().map(|row| row.iter().map(|value| value * share).enumerate().collect()).collect()

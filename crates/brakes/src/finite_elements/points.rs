@@ -38,8 +38,8 @@ pub(super) fn scaled_point(
     Ok(OperatingPoint { coefficients, channels: gains })
 }
 
-/// Flags of the points of closed patches at an operating point as by [`scaled_point`], patch by patch: true of those that press. None where
-/// loads are given.
+/// Flags of the points of closed patches at an operating point as by [`scaled_point`], patch by patch: true of those that press. Empty where loads are
+/// given.
 pub(super) fn closed_points(
     case: &FiniteElementCase,
     closed: &[usize],
@@ -97,8 +97,8 @@ pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = C
     terms.into_iter().flatten()
 }
 
-/// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed, unless it acts across the sliding. None
-/// where the parameters say the speed.
+/// Indices of the ranges of speed in which a law is studied. There is one `None` alone where it has no range: Amontons-Coulomb friction does not depend on
+/// speed, unless it acts across the sliding, and parameters of the case may give the speed.
 pub(super) fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> {
     let has_ranges = depends_on_speed(contact, law) && !contact.speeds.is_empty();
     if has_ranges { (0..contact.speeds.len()).map(Some).collect() } else { vec![None] }
@@ -115,7 +115,7 @@ pub(super) fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result
     scene_point(case, closed, friction, &median).map_err(no_median(case))
 }
 
-/// True where loads are in equilibrium and, at the point at which modes are named, no point of the closed patches presses.
+/// True where loads follow from an equilibrium and, at the point at which modes are named, no point of the closed patches presses.
 pub(super) fn none_presses(case: &FiniteElementCase, closed: &[usize]) -> Result<bool, Error> {
     let (friction, median) = naming(case);
     let presses = closed_points(case, closed, friction, &median, UNSCALED).map_err(no_median(case))?;

@@ -32,8 +32,8 @@ const FURTHER: u64 = 4;
 const WANTED_FURTHER: f64 = 1e-6;
 /// Most times that the number of draws is doubled; chosen: the error that is left after the last time is assumed of samples.
 const MOST_DOUBLINGS: u32 = 3;
-/// Number of points of a part at which its coarse modes are made, unless more draws did not agree before; chosen: with fewer, more samples need a whole
-/// spectrum; with more, the coarse basis has more columns.
+/// Number of points of a part at which its coarse modes are made, unless more had to be solved whole on the basis of the set ([`Within::solved`]); chosen:
+/// with fewer, more samples need a whole spectrum; with more, the coarse basis has more columns.
 const COARSE_POINTS: usize = 24;
 
 /// Choice of the arrangements that have a basis of their own.
@@ -225,7 +225,7 @@ fn part_piece(
         }
         (count, doublings) = (2 * count, doublings + 1);
     };
-    // Draws that did not agree before all others, and these thinned evenly.
+    // First the draws that had to be solved whole and the trained points, then other draws, thinned evenly.
     let mut known: Vec<OperatingPoint> = within.solved.iter().chain(trained).cloned().collect();
     let others = drawn(count.max(COARSE_POINTS as u64))?;
     let step = others.len().div_ceil(COARSE_POINTS.saturating_sub(known.len()).max(1)).max(1);

@@ -27,7 +27,7 @@ pub struct ReducedSet {
     pub basis: Arc<DMatrix<f64>>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub(super) leading: usize,
-    /// At the medians the brake on the basis has modes that the whole one does not have.
+    /// True if at the medians the brake on the basis has modes that the whole one does not have.
     has_others: bool,
     /// Number of complete solutions that are made together, and how many of single eigenvalues may begin now.
     pub(super) together: Arc<Together>,
@@ -48,7 +48,8 @@ pub struct ReducedSet {
     pub held_out: f64,
     /// The largest such distance at full checks; 0 without full checks.
     pub checked: f64,
-    /// Largest residual of these modes there: an error that was measured is known of modes with such residuals, and not of others.
+    /// Largest residual of the modes that [`held_out`](Self::held_out) compares: an error that was measured is known of modes with such residuals, and not
+    /// of others.
     pub held_out_residual: f64,
 }
 
@@ -109,7 +110,7 @@ impl ReducedSet {
         })
     }
 
-    /// Modes at the medians, surely where they are wanted, that the whole brake does not have.
+    /// Number of modes of the reduced brake at the medians, surely where they are wanted, that the whole brake does not have.
     #[must_use]
     pub fn invented(&self, case: &FiniteElementCase) -> usize {
         surely_wanted(case, &self.compared.left)

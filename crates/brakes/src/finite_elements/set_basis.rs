@@ -35,7 +35,7 @@ const LEADING: f64 = 3e-3;
 /// Number of complete solutions, that at the medians among them, of which a basis is made before draws tell whether it is enough. Measured with
 /// cases/disc-pad and its refinement: 12 hold eigenvalues to 3e-9 and 1e-6.
 const FIRST_SOLUTIONS: usize = 9;
-/// Most complete solutions of which a basis is made.
+/// Most complete solutions of which a basis is made; draws after these are held out, whatever their error on it is.
 const MOST_SOLUTIONS: usize = 40;
 /// Number of draws in a row that a basis was not made of and has to hold; chosen: the error bounds of verdicts are told by them.
 const HELD_OUT: usize = 3;
@@ -53,8 +53,9 @@ pub(super) struct SetBasis {
     pub basis: DMatrix<f64>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub leading: usize,
-    /// At the medians the brake on it has modes that the whole one does not have.
+    /// True if at the medians the brake on it has modes that the whole one does not have.
     pub has_others: bool,
+    /// Draws that it was not made of, in their order; fewer than [`HELD_OUT`] where nearly nothing is drawn.
     pub held_out: Vec<HeldOut>,
 }
 
@@ -66,7 +67,7 @@ pub(super) struct HeldOut {
     pub modes: Vec<Complex<f64>>,
 }
 
-/// Place of complete solutions of the whole brake until it is made.
+/// Where complete solutions of the whole brake are kept until its bases are made.
 pub(super) struct KeptSolutions<'a> {
     pub pieces: &'a Pieces<'a>,
     /// Rows that the set of constraints fixes.
@@ -156,8 +157,9 @@ fn holding(snapshots: &Snapshots<'_>, of: &[Snapshot<'_>], floor: &mut f64) -> R
     }
 }
 
-/// A basis on which the brake has no modes at the medians that the whole brake does not have, where one with fewer or more directions is such and holds those
-/// that it has: directions that are parts of modes beside the band may together look like one in it. Otherwise the basis that is given, and true.
+/// The basis `given`, and false, if the brake on it has no modes at the medians that the `whole` brake does not have: directions that are parts of modes
+/// beside the band may together look like one in it. Otherwise a basis with fewer or more directions that has no such modes and holds those of the whole
+/// brake, and false; where none is found the basis `given`, and true.
 fn without_others(
     (system, at): (&SparseAffineSystem, &OperatingPoint),
     snapshots: &Snapshots<'_>,

@@ -13,9 +13,9 @@ use crate::Error;
 /// of the mode. Chosen: that error is a hundred times the largest distance that was measured, so that this is ten times that distance.
 const SAME_MODE: f64 = 0.1;
 
-/// Gives modes whose verdict is open, of a reduced brake at an operating point of the whole one, the eigenvalues of the whole brake next to them, with their
-/// errors. True if the whole brake was asked, which it is not if no mode or more than `most` are open. A mode stays as it is if its eigenvalue is not found, is
-/// farther away than the mode of the whole brake can be, or may belong to another open mode.
+/// Gives the modes whose verdict is open, of a reduced brake at an operating point of the whole one, the eigenvalues of the whole brake next to them, with
+/// the error bounds of these. True if the whole brake was asked, which it is not if no mode or more than `most` are open. A mode stays as it is if its
+/// eigenvalue is not found, is farther away than the mode of the whole brake can be, or may belong to another open mode.
 ///
 /// # Errors
 /// A point of another brake, an elimination order of the whole brake that does not fit into memory.

@@ -137,7 +137,7 @@ impl Sliding<'_> {
                 gains.extend(loaded().map(|((speed, tangent), [load, _])| across(tangent, *load, *speed)));
             }
             if self.contact.has_spring_channels {
-                // What a spring has beyond that in the stiffness of its patch.
+                // The stiffness of a spring beyond what the term of its patch has of it.
                 let in_patch =
                     |pair: usize| state.as_ref().map_or(1.0, |(balance, _)| balance.at_medians(patch.points[pair]));
                 let beyond = |(pair, [_, spring]): (usize, &[f64; 2])| ChannelGain {
@@ -150,7 +150,7 @@ impl Sliding<'_> {
         Ok(gains)
     }
 
-    /// Flags of the points of the closed patches, patch by patch: true of those that press. None where loads are given.
+    /// Flags of the points of the closed patches, patch by patch: true of those that press. Empty where loads are given.
     pub fn pressing(&self, coefficients: &[f64], factor: f64) -> Result<Vec<bool>, Error> {
         let Some((_, state)) = self.loaded(coefficients, factor)?.state else { return Ok(Vec::new()) };
         let points = self.closed.iter().flat_map(|&patch| &self.contact.patches[patch].points);

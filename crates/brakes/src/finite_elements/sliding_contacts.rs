@@ -133,7 +133,8 @@ fn contacts(scene: &SceneOf<'_>, at: &Values, system: &AffineSystem, stick: f64)
     Ok(of_patch.collect())
 }
 
-/// The structure with its closed contact springs, a part for each family: all terms, and what the springs of pairs have beyond that in the term of their patch.
+/// The structure with its closed contact springs, a part for each family: all terms, and the stiffness of the springs of pairs beyond what the term of
+/// their patch has of it.
 fn parts(scene: &SceneOf<'_>, system: &AffineSystem, at: &OperatingPoint) -> Result<Vec<cycle::Part>, Error> {
     let mut parts: Vec<cycle::Part> = Vec::new();
     for part in cycle::Part::of_terms(system, &at.coefficients) {

@@ -33,7 +33,7 @@ impl Together {
     /// Complete solutions, as many together as there are places. These may themselves share their work among threads.
     ///
     /// # Errors
-    /// The first of theirs.
+    /// One of theirs.
     pub fn map<T: Send, U: Send>(
         &self,
         mut of: Vec<T>,

@@ -7,8 +7,8 @@ use super::{LatticeSample, sliding_under};
 use crate::Error;
 use crate::case::{LatticeReadings, Law};
 
-/// The equations of motion of a lattice whose contacts open, slide along x and stick: with the stiffness of the contact of each oscillator,
-/// N/m, of a sample at a speed, m/s.
+/// The equations of motion of a lattice whose contacts open, slide along x and stick: with the stiffness of the contact of each oscillator, N/m, of a
+/// sample at a speed, m/s. A contact sticks where it slides with less than `stick` of that speed.
 ///
 /// # Errors
 /// Friction across the sliding; errors of the friction law; no static equilibrium.

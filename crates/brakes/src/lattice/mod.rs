@@ -44,7 +44,7 @@ pub struct LatticeBrake {
     lattices: Vec<PreparedLattice>,
     /// The symmetries of each set of constraints: of the brake or, with a draw for each contact, of its distribution.
     symmetries: Vec<Vec<Reversal>>,
-    /// Reversals by configuration: each maps it onto one member of its scenes.
+    /// Reversals of each configuration, one for each member of its symmetry class: each maps the arrangement of the configuration onto that of the member.
     members: Vec<Vec<Reversal>>,
 }
 
