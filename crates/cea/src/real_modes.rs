@@ -119,8 +119,8 @@ impl RealModes {
         (&dashpots + dashpots.transpose()) * 0.5
     }
 
-    /// Parts `|phi_j^T M x|^2 / (x^H M x)` of each mode in a shape x of length n, in the order of the modes. The parts are not
-    /// negative and their sum is 1, since the modes span all that has mass.
+    /// Fractions `|phi_j^T M x|^2 / (x^H M x)` of each mode in a shape x of length n, in the order of the modes. They are not negative and their sum is 1,
+    /// since the modes span all that has mass; NaN for a shape that moves no mass.
     #[must_use]
     pub fn participation(&self, x: &DVector<Complex<f64>>) -> Vec<f64> {
         let momentum = real_times_complex(&self.mass, x);

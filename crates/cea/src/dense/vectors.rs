@@ -19,7 +19,7 @@ const LARGEST_BACKWARD_ERROR: f64 = 1e-9;
 /// Fewest rows of a matrix whose singular vector is found by its LU factors, one matrix at a time. Chosen: reduced finite elements, of which few
 /// matrices come together, are as large; a single matrix of order 80 takes 2.7 times less time, and eight of them as much more.
 const LARGE: usize = 64;
-/// Most solves with one factorisation; chosen: one nearly always suffices.
+/// Most solutions with one factorisation; chosen: one nearly always suffices.
 const MOST_INVERSE_ITERATIONS: usize = 4;
 
 /// Right eigenvector phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
@@ -214,7 +214,7 @@ fn has_converged([before, now]: [f64; 2]) -> bool {
     now <= 1e-14 || (now <= LARGEST_BACKWARD_ERROR && now >= 0.5 * before)
 }
 
-/// Multiplies by a phase that makes the largest component real and positive.
+/// Multiplies by a phase that makes the largest component real and positive: the first of those that are as large but for 1e-9. A zero vector becomes NaN.
 pub fn fix_phase(x: &mut DVector<Complex<f64>>) {
     let larger = |m: Complex<f64>, &v: &Complex<f64>| if v.norm_sqr() > m.norm_sqr() * (1.0 + 2e-9) { v } else { m };
     let largest = x.iter().fold(Complex::from(0.0), larger);

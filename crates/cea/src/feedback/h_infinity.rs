@@ -16,8 +16,8 @@ const ABOVE_SEEN: f64 = 1.01;
 /// Safety factor on the bound that passed, for rounding errors in the gains and in the eigenvalues of the Hamiltonian matrix;
 /// chosen: these errors are known to be of first order in epsilon, their constant is not.
 const ROUNDING_RESERVE: f64 = 1.01;
-/// An eigenvalue nearer to the axis than this part of the matrix norm counts as on the axis: the square root of epsilon,
-/// sqrt(2.2e-16) = 1.5e-8, by which a rounding error moves a double eigenvalue.
+/// An eigenvalue no farther from the axis than this fraction of the matrix norm counts as on the axis: the square root of epsilon, sqrt(2.2e-16) = 1.5e-8,
+/// by which a rounding error moves a double eigenvalue.
 const ON_AXIS: f64 = 1.5e-8;
 /// Most bounds tried; chosen: the search converges quadratically and takes two or three.
 const MOST_BOUNDS: usize = 12;
@@ -56,7 +56,7 @@ pub struct NormBound {
 /// than 1.5e-8, the allowance for rounding, counts as on it: the gap between the two numbers shows what that is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisMargins {
-    /// Matrices.
+    /// Number of matrices.
     pub matrices: u64,
     /// The farthest of the eigenvalues that count as on the axis; 0 without any.
     pub on_axis: f64,

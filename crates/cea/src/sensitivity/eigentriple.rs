@@ -58,7 +58,7 @@ impl Eigentriple {
         Ok(Self::of_vectors(system, lambda, right_vector(system, lambda, work)?, left_vector(system, lambda, work)?))
     }
 
-    /// The eigentriple of vectors that are known, length n, unit 2-norm.
+    /// The eigentriple of an eigenvalue and vectors that are known, length n, unit 2-norm; none of it is checked.
     #[must_use]
     pub fn of_vectors(
         system: &SecondOrder,
@@ -154,7 +154,7 @@ impl Eigentriple {
         self.right.dotc(&other.right).norm()
     }
 
-    /// Distance of the other eigenvalues; `spectrum` holds all of the system, this one included.
+    /// Distance from the other eigenvalues; `spectrum` has to contain all of the system, this one included.
     #[must_use]
     pub fn separation(&self, spectrum: &[Complex<f64>]) -> Separation {
         let distance = |other: &Complex<f64>| (other - self.lambda).norm();

@@ -40,8 +40,8 @@ impl Perturbation {
         by
     }
 
-    /// A parameter of any kind, by central differences of three systems of one shape: at p - h, p and p + h. Eigenvalues are not
-    /// differenced, only the entries of the matrices, which are smooth where eigenvalues are not.
+    /// A parameter of any kind, by central differences of three systems of one shape: at p - h, p and p + h, with h the `half_step` in units of p.
+    /// Eigenvalues are not differenced, only the entries of the matrices, which are smooth where eigenvalues are not.
     #[must_use]
     pub fn between(triple: &Eigentriple, [below, at, above]: [&SecondOrder; 3], half_step: f64) -> Self {
         let mut by = Self::none(triple);

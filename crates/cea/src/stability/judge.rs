@@ -26,7 +26,7 @@ const BLUNT: f64 = 1e-5;
 /// (docs/error-bounds.md, section 8).
 const MOST_COALESCING: usize = 4;
 
-/// True if a bound is so large, of what is as fast as a vibration, that to be on the axis to within it says nothing.
+/// True if a bound is so large, compared with |lambda|, that a vibration on the axis to within it may grow by as much.
 pub(super) fn is_blunt(lambda: Complex<f64>, bound: f64) -> bool {
     bound > BLUNT * lambda.norm()
 }
@@ -207,7 +207,8 @@ impl<'a> Judge<'a> {
         is_same.then_some(JudgedEigenvalue { lambda, bound, verdict })
     }
 
-    /// The eigenvalue with a bound, as improved.
+    /// The eigenvalue, improved, with a bound and a verdict by [`SingleCertifier`]. `lambda` need not be of the spectrum: it takes the place of the nearest
+    /// one.
     pub(crate) fn bounded(&mut self, lambda: Complex<f64>, work: &mut Workspace) -> Result<JudgedEigenvalue, CeaError> {
         let mut all = self.spectrum.eigenvalues.clone();
         let distance = |i: &usize| (all[*i] - lambda).norm();

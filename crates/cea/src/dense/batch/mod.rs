@@ -139,6 +139,7 @@ impl WithSimd for EigenvaluesInLanes<'_> {
     }
 }
 
+/// Appends the spectrum of each system from its quasi-triangular matrix; `None` for a system that is handed back.
 fn read_off<S: Simd>(
     a: &[S::f64s],
     layout: Layout,

@@ -10,7 +10,7 @@ use super::Gain;
 /// Largest sum of all shares that counts as an enclosure; chosen: in exact arithmetic any sum below 1 does, the difference is
 /// kept for rounding errors of the sum.
 pub(super) const LARGEST_TOTAL_SHARE: f64 = 0.9;
-/// Bound of the rounding error of w, relative to z, far from other eigenvalues; chosen.
+/// Bound of the rounding error of the correction w of a guess z, relative to |z|, far from other eigenvalues; chosen.
 const CORRECTION_ROUNDING: f64 = 1e-11;
 /// Relative distance of the nearest other eigenvalue at which that bound is twice as large; chosen. It is larger by the factor
 /// `1 + CLUSTER_DISTANCE / distance`.
@@ -18,8 +18,8 @@ const CLUSTER_DISTANCE: f64 = 1e-3;
 /// Safety factor on |w|; chosen. Next to a strongly coupled pole of the structure, large terms of the determinant cancel, and
 /// values were seen with relative errors of 0.004.
 const CORRECTION_SAFETY: f64 = 1.25;
-/// Modes near the axis are sought out to this multiple of the distance asked for; chosen: eigenvalues just beyond the distance
-/// need then not be enclosed apart from it.
+/// Modes near the axis are sought up to this multiple of the damping ratio asked for; chosen: eigenvalues just beyond that ratio need then not be enclosed
+/// on one side of it.
 const NEAR_AXIS_MARGIN: f64 = 1.5;
 
 /// |z| of a number whose square is in range.
@@ -57,7 +57,7 @@ impl InternalCluster {
 }
 
 impl Approximations {
-    /// `prod (z - z_j)` over all modes and their conjugates, without the factor `z - z_k`.
+    /// `prod (z - z_j)` over all modes and their conjugates, without the factor `z - z_k`; with all factors for a k that is no mode.
     pub fn others(&self, k: usize, z: Complex<f64>) -> Complex<f64> {
         let mut product = Complex::from(1.0);
         for (j, other) in self.sigmas.iter().enumerate() {
@@ -113,7 +113,7 @@ impl Enclosure {
 pub(super) enum Wanted {
     /// The growing modes, and which other modes have lower frequencies.
     Growing,
-    /// The modes with `Re sigma > -part |sigma|`.
+    /// The modes with a damping ratio below this number: `Re sigma > - number |sigma|`.
     Near(f64),
 }
 

@@ -74,7 +74,8 @@ impl GainPath<'_> {
         found
     }
 
-    /// The two eigenvalues next to each guess in `at`, which is on a path at a position t: [`eigenvalue_pairs`] of the secular equation.
+    /// The two eigenvalues next to each guess in `at`, which is on a path at a position t, with the derivative of the pair by t: [`eigenvalue_pairs`] of
+    /// the secular equation, and `None` as there.
     pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
         let mut values = Vec::new();
         eigenvalue_pairs(at, |points| {
