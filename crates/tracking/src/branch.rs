@@ -32,7 +32,7 @@ pub(crate) const FIRST_STEPS: usize = 16;
 pub struct BranchPoint {
     /// The eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// Derivative d lambda / d parameter.
+    /// Derivative d lambda / d parameter, rad/s per unit of the parameter.
     pub rate: Complex<f64>,
 }
 
@@ -41,7 +41,7 @@ pub struct BranchPoint {
 pub struct RefinedPoint {
     /// lambda, rad/s, after one Newton step with the left and the right eigenvector.
     pub lambda: Complex<f64>,
-    /// Derivative d lambda / d parameter.
+    /// Derivative d lambda / d parameter, rad/s per unit of the parameter.
     pub rate: Complex<f64>,
     /// Bound of the error of lambda by rounding, rad/s.
     pub bound: f64,

@@ -11,19 +11,19 @@ use crate::path::{Path, PathPoint};
 use crate::step_control::{PredictorErrors, StepControl};
 use crate::tuning::tuning;
 
-/// The first step, as a part of the path; chosen: steps next to a coalescence are about as short.
+/// The first step, as a fraction of the path; chosen: steps next to a coalescence are about as short.
 const FIRST_PAIR_STEP: f64 = 0.01;
-/// Shortest step, as a part of the path; chosen: a pair that needs a shorter one is left to subdivision.
+/// Shortest step, as a fraction of the path; chosen: a pair that needs a shorter one is left to subdivision.
 const SHORTEST_PAIR_STEP: f64 = 1.0 / 4096.0;
 /// Most halvings of a step in which the turn of s about 0 is followed; chosen: a step 2^24 times shorter that still turns by
 /// more than 60 degrees passes 0 at a distance of rounding.
 const MOST_HALVINGS: u32 = 24;
-/// Assumed error of the cubic interpolation of s over a step, as a part of the error of the trapezoidal rule; chosen.
+/// Assumed error of the cubic interpolation of s over a step, as a fraction of the error of the trapezoidal rule; chosen.
 const CUBIC_ERROR: f64 = 0.25;
-/// Largest distance between an eigenvalue and the same eigenvalue computed from its pair, as a part of the distance between
-/// the two eigenvalues of the pair; chosen. In squares the same bound applies to s.
+/// Largest distance between an eigenvalue and the same eigenvalue computed from its pair, as a fraction of the distance between the two eigenvalues of the
+/// pair; chosen. In squares the same bound applies to s.
 pub(crate) const ACCEPTANCE_RADIUS: f64 = 0.01;
-/// Distance past the coalescence, as a part of the path, at which single-mode continuation resumes: eight of its shortest steps.
+/// Distance past the coalescence, as a fraction of the path, at which single-mode continuation resumes: eight of its shortest steps.
 const RESUMPTION_DISTANCE: f64 = 1.0 / 64.0;
 
 /// A pair that is being continued.

@@ -15,8 +15,8 @@ use crate::mac::{Match, match_weighted};
 use crate::path::{Path, PathPoint};
 use crate::tuning::tuning;
 
-/// Numbers of all matrices that are factorised together, at most, but of eight modes in any case. Chosen: 64 MB of memory where a mode has four real ones of its
-/// order, and the batched solvers take eight at a time at most.
+/// Most modes that are corrected together, times the square of the order of their matrices; eight modes are in any case, as many as the batched solvers
+/// take at a time at most. Chosen: at four real matrices a mode that is 64 MB of memory.
 const MOST_NUMBERS: usize = 2 << 20;
 
 /// A mode at a point of its path.

@@ -17,7 +17,7 @@ const FACTORISATION_OFFSET: f64 = 1e-7;
 /// A shape over the degrees of freedom, up to a factor.
 pub(crate) type Shape = DVector<Complex<f64>>;
 
-/// A guess of an eigenvalue.
+/// A path, a position t on it and a guess of an eigenvalue there, rad/s.
 pub(crate) type Guess<P> = OnPath<P>;
 
 /// A path, a position t on it and a guess of a pair of eigenvalues there.
@@ -28,7 +28,7 @@ pub(crate) trait PathEvaluator: Copy {
     /// The part of the shape that a Newton step computes in passing.
     type Vector: Clone;
 
-    /// The first correction counts as converged.
+    /// True if the first correction counts as converged.
     const CONVERGES_AT_ONCE: bool = false;
 
     /// A step of Newton's method at each guess; `None` where the step is not finite.

@@ -10,10 +10,10 @@ use crate::kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 use crate::locus::{RootLocus, root_locus};
 use crate::onset_search::{Onsets, find_onsets};
 
-/// Half of the step of the central differences that derivatives by the parameter are computed by, as a fraction of the interval: squared it is near
-/// machine epsilon over itself.
+/// Half of the step of the central differences that derivatives by the parameter are computed by, as a fraction of the interval; chosen: the error of the
+/// differences, of the order of its square, is then about the rounding, machine epsilon over it.
 const PARAMETER_DIFFERENCE: f64 = 1e-5;
-/// Shortest step, as a part of the interval; chosen: derivatives by differences tell branches apart down to there.
+/// Shortest step, as a fraction of the interval; chosen: derivatives by differences tell branches apart down to there.
 const SHORTEST_PARAMETER_STEP: f64 = 1e-9;
 
 /// Every onset from one parameter to another: where, how fast and which way an eigenvalue of `system` crosses the imaginary
@@ -73,7 +73,7 @@ fn with_change<E>(
 ) -> impl FnMut(f64) -> Result<SystemAt, E> {
     let step = PARAMETER_DIFFERENCE * (to - from);
     move |at| {
-        // The function need not be defined outside of the interval.
+        // The function need not be defined outside of the interval: at its ends the difference is one-sided.
         let (below, above) = ((at - step).max(from), (at + step).min(to));
         let change = SystemChange { below: system(below)?, above: system(above)?, distance: above - below };
         Ok(SystemAt { system: system(at)?, change: Arc::new(change) })

@@ -12,8 +12,8 @@ use crate::branch::{BranchPoint, Branches, OrderedParameter, RefinedPoint};
 
 /// Most spectra; chosen: branches that need more count as unresolvable.
 const MOST_SPECTRA: usize = 20_000;
-/// Largest |lambda|, as a part of the largest |Im lambda|, of a rigid motion, which rounding may give a frequency; chosen: a double zero
-/// becomes the root of a rounding.
+/// Largest |lambda|, as a fraction of the largest |Im lambda|, of a rigid motion, which rounding may give a frequency; chosen: a double zero becomes the
+/// root of a rounding.
 const RIGID: f64 = 1e-7;
 
 /// A system at one parameter p, and how it changes with p.
@@ -48,7 +48,8 @@ pub struct KeptSpectra<'a, F> {
     make: F,
     solver: &'a dyn EigenSolver,
     spectra: BTreeMap<OrderedParameter, KeptSpectrum>,
-    /// Number of oscillating modes at every parameter; if not given, the number at the first parameter that is asked for.
+    /// Number of modes in the band at every parameter; if not given, the number at the first parameter that is asked for. Where modes may become overdamped
+    /// it binds nothing.
     modes: Option<usize>,
     allows_overdamping: bool,
     /// Least and largest Im lambda of the modes that are kept, rad/s.

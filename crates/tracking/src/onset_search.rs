@@ -29,7 +29,7 @@ pub struct Onset {
     pub error: f64,
     /// Angular frequency Im lambda, rad/s.
     pub omega: f64,
-    /// The mode becomes unstable with a growing parameter.
+    /// True if the mode becomes unstable with a growing parameter.
     pub destabilises: bool,
 }
 
@@ -75,6 +75,7 @@ where
     Ok(found)
 }
 
+/// Enters the onsets between the parameters `a` and `b`, and the steps in which it cannot be told, into `found`.
 fn search<B>(branches: &mut B, a: f64, b: f64, smallest: f64, found: &mut Onsets) -> Result<(), B::Error>
 where
     B: Branches + ?Sized,
@@ -100,6 +101,7 @@ where
     }
 }
 
+/// The verdict on the step from `a` to `b`: on all branches that are [`watched`] from either end of it.
 fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<StepVerdict, B::Error> {
     let h = b - a;
     let mut crossing = Vec::new();

@@ -80,7 +80,7 @@ impl Candidates {
 }
 
 impl Solved {
-    /// The modes that a followed one may have become, ascending in frequency.
+    /// Indices in `lambdas` of the modes that a followed one may have become, ascending in frequency.
     pub fn wanted(&self, followed: &[Mode]) -> BTreeSet<usize> {
         let mut wanted = BTreeSet::new();
         for mode in followed {

@@ -11,14 +11,14 @@ use crate::mac::match_modes;
 use crate::path::{Links, Path, PathStart};
 use crate::sample_point::{Candidates, Known, SamplePoint, Solved};
 
-/// The part of a step at which it is cut; chosen: no simple fraction, because symmetric paths have their crossings there.
+/// Fraction of a step at which it is cut; chosen: no simple fraction, because symmetric paths have their crossings there.
 const CUT_FRACTION: f64 = 0.382;
 /// Sample points that are asked for when a step is cut; chosen: the solver takes four small systems at little more than the cost of one.
 const CUTS_AT_ONCE: usize = 3;
 /// Fewest degrees of freedom of a system with which a step is cut once, and not [`CUTS_AT_ONCE`] times. Chosen: of a reduced brake of 50 the shapes at a
 /// sample point cost as much as its spectrum, and half of the sample points of a triple cut turn out to be needless.
 const LARGE: usize = 40;
-/// Longest step that is not cut any more, as a part of the path; chosen: a step that needs a cut there passes a coalescence.
+/// Longest step that is not cut any more, as a fraction of the path; chosen: a step that needs a cut there passes a coalescence.
 const SHORTEST_SUBDIVISION: f64 = 1.0 / 4096.0;
 /// Largest relative distance between eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart;
 /// chosen.

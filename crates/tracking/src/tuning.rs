@@ -24,9 +24,9 @@
 /// So `first_step` is the one number on which a name depends; `largest_error_ratio` is on the safe side at the price of a quarter of the time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tuning {
-    /// The first step, as a part of the path: most continued modes allow long steps.
+    /// The first step, as a fraction of the path: most continued modes allow long steps.
     pub first_step: f64,
-    /// Shortest step, as a part of the path: a mode that needs a shorter one is next to a coalescence.
+    /// Shortest step, as a fraction of the path: a mode that needs a shorter one is next to a coalescence.
     pub shortest_step: f64,
     /// Most attempts at a step, taken or refused: far more than any path needs that is followed to its end.
     pub most_attempts: usize,
