@@ -221,7 +221,8 @@ pub(super) struct KnownPoint {
     pub omega: f64,
     /// Kind of crossing at the point.
     pub of: PointOf,
-    /// Largest distance from the boundary: a mode along the axis crosses it no more exactly than its growth is known.
+    /// Bound or estimate of the distance of the point from the boundary, as a fraction of the range: large where the growth of a mode changes little along
+    /// the line, as the place where it crosses the threshold is then known poorly.
     pub error: f64,
 }
 

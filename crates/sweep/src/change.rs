@@ -17,7 +17,7 @@ pub(super) struct Band {
     pub studied: [f64; 2],
     /// Im lambda from and to, rad/s, around `studied`.
     pub followed: [f64; 2],
-    /// True of a reduced brake: a pair that grows faster than it oscillates is no mode, as no basis of the modes of a band holds it.
+    /// True of a reduced brake: a pair that grows faster than it oscillates is no mode there, as no basis of the modes of a band contains its shape.
     pub is_of_basis: bool,
 }
 
@@ -62,6 +62,7 @@ pub(super) fn by(starts: bool) -> i64 {
 /// A change of the number of unstable modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Change {
+    /// Place on the line, 0 to 1.
     pub at: f64,
     /// Bound or estimate of the error of `at`, as a fraction of the line.
     pub error: f64,
@@ -71,16 +72,17 @@ pub(super) struct Change {
     /// Start of an unstable mode: if true one more mode is unstable beyond the change, if false one less; of an exchange, it is from
     /// flutter to divergence if true.
     pub starts: bool,
-    /// Two eigenvalues meet at the change: an exchange, or flutter of two modes that meet on the axis.
+    /// True if two eigenvalues meet at the change: an exchange, or flutter of two modes that meet on the axis.
     pub is_double: bool,
 }
 
 /// Eigenvalues at a place of the line.
 #[derive(Debug, Clone)]
 pub(super) struct Place {
+    /// Place on the line, 0 to 1.
     pub at: f64,
     pub counted: CountedSpectrum,
-    /// A step from here was looked at for dips.
+    /// True if the place was looked at for dips; steps between such places are not looked at again.
     pub is_settled: bool,
 }
 
@@ -99,7 +101,7 @@ impl<'a> Along<'a> {
         self.band.is_none_or(|Band { studied: [from, to], .. }| (from..=to).contains(&lambda.im))
     }
 
-    /// Growing modes at a place that are studied, rad/s, the least first by a function of them.
+    /// Growing modes at a place that are studied, rad/s, by ascending `value`.
     pub fn growing(&self, place: &Place, value: impl Fn(Complex<f64>) -> f64) -> Vec<Complex<f64>> {
         let mut all: Vec<_> = place.counted.flutter.iter().copied().filter(|l| self.is_studied(*l)).collect();
         all.sort_by(|a, b| value(*a).total_cmp(&value(*b)));

@@ -1,12 +1,12 @@
 //! Changes of the number of unstable modes over one parameter, found by counting.
 //!
-//! Spectra at equal steps count unstable modes. An interval between two changes that is as long as a step or longer holds the end of a
-//! step, and so shows in the counts: **two changes that are farther apart than a step are both found**, whatever the brake does between,
-//! and whichever modes they are of. A step whose ends differ is halved until one change is left in it, or several at one place. Steps whose
-//! ends agree are halved too where the distance of an eigenvalue from the threshold goes through a least one there that a parabola brings
-//! near zero; that finds nearly all that is narrower, but for changes that no place shows a sign of.
+//! Spectra at equal steps count unstable modes. An interval between two changes that is as long as a step or longer contains the end of a step, and so
+//! shows in the counts: **two changes that are farther apart than a step are both found**, whatever the brake does between, and whichever modes they are
+//! of. A step whose ends differ is halved until one change is left in it, or several at one place. Steps whose ends agree are halved too where the distance
+//! of an eigenvalue from the threshold has a minimum that, by a parabola, is near zero; that finds nearly all changes that are nearer to each other, but
+//! for those that no place shows a sign of.
 //!
-//! Eigenvalues on the axis count as neither ([`CountedSpectrum`]), so that nothing starts or stops where all is undamped.
+//! Eigenvalues on the axis count as neither growing nor decaying ([`CountedSpectrum`]), so that nothing starts or stops where all is undamped.
 
 use cea::CountedSpectrum;
 use num_complex::Complex;
@@ -24,18 +24,21 @@ const SHORTEST: f64 = 1e-13;
 const LEAST_ERROR: f64 = 1e-10;
 /// Distance from a change at which the rate of a real eigenvalue is taken, as a fraction of the range; chosen.
 const NEXT_TO: f64 = 1e-5;
-/// Least growth by which its law is told, as a multiple of the largest that is hidden; chosen: a growth with the cube of the distance has it twice as far away.
+/// Least growth from which its law, a power of the distance from where it begins, is determined, as a multiple of the largest growth that is hidden;
+/// chosen: a growth with the cube reaches it at twice the distance up to which it is hidden.
 const CLEAR: f64 = 8.0;
 /// Largest power of the distance with which growth may begin; chosen: a growth that seems to begin with a larger power is taken to begin with this one.
 const STEEPEST: f64 = 4.0;
-/// Largest growth to which a law leads within twice a distance at which it is not yet clear, as a multiple of the largest that is hidden; chosen: a fourth
-/// power makes 128 of 8.
+/// Largest growth at twice a distance at which it is below [`CLEAR`], as a multiple of the largest growth that is hidden, that follows the same law; a
+/// larger one is of another law. Chosen: a fourth power makes 128 of 8.
 const LEAP: f64 = 200.0;
-/// Factor on the distance that is hidden; chosen: a power is told to some tenths.
+/// Factor on the distance up to which growth is hidden; chosen: the power that it is computed from is known to some tenths.
 const SAFETY: f64 = 3.0;
-/// Largest growth next to a divergence that was hidden before it, as a multiple of the growth of a rigid motion; a larger growth is a jump. Chosen.
+/// Largest growth at the place next to a divergence, as a multiple of the largest |lambda| of a rigid motion, of a real eigenvalue that was hidden among
+/// rigid motions before; a larger growth is a jump. Chosen.
 const SLOW: f64 = 100.0;
-/// Largest growth with which a mode may begin, as a fraction of its frequency; one that seems to begin with more has begun with less. Chosen.
+/// Largest growth at the place next to a change of flutter, as a fraction of the frequency, that is taken as exact; a larger one is known to few digits,
+/// and a mode that seems not to grow farther away counts there as one of growth 0. Chosen.
 const ROUNDED: f64 = 1e-8;
 /// Shortest step, as a fraction of the range, in which a least distance from the threshold is looked for; chosen: shorter ones are listed as unresolved.
 const SHORTEST_DIP: f64 = 1e-9;
@@ -128,6 +131,7 @@ pub(super) struct Changes {
     pub found: Vec<Change>,
     /// Steps in which an eigenvalue comes so near the threshold that it is not known whether it crosses, or whose side has no bound.
     pub unresolved: Vec<(f64, f64)>,
+    /// Ranges in which modes are on the axis at two neighbouring places or more.
     pub marginal: Vec<Marginal>,
     /// Modes that grow below the band, and above it, as far as they are followed.
     pub beside: [Option<GrowingBeside>; 2],
@@ -177,8 +181,9 @@ impl Along<'_> {
         Ok(changes)
     }
 
-    /// Largest distance from a change between two places, as a fraction of the range, of what it hides: a real eigenvalue so small that it is taken for a rigid
-    /// motion, or a growing mode that grows so little that it is taken to be on the axis.
+    /// Distance from a change that was found between two places, as a fraction of the range, up to which growth is hidden, and where it may truly begin:
+    /// there a real eigenvalue is so small that it is taken for a rigid motion, or a mode grows so little that it is taken to be on the axis. 0 of a change
+    /// by the band and of an exchange; 1 where no law of the growth is found.
     fn hidden(&self, change: &Change, [a, b]: [&Place; 2]) -> Result<f64, Error> {
         let (side, grown) = if change.starts { (1.0, b) } else { (-1.0, a) };
         let growth_of = |place: &Place| {
@@ -197,7 +202,7 @@ impl Along<'_> {
             ChangeOf::Flutter => growth_of(grown),
             ChangeOf::Band | ChangeOf::Exchange => return Ok(0.0),
         };
-        // Where growth is known to few digits a mode may seem to grow no more beyond.
+        // Where growth is known to few digits a mode may seem not to grow farther away.
         let is_rounded = change.of == ChangeOf::Flutter && zone > ROUNDED * change.lambda.norm();
         let growth_at = |distance: f64| {
             let growth = growth_of(&self.place((change.at + side * distance).clamp(0.0, 1.0))?);
@@ -215,9 +220,10 @@ impl Along<'_> {
         if !growth.is_finite() {
             return Ok(distance);
         }
-        // Growth like a power of the distance from where it begins, which is as far before the change as that says.
+        // Growth is taken as a power of the distance from where it begins; the power says how far before the change that is.
         let ratio = growth_at(2.0 * distance)? / growth;
-        // A real eigenvalue leaves zero in proportion, where what is farther grows like the root of the distance: as soon as it outgrows its damping.
+        // A real eigenvalue leaves zero in proportion to the distance, though it grows like the root of the distance as soon as it outgrows its damping: a
+        // power below 1 is not that of its beginning.
         let flattest = if change.of == ChangeOf::Divergence { 1.0 } else { 0.5 };
         let power = if ratio > 1.0 { ratio.log2().clamp(flattest, STEEPEST) } else { STEEPEST };
         let hidden = distance / ((growth / zone).powf(1.0 / power) - 1.0);
@@ -302,7 +308,7 @@ impl Along<'_> {
         self.resolve([&between, b], depth + 1, changes)
     }
 
-    /// Changes at one place: several that no step parts.
+    /// Changes in a step that is not halved any more: all at its middle.
     fn at_one_place(&self, [a, b]: [&Place; 2]) -> Vec<Change> {
         let [mut flutter, mut beside, mut divergence] = self.difference([a, b]);
         let (at, error) = (0.5 * (a.at + b.at), (b.at - a.at).max(LEAST_ERROR));
@@ -335,8 +341,8 @@ impl Along<'_> {
         found
     }
 
-    /// True if a mode that is studied has the least distance from the threshold, or a growing one that from an end of the band, at the middle one of
-    /// three places, and may cross there and come back.
+    /// True if, at the middle one of three places, the distance of a mode that is studied from the threshold, or that of a growing mode from the nearest
+    /// end of the band, is no larger than at the two others, and the mode may cross there and come back.
     fn dips(&self, places: &[Place]) -> bool {
         let [left, here, right] = [&places[0], &places[1], &places[2]].map(Place::sides);
         let at = [places[0].at, places[1].at, places[2].at];
@@ -375,7 +381,8 @@ impl Along<'_> {
     }
 }
 
-/// Takes out changes that the next one undoes at the same place: rounding next to a single one, or a mode that touches the threshold.
+/// Takes out pairs of changes of one kind and frequency, at the same place, that undo each other: rounding next to a single change, or a mode that touches
+/// the threshold.
 fn undo(changes: &mut Vec<Change>) {
     let mut kept: Vec<Change> = Vec::with_capacity(changes.len());
     for change in changes.drain(..) {
@@ -394,8 +401,8 @@ fn undo(changes: &mut Vec<Change>) {
 }
 
 impl Changes {
-    /// Enters the ranges in which modes are on the axis at two neighbouring places or more, and those in which the side of one has no
-    /// bound.
+    /// Enters the ranges in which modes are on the axis at two neighbouring places or more, and, as unresolved, those in which no bound says on which side
+    /// of the threshold a mode is. The error of a change in such an unresolved range, or next to it, becomes at least its distance from the farther end.
     fn enter_ranges(&mut self, places: &[Place]) {
         let neighbours = |has: fn(&CountedSpectrum) -> usize| {
             let mut ranges: Vec<Marginal> = Vec::new();
@@ -419,7 +426,7 @@ impl Changes {
         };
         self.marginal = neighbours(|counted| counted.marginal.len() - counted.blunt.len());
         let open = neighbours(|counted| counted.open + counted.blunt.len());
-        // A change that ends a range in which it is open may be anywhere in it.
+        // A change next to an unresolved range may be anywhere in it.
         for &Marginal { from, to, .. } in &open {
             let after = places.iter().map(|place| place.at).find(|at| *at > to).unwrap_or(to);
             let before = places.iter().map(|place| place.at).rfind(|at| *at < from).unwrap_or(from);

@@ -53,7 +53,7 @@ impl Coalescence {
     }
 }
 
-/// The mean and the squared half distance of two eigenvalues at a parameter, with their derivatives.
+/// The mean and the squared half distance of two eigenvalues at a parameter, each with its derivative.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     at: f64,
@@ -119,7 +119,7 @@ pub(super) fn candidates(
     found
 }
 
-/// A branch point that stands.
+/// A branch point that has settled: its place, the estimate of its error, and the eigenvalue there, rad/s.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BranchPointFound {
     pub at: Complex<f64>,
@@ -185,7 +185,7 @@ fn pair_at<B: Branches<Error = Error>>(branches: &mut B, from: &Pair, at: f64) -
     Ok(Some(Pair::new(at, points[0], points[1])))
 }
 
-/// The polynomial through values and derivatives, in Newton's form.
+/// The polynomial through values and derivatives at some places, in Newton's form.
 struct Hermite {
     nodes: Vec<f64>,
     coefficients: Vec<Complex<f64>>,
@@ -218,7 +218,7 @@ impl Hermite {
         values
     }
 
-    /// The zero that Newton's method finds from a guess.
+    /// The zero that Newton's method finds from a guess; `None` where it does not converge to rounding.
     fn zero(&self, guess: Complex<f64>) -> Option<Complex<f64>> {
         let mut at = guess;
         for _ in 0..50 {

@@ -31,17 +31,18 @@ const PATIENCE: usize = 3;
 const ROUNDINGS: f64 = 256.0;
 /// Largest |Im| of a mean that is real, as a fraction of the scale; chosen.
 const REAL: f64 = 1e-9;
-/// Largest squared half distance, as a fraction of the squared scale, of two eigenvalues that have met; chosen: of two that do not, and
-/// were taken for one another, it is the distance of modes.
+/// Largest squared half distance, as a fraction of the squared scale, of two eigenvalues that have met; chosen: of two that do not meet it is that of the
+/// frequencies of different modes.
 const SMALL_SQUARE: f64 = 1e-12;
-/// Part of a slope that one side of a zero has where the function kinks next to it, as the coefficient of a table does; chosen: no smooth function
-/// changes so much over the little distance.
+/// Fraction of the slope over both sides of a zero below which the slope of one side means that the function kinks next to the zero, as the coefficient of
+/// a table does; chosen: no smooth function changes so much over the little distance.
 const KINKED: f64 = 0.75;
-/// Largest distance of the mean of two eigenvalues from its expected value, as a multiple of half their distance and of the length of its
-/// move; chosen: farther away they are taken for another pair, and the change is found by halvings.
+/// Largest distance of the mean of two eigenvalues from its expected value, and largest half distance of the two, as a multiple of the larger half distance
+/// at the ends of the step plus the change of the mean over the step; chosen: beyond that they are taken for another pair, and the change is found by
+/// halvings.
 const LARGEST_DRIFT: f64 = 2.0;
 
-/// The change between two places that differ by it, and the number of spectra solved.
+/// The change of kind `of` between two places whose counts differ by it, and the number of spectra solved; `None` where it is not found, or not confirmed.
 ///
 /// # Errors
 /// Those of the brake and of the solver.
@@ -133,8 +134,8 @@ pub(super) fn crossing(
     Ok((change.filter(is_inside).filter(counts), search.spectra))
 }
 
-/// Slope of a function by which the error of its zero follows from the error of a value: over both sides of the zero, or, where the function kinks, the slope
-/// of the side that is less steep.
+/// Slope of a function by which the error of its zero follows from the error of a value: `slope`, which is over both sides of the zero, or, where the
+/// function kinks, that one of `sides` that is less steep.
 fn of_error(slope: f64, sides: [f64; 2]) -> f64 {
     let less = sides.into_iter().filter(|side| side.abs() < KINKED * slope.abs());
     less.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(slope)
@@ -161,11 +162,14 @@ impl Pair {
 /// Zero of the function.
 struct Zero {
     at: f64,
+    /// Bound or estimate of the error of `at`.
     error: f64,
+    /// Eigenvalue there, rad/s; of two that meet their mean.
     lambda: Complex<f64>,
     is_double: bool,
 }
 
+/// Search for one change between two places, which counts its spectra.
 struct Search<'a> {
     along: &'a Along<'a>,
     bracket: [&'a Place; 2],
@@ -186,6 +190,7 @@ impl Search<'_> {
         Ok((system, spectrum.eigenvalues, spectrum.scale))
     }
 
+    /// The place where det Q at the growth rate of the threshold changes its sign; `None` where it does not, or its error is as large as the step.
     fn divergence(&mut self) -> Result<Option<Zero>, Error> {
         let growth = self.along.threshold.growth_above();
         let [from, to] = self.ends();
@@ -199,7 +204,8 @@ impl Search<'_> {
         }))
     }
 
-    /// The zero of a function of one eigenvalue, which is known at both ends.
+    /// The zero of a function of one eigenvalue, `ends` at the two ends; `None` where there is none with a slope of the right sign and a bound of its
+    /// error.
     fn simple(&mut self, measure: Measure, ends: [Complex<f64>; 2]) -> Result<Option<Zero>, Error> {
         let mut work = Workspace::default();
         let mut bracket = Bracket::new(self.ends(), ends.map(|lambda| measure.value(lambda)));
@@ -239,7 +245,8 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// The zero of the squared half distance of two eigenvalues, which are known at both ends.
+    /// The zero of the squared half distance of two eigenvalues, `ends` at the two ends; `None` where other eigenvalues come in between, or the two do not
+    /// meet.
     fn pair(&mut self, ends: [Pair; 2]) -> Result<Option<Zero>, Error> {
         let squares = ends.map(|pair| pair.square.re);
         if squares[0] * squares[1] >= 0.0 {
@@ -274,7 +281,7 @@ impl Search<'_> {
                 // Of two that met at zero or on the real axis the mean is real but for rounding.
                 let is_real = pair.mean.im.abs() <= REAL * scale;
                 let lambda = if is_real { Complex::from(pair.mean.re) } else { pair.mean };
-                // Of two eigenvalues that are at right angles the real part is zero too.
+                // The real part is zero too where the difference of the two is at 45 degrees to the axes, and they do not meet.
                 let stands = pair.square.norm() <= SMALL_SQUARE * scale * scale;
                 return Ok(stands.then_some(Zero { at, error, lambda, is_double: true }));
             }

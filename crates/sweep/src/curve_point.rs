@@ -72,7 +72,7 @@ pub(super) struct NullPair {
 }
 
 impl NullPair {
-    /// The null vectors of a singular stiffness, or of Q at the growth rate `at`, 1/s.
+    /// The null vectors of a singular stiffness, or of Q at the growth rate `at`, 1/s; `None` where there is more than one.
     fn of(system: &SecondOrder, at: f64) -> Option<Self> {
         let k = stiffness(system, at);
         let size = k.amax() + system.c.amax() + system.m.amax();
@@ -80,7 +80,7 @@ impl NullPair {
         Self { growth: 0.0, right, left, sign: 1.0, at, size }.of_neighbour(system)
     }
 
-    /// The null vectors of a neighbour; `None` where it has another null vector.
+    /// The null vectors of a neighbour; `None` where the bordered matrix is singular, as K has another null vector.
     fn of_neighbour(&self, system: &SecondOrder) -> Option<Self> {
         let bordered = self.bordered(&stiffness(system, self.at));
         let n = self.right.len();
@@ -120,7 +120,8 @@ impl Crossing {
         })
     }
 
-    /// The crossing of another system next to this one, corrected from `guess`, its value; of two eigenvalues the guess is their mean.
+    /// The crossing of another system next to this one, corrected from `guess`, its value; of two eigenvalues the guess is their mean, and divergence needs
+    /// none. `None` where it is not found.
     ///
     /// # Errors
     /// Those of the solver.

@@ -21,7 +21,8 @@ pub(super) struct Double {
 }
 
 impl Double {
-    /// The two eigenvalues of a system that are nearest to a mean.
+    /// The two eigenvalues of a system that are nearest to a mean, with rates of zero, which the caller fills in; `None` where the system has fewer than
+    /// two.
     ///
     /// # Errors
     /// Those of the solver.

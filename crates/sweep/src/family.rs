@@ -15,14 +15,15 @@ use super::change::{Band, Change};
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
 
-/// Half of the step of the central differences that derivatives by a parameter are computed by, as a fraction of its range: its square is near machine
-/// epsilon over itself.
+/// Half of the step of the central differences that derivatives by a parameter are computed by, as a fraction of its range; chosen: the error of the
+/// differences, of the order of its square, is then about their rounding, machine epsilon over it.
 pub(super) const DIFFERENCE: f64 = 1e-5;
 /// Shortest step, as a fraction of the range; chosen: derivatives by differences tell branches apart down to there.
 pub(super) const SHORTEST_STEP: f64 = 1e-9;
 /// Shortest step of the root locus, as a fraction of the range; chosen: narrower events are found by other means.
 pub(super) const SHORTEST_LOCUS_STEP: f64 = 1e-6;
-/// Places between the ends, as fractions of the ranges, at which it is checked whether sectors hold; chosen, as nothing repeats there.
+/// Places between the ends, as fractions of the ranges, at which it is checked whether the sectors contain all of the system; chosen, as nothing repeats
+/// there.
 const PROBES: [f64; 2] = [0.3137, 0.7291];
 /// Fraction of the squared norm of a matrix that may be outside of all sectors: rounding.
 const COUPLING: f64 = 1e-12;
@@ -71,7 +72,7 @@ pub(super) struct Family<'a, B: UncertainBrake> {
     pub solver: WholeSpectra<'a>,
     pub progress: &'a dyn Progress,
     pub parameters: Vec<SweptParameter>,
-    /// Fraction of the range that is asked for: 1, or less for a piece between openings.
+    /// Length of the range of the family, as a fraction of the range that is asked for: 1, or less for a piece between openings.
     pub share: f64,
 }
 
@@ -124,7 +125,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         Family { study, of, scene, solver: WholeSpectra(solver), progress, parameters: self.parameters.clone(), share }
     }
 
-    /// The same family on a piece of the range of its one parameter, given by its values, which is the fraction `share` of it.
+    /// The same family on a piece of the range of its one parameter, given by the values at its ends; `share` is its length as a fraction of the range.
     pub fn piece(&self, [from, to]: [f64; 2], share: f64) -> Self {
         let Self { study, of, scene, solver: WholeSpectra(solver), progress, .. } = *self;
         let parameters = vec![SweptParameter { from, to, ..self.parameters[0].clone() }];
@@ -198,7 +199,8 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         self.parameters.iter().zip(parts).map(|(parameter, &part)| parameter.at(part)).collect()
     }
 
-    /// Parts of the family: the sectors of the brake, if they hold at all places that are checked, or the whole.
+    /// Parts of the family: the sectors of the brake, if they contain all of its system at the corners of the ranges and at [`PROBES`], else the whole as
+    /// one part.
     pub fn parts(&'a self) -> Result<Vec<Part<'a, B>>, Error> {
         let brake = self.study.plan().brake(self.scene());
         let middle = |part: f64| self.parameters.iter().map(|parameter| parameter.at(part)).collect();
@@ -221,7 +223,8 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     }
 }
 
-/// True if sectors hold all of a system: their bases are orthonormal, so that norms are kept where nothing couples them.
+/// True if sectors contain all of a system. Their bases are orthonormal: the squared norms of the system in the sectors add up to that of the whole where
+/// nothing couples the sectors.
 fn divides(sectors: &Sectors, system: &SecondOrder) -> Result<bool, Error> {
     let squares = |system: &SecondOrder| [&system.m, &system.c, &system.k].map(|matrix| matrix.norm_squared());
     let (whole, mut parts) = (squares(system), [0.0; 3]);
@@ -260,7 +263,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         self.family.study.plan().threshold
     }
 
-    /// Frequencies of the modes that are studied, and of those that are followed; `None` where all are.
+    /// Frequencies of the modes that are studied, and of those that are followed; `None` where the plan has no band, and so all modes are studied.
     pub fn band(&self) -> Option<Band> {
         let plan = self.family.study.plan();
         let is_of_basis = !self.counts_divergence();

@@ -41,7 +41,7 @@ pub(super) struct Joint<'a, B: UncertainBrake> {
 }
 
 impl<B: UncertainBrake> Joint<'_, B> {
-    /// Links from one eigenvalue before to one beyond.
+    /// Sure links: from one eigenvalue before to one beyond, each of which is in no other link.
     fn sure(&self) -> impl Iterator<Item = (usize, usize)> {
         let reached = |to: usize| self.links.iter().flatten().filter(|other| **other == to).count();
         self.links.iter().enumerate().filter_map(move |(index, to)| match to[..] {

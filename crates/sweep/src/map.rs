@@ -43,7 +43,7 @@ pub struct StabilityMap {
     /// followed; `None` else.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lines: Option<MapLines>,
-    /// Divergence was looked for; of a reduced brake it is not.
+    /// True if divergence was looked for; of a reduced brake it is not.
     pub counts_divergence: bool,
     /// Number of places at which a spectrum has the number of unstable modes that the curves say.
     pub checks: usize,
@@ -160,7 +160,7 @@ pub fn stability_map<B: UncertainBrake>(
     }
 }
 
-/// The map of lines between openings, not checked yet.
+/// The map of lines, not checked yet.
 fn by_lines<B: UncertainBrake>(family: &Family<'_, B>, found: LinesOfPart, grid: usize) -> StabilityMap {
     let LinesOfPart { lines, rows, unresolved, evaluations } = found;
     StabilityMap {

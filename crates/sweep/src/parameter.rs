@@ -40,7 +40,7 @@ pub struct SweptParameter {
     pub to: f64,
     /// Median of the parameter, where modes have their names.
     pub median: f64,
-    /// Equal fractions of the range are equal ratios of values: from 0.1 to 10, for instance.
+    /// True if equal fractions of the range are equal ratios of values, as from 0.1 to 10; else they are equal differences.
     pub is_logarithmic: bool,
 }
 
@@ -53,7 +53,7 @@ impl SweptParameter {
         }
     }
 
-    /// Value at a fraction of the range, 0 to 1; the ends exactly.
+    /// Value at a fraction of the range; exactly the ends at 0 and 1. A fraction below 0 or above 1 gives a value outside of the range.
     pub fn at(&self, part: f64) -> f64 {
         match (self.is_logarithmic, part == 1.0) {
             (_, true) => self.to,
@@ -70,7 +70,7 @@ impl SweptParameter {
         }
     }
 
-    /// Slope d value / d part.
+    /// Slope d value / d fraction at a fraction of the range, in units of the parameter.
     pub(super) fn slope(&self, part: f64) -> f64 {
         match self.is_logarithmic {
             false => self.to - self.from,

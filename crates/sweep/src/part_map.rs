@@ -54,7 +54,7 @@ pub(super) struct PartMap {
     /// Number of unstable modes at the lower left corner, and the onsets on the left edge.
     pub on_left: (i64, Vec<(f64, i64)>),
     pub unresolved: usize,
-    /// A growing mode enters the band that is studied, or leaves it, on a line: no curves were followed.
+    /// True if a growing mode enters the band that is studied, or leaves it, on a line: then no curves were followed.
     pub meets_band: bool,
     pub from_whole: Option<f64>,
     pub evaluations: Evaluations,

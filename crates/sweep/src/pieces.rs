@@ -1,9 +1,9 @@
 //! A sweep over one parameter piece by piece between openings, where contact points open or close.
 //!
-//! On each piece systems are smooth, and branches, onsets and coalescences are found as on a range without openings. Across an opening modes
-//! are known again by shape and, where that leaves a doubt, by continuation from the system just before to the one just beyond. An eigenvalue
-//! that is the same on both sides makes one branch of two; one that jumps, as a spring of constant stiffness does when it comes off, begins a
-//! branch of the same name. What nothing joins is told. Names go from the piece with the medians outward.
+//! On each piece systems are smooth, and branches, onsets and coalescences are found as on a range without openings. Across an opening modes are known
+//! again by shape and, where that leaves a doubt, by continuation from the system just before to the one just beyond. An eigenvalue that is the same on
+//! both sides makes one branch of two; one that jumps, as a spring of constant stiffness does when it comes off, begins a branch of the same name.
+//! Eigenvalues that nothing joins are an ambiguity. Names go from the piece with the medians outward.
 
 use cea::{Mode, Workspace};
 use study::UncertainBrake;
@@ -19,17 +19,19 @@ use super::part_sweep::{Entry, PartSweep, STEPS_OF_PART, of_part};
 use super::results::Sweep;
 use crate::Error;
 
-/// Piece of the range, or of the way from there to the medians.
+/// Piece of the range, or of the way from there to the median of the parameter.
 struct Piece {
+    /// Values of the parameter at its ends.
     between: [f64; 2],
+    /// True of a piece of the range, false of one on the way to the median.
     is_in_range: bool,
-    /// Index of the opening at its end; `None` at the end of the range.
+    /// Index of the opening at its upper end; `None` where it ends without one, at an end of the range or at the median.
     opening: Option<usize>,
 }
 
 /// Results on a piece.
 struct OnPiece {
-    /// `None` of a piece between the range and the medians.
+    /// `None` of a piece that is not in the range.
     sweep: Option<Sweep>,
     edges: [Edge; 2],
     /// Names of the eigenvalues at its ends.
@@ -61,7 +63,7 @@ pub(super) fn piecewise<B: UncertainBrake>(family: &Family<'_, B>, openings: &[O
     brake.joined(family, openings, found?)
 }
 
-/// The pieces from the range to the medians, ascending: each ends at an opening or at an end of the range.
+/// The pieces of the range and of the way from there to the median, ascending: each ends at an opening, at an end of the range or at the median.
 fn pieces(parameter: &SweptParameter, openings: &[OpeningAt]) -> Vec<Piece> {
     let (start, end) = (parameter.from.min(parameter.median), parameter.to.max(parameter.median));
     let least = TOGETHER * (parameter.to - parameter.from);
@@ -108,6 +110,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
         Ok((below, links))
     }
 
+    /// The results on the pieces above the one with the medians, ascending, each with the links from the piece before it.
     fn upward(&self, first: usize, middle: &OnPiece) -> Result<(Vec<OnPiece>, Vec<Links>), Error> {
         let (mut found, mut all): (Vec<OnPiece>, Vec<Links>) = Default::default();
         for at in first + 1..self.pieces.len() {
@@ -125,6 +128,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
         Ok((found, all))
     }
 
+    /// The results on the pieces below the one with the medians, descending, each with the links to the piece beyond it.
     fn downward(&self, first: usize, middle: &OnPiece) -> Result<(Vec<OnPiece>, Vec<Links>), Error> {
         let (mut found, mut all): (Vec<OnPiece>, Vec<Links>) = Default::default();
         for at in (0..first).rev() {
@@ -139,7 +143,7 @@ impl<B: UncertainBrake> Pieces<'_, B> {
         Ok((found, all))
     }
 
-    /// The brake at an end of a piece, 0 or 1.
+    /// The brake at an end of a piece, 0 for its lower and 1 for its upper one.
     fn edge(&self, at: usize, end: f64) -> Result<Edge, Error> {
         let part = &self.parts[at];
         let system = |at: f64| part.system(&[at]);
@@ -148,12 +152,14 @@ impl<B: UncertainBrake> Pieces<'_, B> {
         Ok(Edge { system: system(end)?, lambdas, place })
     }
 
+    /// The spectra along a piece, at fractions of its length.
     fn spectra(&self, at: usize) -> tracking::KeptSpectra<'_, super::family::MakeSystem<'_>> {
         let line = Line { start: vec![0.0], direction: vec![1.0], bounds: [0.0, 1.0], difference: DIFFERENCE };
         self.parts[at].along(line)
     }
 
-    /// The eigenvalues that the eigenvalues at the end of a piece become at the beginning of the next piece.
+    /// The eigenvalues that each one at the end of a piece may become at the beginning of the next piece. Without an opening between the two the system is
+    /// the same, and so is each eigenvalue.
     fn links(&self, at: usize, [before, beyond]: [&Edge; 2]) -> Result<Links, Error> {
         if self.pieces[at].opening.is_none() {
             return Ok((0..before.lambdas.len()).map(|index| vec![index]).collect());

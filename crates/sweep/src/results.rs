@@ -60,9 +60,10 @@ pub struct Sweep {
     /// Places where spectra count other unstable modes than the onsets up to there.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub miscounts: Vec<Miscount>,
-    /// Modes that grow below the band that is studied, and above it, where they do not count; nothing of a brake all of whose modes are studied.
+    /// Modes that grow below the band that is studied, and above it, where they do not count; `None` where none grows, and of a brake all of whose modes
+    /// are studied.
     pub growing_beside: [Option<GrowingBeside>; 2],
-    /// Divergence was looked for; of a reduced brake it is not.
+    /// True if divergence was looked for; of a reduced brake it is not.
     pub counts_divergence: bool,
     /// Openings, ascending: places at which contact points open or close, between which branches are smooth.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -89,7 +90,8 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Enters a miscount where a spectrum counts other unstable modes at a place than the onsets found so far, but for miscounts before.
+    /// Enters a miscount where a spectrum counts another number of unstable modes at a place than the onsets found so far, corrected by the miscounts so
+    /// far. All of them must be below the place.
     pub(super) fn compare(&mut self, at: f64, by_spectrum: usize) {
         let known: i64 = self.miscounts.iter().map(|miscount| miscount.by_spectrum as i64 - miscount.by_onsets).sum();
         let changes: i64 = self.onsets.iter().map(SweepOnset::by).sum();
@@ -121,6 +123,7 @@ impl Sweep {
         }
     }
 
+    /// Sweep without results, to which [`Self::joined`] adds those of sectors or of pieces.
     pub(super) fn empty(parameter: SweptParameter, threshold: Threshold) -> Self {
         Self {
             threshold,
@@ -147,7 +150,8 @@ impl Sweep {
         }
     }
 
-    /// The sweep of the sectors so far together with the sweep of another sector.
+    /// The sweep of the sectors, or of the pieces, so far together with that of another one. Openings, the numbers of steps for openings and for loss
+    /// factors, and the fine grid are not taken from the other one.
     pub(super) fn joined(mut self, other: Self) -> Self {
         let first = self.branches.len();
         let shifted = |branches: Vec<usize>| branches.into_iter().map(|branch| first + branch).collect();

@@ -19,7 +19,8 @@ const MOST_CORRECTIONS: usize = 8;
 pub struct SweepOnset {
     /// Value of the parameter.
     pub at: f64,
-    /// Bound of the error of `at` by rounding; of an onset that the reduced brake alone has, its assumed error.
+    /// Bound or estimate of the error of `at`, in units of the parameter: by rounding, of an onset at an opening the width of the opening, and of an onset
+    /// that the reduced brake alone has its assumed error.
     pub error: f64,
     /// Frequency Im lambda, rad/s; 0 of divergence, and where a growing pair becomes real.
     pub omega: f64,

@@ -3,7 +3,7 @@
 use cea::frequency_hz;
 use num_complex::Complex;
 
-/// The frequency of an eigenvalue, Hz.
+/// The frequency, Hz, of an angular frequency, rad/s.
 pub(super) fn hertz(omega: f64) -> f64 {
     frequency_hz(Complex::new(0.0, omega))
 }
