@@ -131,7 +131,7 @@ impl Certificate {
         lags.eq(other_lags) && self.covers_all(ends)
     }
 
-    /// True if one ellipse holds all channels at all of `points`, up to the largest eigenvalue that any of them allows.
+    /// True if one ellipse contains all channels at all of `points`, up to the largest eigenvalue that any of them allows.
     fn covers_all<const N: usize>(&self, points: [&OperatingPoint; N]) -> bool {
         if self.ellipses.is_empty() || points.iter().any(|at| at.coefficients != self.coefficients) {
             return false;

@@ -78,7 +78,7 @@ pub enum Contradiction {
         /// Number of degrees of freedom of its equations.
         order: usize,
     },
-    /// A band that is no range of positive numbers.
+    /// A band that is no range of finite numbers, none of them negative.
     #[error("the band of the plan is {from} to {to} rad/s; allowed: 0 <= from < to, both finite")]
     Band {
         /// Lower end of the band, rad/s.

@@ -17,7 +17,7 @@ pub struct Cost {
     pub scenes: usize,
     /// Memory, bytes.
     pub bytes: f64,
-    /// Part of it that complete solutions of the brake and the bases of its sets of constraints take, whatever is studied.
+    /// Memory of complete solutions of the brake and of the bases of its sets of constraints, whatever is studied, bytes; it is in `bytes` too.
     pub bytes_of_whole: f64,
     /// Processor time of reference modes and anchors, s.
     pub seconds: f64,
@@ -57,7 +57,7 @@ const COLUMNS_IN_THE_MAKING: usize = 1700;
 const BYTES_BY_BASIS: f64 = 900.0;
 /// Processor time for each basis, s, by the cube of its columns. Measured with the same: 10 and 30 s.
 const SECONDS_BY_BASIS: f64 = 6e-7;
-/// Part of the memory there is that complete solutions which are under way together may take; chosen: the bases take the rest.
+/// Fraction of the memory there is that complete solutions which are under way together may take; chosen: the bases take the rest.
 const PART_OF_SOLUTIONS: f64 = 0.6;
 
 /// Degrees of freedom of the refined disc and pad by which a complete solution is scaled, of 2,349 to 205,227.
@@ -168,13 +168,13 @@ pub fn solutions_together(order: usize, budget: u64) -> usize {
     fitting.min(threads()).max(1.0) as usize
 }
 
-/// Threads that a study has where nothing is said.
+/// Number of threads that a study has where nobody says another number.
 fn threads() -> f64 {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as f64
 }
 
-/// Number of samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few
-/// enough for many threads, of which 2, 4 or 8 get as much each.
+/// Number of samples evaluated together as one block, on which no result depends: as many as fill the lanes of the solver again and again, but so few that
+/// there are blocks for many threads, of which 2, 4 or 8 get equally many each.
 pub fn samples_together(samples: u64) -> u64 {
     let blocks = samples.div_ceil(128).max(1).next_multiple_of(8);
     samples.div_ceil(blocks).max(8)

@@ -13,9 +13,9 @@ pub struct Input {
     pub unit: String,
     /// Coordinate of [`DrawnInputs::quantile_sample`] that the input is a function of.
     pub coordinate: u32,
-    /// The input depends on another one.
+    /// True if the input depends on another one.
     pub is_correlated: bool,
-    /// The input has a value with a probability of its own, and so may keep it where its coordinate changes.
+    /// True if the input has a value with a probability of its own, above 0, and so may keep it where its coordinate changes.
     pub has_atoms: bool,
 }
 

@@ -43,7 +43,7 @@ pub struct Outcome {
     /// Number of eigenvalues on the imaginary axis to within rounding of the matrices, conjugate pairs once: they neither grow
     /// nor decay.
     pub marginal: u32,
-    /// The system was certified to be stable without a spectrum.
+    /// True if the system was certified to be stable without a spectrum.
     pub is_certified: bool,
 }
 
@@ -81,13 +81,13 @@ pub struct UnstableMode {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct StudyOptions {
-    /// Regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
-    /// searched. That takes three norm bounds for each configuration, which few samples do not earn back.
+    /// True if regions of friction are certified to be stable before anything is sampled, so that the samples in them are not searched. That takes three
+    /// norm bounds for each configuration, which few samples do not earn back.
     pub certificates: bool,
-    /// Growing modes are found, and names continued, by secular equations where friction is alike in all channels. Without, spectra and
+    /// True if growing modes are found, and names continued, by secular equations where friction is alike in all channels. Without these, spectra and
     /// matrices take their place, which leave some more names next to coalescences open.
     pub secular: bool,
-    /// Modes that are known by continuation are named by MAC too ([`ModeIdentity::Mac`]).
+    /// True if modes that are known by continuation are named by MAC too ([`ModeIdentity::Mac`]).
     pub likeness_too: bool,
 }
 
@@ -177,7 +177,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             references(plan, &points, source, by_likeness, &solver, progress).map_err(failed)?;
         let (references, sector_references): (Vec<_>, Vec<_>) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
-        // Both know the brake alone, and not the errors of what it is a reduction of.
+        // Certificates and secular equations know the reduced brake alone, and not its error against the full model.
         let is_reduced = source.is_some() || plan.scenes.iter().any(|scene| brake.error_of_reduction(scene) > 0.0);
         let certificates = match options.certificates && !is_reduced {
             true => certificates(brake, progress)?,

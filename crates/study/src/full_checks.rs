@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 pub struct FullChecks {
     /// Draws of a scene whose full model was solved.
     pub samples: u64,
-    /// Draws among them that have no operating point, as samples that fail: nothing of them is counted, and that they diverge is open.
+    /// Draws among them that have no operating point, as samples that fail: nothing of them is counted, and whether they diverge is open.
     pub failed: u64,
     /// Modes of the full model.
     pub modes: u64,
@@ -32,7 +32,7 @@ pub struct FullChecks {
     pub divergence: BTreeMap<usize, DivergenceCounts>,
     /// Largest distance of an eigenvalue of the full model from the eigenvalue of the reduced brake, relative to its absolute value.
     pub largest_distance: f64,
-    /// Number of times that the reduction was trained on because such draws did not agree.
+    /// Number of times that the reduction was trained further because such draws did not agree.
     pub trained_on: u64,
 }
 
@@ -43,7 +43,8 @@ pub struct DivergenceCounts {
     pub draws: u64,
     /// Draws that diverge.
     pub diverging: u64,
-    /// Draws among them in which the reduced brake says that something beyond the sizes that were searched in the full model does, not how fast.
+    /// Draws among the diverging ones in which something in the full model grows faster than the eigenvalues that were searched for one by one; how fast is
+    /// not known.
     pub beyond: u64,
     /// Draws of which it could not be told.
     pub open: u64,
@@ -122,7 +123,7 @@ fn of_all_scenes<S: Serializer>(divergence: &BTreeMap<usize, DivergenceCounts>, 
     divergence.values().copied().fold(DivergenceCounts::default(), DivergenceCounts::with).serialize(to)
 }
 
-/// The least range that holds both ranges.
+/// The least range that contains both ranges.
 pub fn wider([low, high]: [f64; 2], [other_low, other_high]: [f64; 2]) -> [f64; 2] {
     [low.min(other_low), high.max(other_high)]
 }

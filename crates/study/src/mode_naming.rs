@@ -43,8 +43,8 @@ impl ModeNaming {
         if rank.is_mode() { ModeLabel::of_rank(counted(self.turned(rank.number().into(), modes))) } else { rank }
     }
 
-    /// The frequency rank of the mode that has a name or, among all 2 n eigenvalues, either of its two numbers; 0 where there is no
-    /// such mode.
+    /// The frequency rank of the mode that has a name or, among all 2 n eigenvalues, either of its two numbers; 0 or a number above `modes` where there is
+    /// no such mode.
     #[must_use]
     pub fn rank(self, name: ModeLabel, modes: usize) -> usize {
         let number = usize::from(name.number());

@@ -13,7 +13,7 @@ use crate::{Error, FullChecks, Scene};
 pub struct ModeResidual {
     /// Norm of the residual relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     pub value: f64,
-    /// The residual is above the one that was asked for.
+    /// True if the residual is above the one that was asked for.
     pub is_above: bool,
 }
 
@@ -26,7 +26,7 @@ pub struct BandMode {
     pub shape: DVector<Complex<f64>>,
     /// Error bound of the eigenvalue, rad/s: a mode nearer than that to the threshold of the plan is undecided.
     pub bound: f64,
-    /// The mode is on the imaginary axis for a reason that no error changes, as of a brake without damping.
+    /// True if the mode is on the imaginary axis for a reason that no error changes, as of a brake without damping.
     pub is_on_axis: bool,
     /// The residual in the full model that the brake is a reduction of; `None` for a brake that is not reduced.
     pub residual: Option<ModeResidual>,
@@ -123,8 +123,8 @@ pub trait ModeSource: Sync {
     /// Medians that have no operating point.
     fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, Error>;
 
-    /// Relative error of an eigenvalue of the reduced system of a scene against the full model: a rule, not a bound. The error of a mode by
-    /// [`band_modes`](Self::band_modes) is smaller where a real system is only near the brake.
+    /// Relative error of an eigenvalue of the reduced system of a scene against the full model: a rule, not a bound. Of a scene with dashpots for loss
+    /// factors the error of a mode by [`band_modes`](Self::band_modes) is smaller: only the system is beside the brake there.
     fn relative_error(&self, scene: &Scene) -> f64;
 
     /// Reason why nothing is known of the errors of a scene, which leaves all its verdicts open; `None` where they are known.

@@ -85,7 +85,8 @@ pub trait Modifiable: Sync {
     /// Medians that have no operating point.
     fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error>;
 
-    /// Names of the terms of the brake that are parts of it, whose stiffness, damping and mass can be scaled; none of a reduced brake, whose basis need not hold the modes with them.
+    /// Names of the terms of the brake that are parts of it, whose stiffness, damping and mass can be scaled; none of a reduced brake, whose basis need not
+    /// contain the modes of the scaled brake.
     fn scalable_terms(&self, constraints: usize) -> Vec<String>;
 
     /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; with each arrangement the plan has

@@ -23,8 +23,8 @@ pub(crate) struct NearAxis {
 }
 
 impl<B: UncertainBrake> Study<'_, B> {
-    /// The modes that grow, or decay at less than `part` times |lambda|, at each operating point of a scene; `None` at a point
-    /// where the secular equations leave a doubt, and at all points of a scene without secular equations.
+    /// The modes that grow, or decay at less than the fraction `part` of |lambda|, at each operating point of a scene; `None` at a point where the secular
+    /// equations leave a doubt, and at all points of a scene without secular equations.
     ///
     /// # Errors
     /// Those of the model and of the names.

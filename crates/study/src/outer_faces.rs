@@ -20,7 +20,7 @@ pub struct FacesInMotion {
     /// G, symmetric, of the order of u: `u^H G u` is the integral `int |u_n|^2 dA` over all outer faces, `u_n` along their normals, in the square of the
     /// unit of u times the unit of the brake's length.
     pub form: DMatrix<f64>,
-    /// Part of the outer area, 0 to 1, that G has at rest though nothing is known to hold it: its nodes have no rows in the matrices. Each node has its
-    /// share of its faces, by its shape functions, and of that each direction the square of its part of the normal.
+    /// Fraction of the outer area, 0 to 1, that G has at rest though nothing is known to hold it: its nodes have no rows in the matrices. Each node has its
+    /// share of its faces, by its shape functions, and of that each direction the square of its component of the normal.
     pub without_rows: f64,
 }

@@ -74,7 +74,7 @@ pub struct Plan {
     pub mode_labels: ModeNaming,
     /// Rule by which a tracked mode is known again.
     pub mode_identity: ModeIdentity,
-    /// Band of the frequencies studied, rad/s: of a reduced brake the frequencies that it holds. `None` studies all. A real eigenvalue is studied
+    /// Band of the frequencies studied, rad/s: of a reduced brake the frequencies that it is made for. `None` studies all. A real eigenvalue is studied
     /// whatever the band.
     pub band: Option<[f64; 2]>,
     /// Least Re lambda, 1/s, of the modes that a reduced brake surely has in the band: these are numbered first. `None` numbers by frequency alone.

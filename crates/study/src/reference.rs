@@ -48,17 +48,17 @@ pub struct Reference {
     shapes: Option<NamedShapes>,
 }
 
-/// Part of the squared length of a shape that fewer coordinates have to hold; chosen: less is another shape.
+/// Least fraction of the squared norm of a shape that is left in fewer coordinates if their basis contains it; chosen: with less it is another shape.
 const HELD: f64 = 0.98;
 
-/// A mode in the fewer coordinates of a system on a basis of orthonormal columns; `None` where the basis does not hold its shape.
+/// A mode in the fewer coordinates of a system on a basis of orthonormal columns; `None` where the basis does not contain its shape.
 pub(crate) fn on_basis(mode: &Mode, system: &SecondOrder, basis: &DMatrix<f64>) -> Option<Mode> {
     let shape = real_times_complex(&basis.transpose(), &mode.shape);
     let is_held = shape.norm_squared() >= HELD * mode.shape.norm_squared();
     is_held.then(|| Mode::normalised(&system.m, mode.lambda, shape))
 }
 
-/// The modes of `modes` that a basis of fewer coordinates holds: their indices, and the modes in these coordinates.
+/// The modes of `modes` whose shapes a basis of fewer coordinates contains: their indices, and the modes in these coordinates.
 fn held(modes: &[Mode], system: &SecondOrder, basis: &DMatrix<f64>) -> (Vec<usize>, Vec<Mode>) {
     modes.iter().enumerate().filter_map(|(at, mode)| Some((at, on_basis(mode, system, basis)?))).unzip()
 }
@@ -73,7 +73,7 @@ pub struct SectoredReference {
 }
 
 impl Reference {
-    /// The reference in the fewer coordinates of its system on a basis of orthonormal columns: the modes that the basis holds.
+    /// The reference in the fewer coordinates of its system on a basis of orthonormal columns: the modes whose shapes the basis contains.
     pub(crate) fn on_basis(&self, system: SecondOrder, basis: &DMatrix<f64>) -> Self {
         let held = self.modes.iter().zip(&self.names);
         let held = held.filter_map(|(mode, names)| Some((on_basis(mode, &system, basis)?, names.clone())));
@@ -194,7 +194,7 @@ impl Reference {
     }
 
     /// The modes of `system`, with names from this reference: by MAC with the shapes of the origin, or by continuation, in fewer coordinates where the
-    /// brake has some: of the modes that these hold.
+    /// brake has some: there only the modes whose shapes these contain give and get names.
     fn linked(
         &self,
         solver: &dyn EigenSolver,

@@ -25,7 +25,7 @@ pub struct Scene {
     pub members: Vec<usize>,
     /// Index of its configuration in [`Plan::configurations`](crate::Plan::configurations).
     pub configuration: usize,
-    /// Net work is computed in this scene.
+    /// True if net work is computed in this scene.
     pub wants_work: bool,
 }
 

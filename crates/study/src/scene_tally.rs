@@ -49,7 +49,7 @@ pub struct SceneTally {
     /// Net work of each body in one period per `phi^H M phi`, 1/s^2, by name of the mode, over the samples in which it is
     /// unstable and known by name; one sketch for each body of the scene's brake.
     pub net_work: BTreeMap<ModeLabel, Vec<QuantileSketch>>,
-    /// Net work as in `net_work`, told apart by family of forces, in the order of `AffineSystem::families`: of each family the bodies.
+    /// Net work as in `net_work`, apart for each family of forces, in the order of `AffineSystem::families`: for each family one sketch for each body.
     pub family_work: BTreeMap<ModeLabel, Vec<Vec<QuantileSketch>>>,
 }
 

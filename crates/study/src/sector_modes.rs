@@ -67,7 +67,7 @@ pub(super) struct SectorSolver<'a> {
     pub relative_error: f64,
     /// Secular equation of the sector; `None` where spectra are computed instead, see [`Secular::new`].
     pub equation: Option<SectorEquation<'a>>,
-    /// Modes are named by MAC too.
+    /// True if modes are named by MAC too.
     pub likeness_too: bool,
 }
 

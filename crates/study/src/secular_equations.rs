@@ -51,7 +51,7 @@ impl SecularEquations {
         Ok(Self { coefficients, sectors })
     }
 
-    /// The gain of an operating point; `None` where its channels differ or its terms have other coefficients.
+    /// The gain of an operating point; `None` where its channels differ, where it has none, and where its terms have other coefficients.
     pub fn gain(&self, at: &OperatingPoint) -> Option<Gain> {
         if at.coefficients == self.coefficients { common_gain(&at.channels) } else { None }
     }
@@ -144,7 +144,8 @@ pub fn common_gain(channels: &[ChannelGain]) -> Option<Gain> {
     Some(Gain { mu: first.mu, slope: first.slope, lag, decay })
 }
 
-/// The growing modes at each operating point, by sector; `None` in all sectors of a point that needs spectra.
+/// The growing modes at each operating point, by sector; `None` in all sectors of a point that needs spectra. All points do where one of them has no gain
+/// ([`SecularEquations::gain`]).
 ///
 /// A growing mode has a rank only if the frequencies of all other modes, of any sector, are bounded away from its own. Where
 /// the bounds of a sector do not say so, the sector is searched once more with the frequencies to keep off.

@@ -70,7 +70,7 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// Flag of each degree of freedom of `from`: it is held in `to`.
+    /// Flag of each degree of freedom of `from`, true if it is held in `to`.
     fn is_held(&self) -> Vec<bool> {
         self.from.0.free().iter().map(|&dof| self.to.0.position(dof).is_none()).collect()
     }
@@ -134,7 +134,7 @@ fn modes_of_held(
     Ok(Mode::at(&alone, &found.oscillatory, work)?.into_iter().map(expand).collect())
 }
 
-/// The system without coupling between the held degrees of freedom and the others.
+/// The system without coupling between the held degrees of freedom and the others; internal states stay with the others.
 fn without_coupling(system: &SecondOrder, held: &[bool]) -> SecondOrder {
     let mut apart = system.clone();
     for matrix in [&mut apart.m, &mut apart.c, &mut apart.k] {

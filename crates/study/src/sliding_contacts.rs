@@ -7,9 +7,9 @@ use crate::{Error, Scene};
 
 /// Contacts that may open, slide and stick.
 pub trait SlidingContacts: Sync {
-    /// The equations of motion of a scene in which some of the brake's [`Parametrised`](crate::Parametrised) parameters, by their indices,
-    /// have `values`, and all others their medians. A contact sticks where it slides with less than `stick` of its steady speed, above 0
-    /// and below 1.
+    /// The equations of motion of a scene in which some of the brake's [`Parametrised`](crate::Parametrised) parameters, by their indices, have `values`,
+    /// and all others their medians. A contact counts as sticking where it slides more slowly than the fraction `stick`, above 0 and below 1, of its speed
+    /// of steady sliding.
     ///
     /// # Errors
     /// A contact whose load, speed, spring or law is not known; as [`UncertainBrake::operating_point`](crate::UncertainBrake::operating_point).

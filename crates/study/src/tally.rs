@@ -67,9 +67,9 @@ impl StudyTally {
 }
 
 impl StudyTally {
-    /// Largest distance of an occurrence from its estimate at a confidence, over all scenes and modes, seen or not; of modes that are
-    /// tracked or, if not, named by rank. The part of the samples that failed or have an open verdict, any of which may be unstable in any mode, is in it; the
-    /// width that open names leave is not.
+    /// Largest distance of an occurrence from its estimate at a confidence, over all scenes and modes, seen or not; of modes that are tracked or, if not,
+    /// named by rank. The fraction of the samples that failed or have an open verdict, any of which may be unstable in any mode, is added; the width that
+    /// open names leave is not.
     #[must_use]
     pub fn distance(&self, failures: &Failures, is_tracked: bool, confidence: Confidence) -> f64 {
         let of_scene = |(scene, &failed): (&SceneTally, &u64)| {

@@ -7,10 +7,10 @@ use super::same::{Difference, systems_differ};
 use crate::Error;
 use crate::{Contradiction, NamedParameter, Parametrised, Plan, Scene, UncertainBrake};
 
-/// Factors of the median by which a parameter is changed until the system changes, the nearest first; chosen: far ones are for parameters that act through a
-/// threshold, near ones do not leave what a brake takes.
+/// Factors of the median by which a parameter is changed until the system changes, in the order in which they are tried; chosen: those far from 1 are for
+/// parameters that act through a threshold, those near 1 for parameters of which a brake allows no other values.
 const FACTORS: [f64; 8] = [1.1, 0.9, 1.01, 0.99, 1.5, 0.5, 2.0, 0.1];
-/// Summands instead, for a median of zero; chosen: of the units of the parameter nothing is known.
+/// Numbers that are added instead, for a median of zero; chosen: of the units of the parameter nothing is known.
 const SUMMANDS: [f64; 6] = [1.0, -1.0, 1e-3, -1e-3, 1e3, -1e3];
 /// The coordinate of quantile samples by which a parameter that is drawn is changed; chosen: any but one half, where the medians are.
 const COORDINATE: f64 = 0.75;

@@ -26,7 +26,7 @@ pub(super) fn numbers(system: &AffineSystem, at: &OperatingPoint) -> Vec<(String
 /// Largest rounding error of a difference that is zero.
 const NOTHING: f64 = 1e-16;
 
-/// The first number of two operating points that differs by more than the fraction `part` of its size.
+/// The first number of two operating points that differs by more than the fraction `part` of the larger absolute value.
 pub(super) fn points_differ(
     system: &AffineSystem,
     found: &OperatingPoint,

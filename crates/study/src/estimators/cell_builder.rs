@@ -48,9 +48,9 @@ impl PendingCell {
     }
 }
 
-/// The corners and points of a cell, and its extent in mu and H.
+/// The corners and points of a cell, and its extent in mu and in the complex slope H.
 struct CellView<'a> {
-    /// Bits of the directions in which the cell has an extent.
+    /// Directions in which the cell has an extent: bit d is set for direction d.
     sides: usize,
     /// Numbers of the distinct corners: in a direction without extent, the corners of its lower side.
     corners: Vec<usize>,
@@ -58,7 +58,7 @@ struct CellView<'a> {
     modes: Vec<(f64, &'a [SampledMode])>,
     /// Extent in mu.
     width: f64,
-    /// Extent in H at the frequency of the coordinates.
+    /// Extent in H at the frequency of the coordinates, Ns/m.
     extent: f64,
     /// Gains at all points of the cell.
     gains: Vec<&'a ChannelGain>,

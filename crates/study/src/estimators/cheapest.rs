@@ -270,9 +270,9 @@ fn single_parameter<'a, B: UncertainBrake>(brake: &'a B, scene: &Scene) -> Optio
     brake.drawn_inputs()?.single_parameter(scene)
 }
 
-/// True if the coefficients and gains of a scene are affine in its one parameter at values of equal probability, of which a quarter of the
-/// half width lies between two: a formula that changes within an interval as narrow as the half width is seen. A brake that does not
-/// exist at one of these values is not affine.
+/// True if the coefficients and gains of a scene are affine in its one parameter at values between each two of which the probability is a quarter of the
+/// half width, within [`FEWEST_PROBES`] and [`MOST_PROBES`] values: a formula that changes within an interval as probable as the half width is seen. A
+/// brake that does not exist at one of these values is not affine.
 fn is_affine_throughout<B: UncertainBrake>(
     brake: &B,
     scene: &Scene,
@@ -313,8 +313,9 @@ enum Sobol {
     GivenUp(u64),
 }
 
-/// The occurrences by scrambled Sobol points, if the brake has samples by quantiles and half as many systems as plain samples take
-/// reach the half width; twice as many at each look, whose error probabilities sum to 5 % (Boole's inequality).
+/// The occurrences by scrambled Sobol points, looked at again and again with twice as many points, until the half width is reached; the error probabilities
+/// of the looks sum to 5 % (Boole's inequality). Given up where the brake has no samples by quantiles, or the half width is not reached with half as many
+/// systems as plain sampling takes, `plain`.
 fn by_sobol<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,

@@ -112,8 +112,8 @@ fn variance(share: f64, wrong: f64) -> f64 {
     share * share * wrong
 }
 
-/// The numbers of clear and uncertain samples for the half width if the prediction is right in every clear sample and wrong in
-/// a part `wrong` of the uncertain ones, with the cheapest division of the half width between the two.
+/// The numbers of clear and uncertain samples for the half width if the prediction is right in every clear sample and wrong in a fraction `wrong` of the
+/// uncertain ones, with the cheapest division of the half width between the two.
 fn first_sizes(means: &PredictionMeans, wrong: f64, half_width: f64) -> [u64; 2] {
     let price = |sizes: &[f64; 2]| sizes[0] + UNCERTAIN_PRICE * sizes[1];
     let divided = STUDENT_PARTS.map(|part| sizes(means, wrong, FIRST_LOOK_WIDTH * half_width, part));
@@ -127,7 +127,7 @@ fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f6
     let [tail, of_student] = tails(INTERIM_LOOKS[0].0);
     let t = means.t(of_student);
     let of_means = means.modes.values().flatten().map(|mean| mean.standard_error).fold(0.0, f64::max).powi(2);
-    // At least a tenth of the variance of the mean, where this mean alone uses up the part.
+    // At least a tenth of the variance of the mean, where the mean alone uses up this fraction of the half width.
     let left = ((part * half_width / t).powi(2) - of_means).max(0.1 * of_means);
     let of_uncertain = (variance(uncertain, wrong) / left).max(FEWEST_UNCERTAIN);
     let by_student = t * (of_means + variance(uncertain, wrong) / of_uncertain).sqrt();

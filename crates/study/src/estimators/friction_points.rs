@@ -1,7 +1,7 @@
 //! Quasi-random points of the friction of a scene, computed without an eigenproblem.
 //!
-//! Friction that is the same in all contacts acts on a mode of frequency omega through two numbers: mu and the complex slope
-//! `s(i omega)` of [`ChannelGain::complex_slope`].
+//! Friction that is the same in all contacts acts on a mode of frequency omega through two numbers: mu and the complex slope `s(i omega)` of
+//! [`ChannelGain::complex_slope`], which surrogates call H.
 
 use linsys::{ChannelGain, OperatingPoint};
 use montecarlo::rand::RngExt as _;
@@ -27,7 +27,7 @@ pub struct FrictionPoints {
     pub(super) scramblings: Vec<Vec<ChannelGain>>,
     /// Points of one more scrambling, from which a surrogate is made: it must not depend on the points of its mean.
     pub(super) training: Vec<ChannelGain>,
-    /// A frequency near the axis, rad/s.
+    /// Frequency that the modes near the axis have about, rad/s.
     pub(super) omega: f64,
 }
 
@@ -55,7 +55,7 @@ impl FrictionPoints {
         Ok(Self { scramblings, training: of_scrambling(0)?, omega })
     }
 
-    /// True if these points can be used for another scene: if its friction has the same values at some of the points.
+    /// True if these points can be used for another scene: if its friction has the same values at the first few of the points.
     ///
     /// # Errors
     /// As [`FrictionPoints::new`].

@@ -1,4 +1,4 @@
-//! The cells of a surrogate: a k-d tree over mu, Re H and Im H / Re H.
+//! The cells of a surrogate: a k-d tree over mu, Re H and Im H / Re H, with the complex slope H of [`ChannelGain::complex_slope`] at one frequency.
 
 use linsys::ChannelGain;
 
@@ -27,7 +27,8 @@ impl ModeSet {
 pub(super) struct Prediction {
     /// Names of the unstable modes.
     pub unstable: ModeSet,
-    /// The prediction is likely to be wrong.
+    /// True if the prediction may be wrong: by the error of a response surface, a slope outside of its range, a mode that could not be followed, or an open
+    /// name.
     pub is_uncertain: bool,
 }
 
@@ -53,7 +54,7 @@ pub(super) struct Leaf {
     pub unstable: CornerNames,
     /// Modes that may cross the threshold.
     pub crossing: Vec<CrossingMode>,
-    /// A mode could not be followed between corners.
+    /// True if a mode could not be followed between corners.
     pub is_uncertain: bool,
 }
 
@@ -65,7 +66,7 @@ pub(super) struct CrossingMode {
 }
 
 impl CrossingMode {
-    /// Prediction for the mode under a gain: it is beyond the threshold; this or the name is uncertain.
+    /// Prediction for the mode under a gain, two flags: true if it is beyond the threshold; true if this or its name is uncertain.
     pub fn predict(&self, gain: &ChannelGain) -> [bool; 2] {
         let (margin, is_outside) = self.surface.margin(gain);
         self.judge(margin, is_outside)
@@ -82,7 +83,7 @@ impl CrossingMode {
 #[derive(Debug, Clone)]
 pub(super) struct CornerNames {
     pub at: [ModeSet; CORNERS],
-    /// The names differ between corners, or no corner gives a name.
+    /// True if the names differ between corners, or no corner gives a name.
     pub is_uncertain: bool,
 }
 

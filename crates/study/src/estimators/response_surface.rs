@@ -12,7 +12,8 @@ use tracking::link_error;
 
 use super::sample_points::SampledMode;
 
-/// Largest power of mu, and total degree where a cell has four corners: values and derivatives at two ends determine a cubic.
+/// Largest power of mu, and total degree where a cell has four corners or fewer; with more it is one higher: values and derivatives at two ends determine a
+/// cubic.
 const DEGREE: usize = 3;
 /// Number added to the diagonal of the normal equations, for directions in which the cell has no extent; chosen: with less, these are nearly singular; with
 /// more, the polynomial misses the corners.

@@ -11,13 +11,13 @@ use super::friction_points::sobol_sample;
 use super::{EstimatorError, OccurrenceBounds};
 use crate::{ModeLabel, Outcome, Study, UncertainBrake};
 
-/// Samples handed to the solver together: some times its eight lanes; chosen.
+/// Samples handed to the solver together; chosen: several times its eight lanes.
 const SAMPLES_PER_BLOCK: usize = 64;
 
-/// Standard error of a mean over points in several scramblings at least, in hits of all their points. The hits of a
-/// scrambling are a whole number: scramblings that agree by chance do not show what is left between two of them. With
-/// R scramblings of m points an unseen part p of a hit has the probability `(1 - p)^R`, above 0.025 up to `p = 3.69 / R`: a
-/// mean that is wrong by 3.69 of R m points. Student's t at 95 % is 1.96 or more.
+/// Least standard error of a mean over the points of several scramblings, as a number of hits among all these points. The hits of a scrambling are a whole
+/// number: scramblings that agree by chance do not show what is left between two of them. With R scramblings of m points a fraction p of a hit stays unseen
+/// with the probability `(1 - p)^R`, above 0.025 up to `p = 3.69 / R`: a mean that is wrong by 3.69 of R m points. Student's t at 95 % is 1.96 or more, and
+/// twice that is above 3.69.
 pub(super) const UNSEEN_HITS: f64 = 2.0;
 
 /// Occurrence with the limits that its estimator gives.

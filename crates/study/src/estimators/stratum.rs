@@ -68,7 +68,8 @@ impl Stratum {
         name.and_then(|name| self.differences.get(&name)).copied().unwrap_or_default()
     }
 
-    /// Limits of the amounts by which the probability of a mode in this stratum is below and above the probability by the prediction.
+    /// Limits of the amounts by which the probability of a mode in this stratum is below and above the probability by the prediction. `tail` is the error
+    /// probability of all of them together; if `is_joint` one limit serves both ways.
     pub fn limits(&self, name: Option<ModeLabel>, tail: f64, is_joint: bool) -> [f64; 2] {
         let d = self.of(name);
         if is_joint {

@@ -40,8 +40,8 @@ pub struct Surrogate {
 }
 
 impl Surrogate {
-    /// Solves the sample points of a scene and builds the cells for its friction `points`. `samples` gives the number of
-    /// uncertain samples that have to be solved for their share of all samples.
+    /// Solves the sample points of a scene and builds the cells for its friction `points`. `samples` gives the number of uncertain samples that have to be
+    /// solved, as a function of their share of all samples.
     ///
     /// # Errors
     /// Those of the model and the solver.

@@ -70,7 +70,8 @@ impl<B: UncertainBrake> Study<'_, B> {
                 }
             }
         }
-        // Of a reduced brake a pair that grows faster than it oscillates is no mode: no basis of the modes of a band holds it, so that the whole one need not have it.
+        // Of a reduced brake a pair that grows faster than it oscillates is no mode: no basis of the modes of a band contains its shape, and the full model
+        // need not have it.
         let is_reduced = self.brake().mode_source().is_some();
         for modes in modes.iter_mut().flatten() {
             modes.retain(|mode| !(is_reduced && grows_too_fast(mode.lambda)));
