@@ -12,9 +12,9 @@ pub struct Probability {
     pub value: f64,
     /// Standard error of it.
     pub standard_error: f64,
-    /// Lower end of the 95 % interval, without what is not proven.
+    /// Lower end of the 95 % interval, with what is not proven subtracted; >= 0.
     pub lower: f64,
-    /// Upper end, with what is not proven added to it.
+    /// Upper end, with what is not proven added; <= 1.
     pub upper: f64,
 }
 
@@ -23,7 +23,7 @@ pub struct Probability {
 pub struct Estimate {
     /// Probability of failure.
     pub probability: Probability,
-    /// Part of the upper end that no sample says: ends of lines, and regions elsewhere of too small a probability to be a contradiction.
+    /// Probability that is not proven, which widens the interval: ends of lines, and regions elsewhere of too small a probability to be a contradiction.
     pub unproven: f64,
     /// Design points, the nearest first.
     pub design_points: Vec<DesignPoint>,
@@ -31,15 +31,16 @@ pub struct Estimate {
     pub witnesses: Vec<Witness>,
     /// Number of lines.
     pub lines: usize,
-    /// Number of points elsewhere, and how many of them fail.
+    /// Number of points elsewhere, and how many of them fail; of a system of one input the number of points of the scan, and 0.
     pub elsewhere: [usize; 2],
     /// Number of plain samples, none of which failed; 0 where failure was found.
     pub plain: usize,
-    /// Widest step of the scan of the only input, in standard deviations, so that narrower failure may be missed; `None` of several inputs.
+    /// Widest step of the scan of the only input, in standard deviations, so that narrower failure may be missed; `None` of several inputs, and where no
+    /// failure was found.
     pub scanned: Option<f64>,
     /// Number of evaluations in all.
     pub evaluations: u64,
-    /// The standard error that was asked for is reached.
+    /// True if the standard error that was asked for is reached.
     pub is_reached: bool,
 }
 

@@ -25,8 +25,11 @@ const STEPS: usize = 512;
 
 /// Distribution of the lengths of points.
 struct Lengths {
+    /// Number of inputs.
     d: usize,
+    /// Distance of the nearest design point.
     nearest: f64,
+    /// Largest length that is drawn.
     longest: f64,
     /// Sums of the densities at the steps beyond the nearest design point.
     sums: Vec<f64>,
@@ -52,7 +55,7 @@ impl Lengths {
         self.nearest + (place as f64 + inside) * (self.longest - self.nearest) / STEPS as f64
     }
 
-    /// Weight of a point of this length.
+    /// Weight of a point of this length: the density of the length in the normal distribution over that with which it was drawn.
     fn weight(&self, length: f64) -> f64 {
         let step = (self.longest - self.nearest) / STEPS as f64;
         let place = ((length - self.nearest) / step).floor();
@@ -79,7 +82,8 @@ pub(crate) struct Elsewhere {
     pub unexplained: Vec<DesignPoint>,
 }
 
-/// Evaluates so many points within `reach` deviations of failure at `nearest`.
+/// Evaluates `points` points, and follows failures among them that no `known` design point explains; `known` are the nearest first. `reach` is the distance
+/// along a direction of failure, in standard deviations, beyond which hardly any of its probability lies.
 ///
 /// # Errors
 /// Those of the limit state.

@@ -1,4 +1,4 @@
-//! Estimate of a rare probability by lines from all design points, held against points elsewhere.
+//! Estimate of a rare probability by lines from all design points, compared with points elsewhere.
 
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
@@ -15,12 +15,14 @@ use crate::sampled::Sampled;
 use crate::search::{DesignPoint, design_points};
 use crate::vector::{norm, unit};
 
-/// Part of the budget for points elsewhere; chosen: with less, a failure that the lines do not have is seen less surely; with more, fewer lines are evaluated.
+/// Fraction of the budget for points elsewhere; chosen: with less, a failure that the lines do not have is seen less surely; with more, fewer lines are
+/// evaluated.
 const ELSEWHERE: f64 = 0.2;
-/// Part of the probability of the nearest design point that lies beyond the ends of a line; chosen: with less, lines are longer; with more, what lies beyond
-/// widens the interval more.
+/// Fraction of the probability of the nearest design point that lies beyond the ends of a line; chosen: with less, lines are longer; with more, what lies
+/// beyond widens the interval more.
 const BEYOND_LINES: f64 = 2e-3;
-/// Part of the probability of the nearest design point below which one has no lines of its own, and widens the interval instead; chosen.
+/// Fraction of the probability of the nearest design point below which a design point has no lines of its own, and widens the interval by its probability
+/// instead; chosen.
 const MATERIAL: f64 = 1e-3;
 /// Plain samples where no failure is found; chosen: with n of them, none failing, the upper limit of the probability is about 3 / n.
 const PLAIN: usize = 1_000;
@@ -121,7 +123,7 @@ fn never<L: LimitState>(of: &Counted<'_, L>, options: &Options) -> Result<Estima
     })
 }
 
-/// The probability elsewhere that the lines do not have and that is too small to contradict them.
+/// The probability elsewhere that the lines do not have; an error where it is so large that it contradicts them.
 fn contradicted(looked: &Elsewhere, (value, error): (f64, f64), options: &Options) -> Result<f64, Error> {
     let Elsewhere { hits, mean, error: of_points, unexplained } = looked;
     let missed: f64 = unexplained.iter().map(|point| tail(point.beta)).sum();

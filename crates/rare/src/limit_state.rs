@@ -8,7 +8,7 @@ use crate::vector::{norm, unit};
 /// A mode of failure at a point.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mode {
-    /// Margin by which the mode fails: above zero it fails, below it does not. Any unit, continuous in u where the mode lives.
+    /// Margin by which the mode fails: above zero it fails, below it does not. Any unit, continuous in u where the mode exists.
     pub margin: f64,
     /// Growth rate of the mode, 1/s; of what is no vibration any number that tells one mode from another at the same point, as `omega`.
     pub growth: f64,

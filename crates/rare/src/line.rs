@@ -10,9 +10,9 @@ use crate::normal::Interval;
 pub(crate) const STEP: f64 = 1.0;
 /// Shortest step about a place at which the margin comes near zero; chosen: with less, more points are evaluated; with more, a shorter failure is passed over.
 const SHORTEST: f64 = STEP / 20.0;
-/// Error of an end of an interval, in standard deviations; chosen: some 1e-3 of the probability beyond.
+/// Error of an end of an interval, in standard deviations; chosen: it changes the probability beyond by some 1e-3 of itself.
 pub(crate) const PRECISION: f64 = 5e-4;
-/// Error of an end of a window, as a part of its width; chosen: some 1e-3 of its probability.
+/// Error of an end of a window, as a fraction of its width; chosen: some 1e-3 of its probability.
 pub(crate) const OF_WINDOW: f64 = 1e-3;
 /// Evaluations for one end after which each halves; chosen: one of a margin that does not jump is found by then.
 const PATIENCE: usize = 8;
@@ -20,8 +20,9 @@ const PATIENCE: usize = 8;
 /// A place along a line, in standard deviations, and the largest margin there.
 pub(crate) type Place = (f64, f64);
 
-/// The intervals of `[from, to]` in which the margin is above zero, ascending; `margins` gives it at several places. One that is open at an end of the range goes on to infinity.
-/// Beside the steps are the places of a window of the width that is given with them.
+/// The intervals of `[from, to]` in which the margin is above zero, ascending; `margins` gives it at several places. An interval that is open at an end of
+/// the range goes on to infinity. `offset`, 0 to 1, is where the steps begin. Beside these the margin is known at the places `window`, about a window of
+/// this `width`, by which the precision of the ends is chosen.
 ///
 /// # Errors
 /// Those of the margin.

@@ -54,7 +54,7 @@ impl Interval {
         from - to
     }
 
-    /// The point of the interval below which the part `part` of its probability lies; of a line that was turned, above.
+    /// The point of the interval below which the fraction `part` of its probability lies; above which it lies if the line was turned.
     pub fn point(&self, part: f64) -> f64 {
         let (from, to, sign) = self.turned();
         sign * tail_point((from - part * (from - to)).max(f64::MIN_POSITIVE))
@@ -62,7 +62,8 @@ impl Interval {
 
     /// The integral of `weight` times the density.
     pub fn integral(&self, weight: impl Fn(f64) -> f64) -> f64 {
-        // A weight changes over one deviation, near the end of the interval that has the probability: parts of it with a tenth each of the last.
+        // A weight changes over one deviation, near that end of the interval at which most of its probability lies. The rule is applied to parts of the
+        // interval, outwards from there, the later ones with a tenth of the probability of the one before.
         let probability = self.probability();
         let (mut sum, mut below) = (0.0, 0.0);
         for upto in [0.5, 0.9, 0.99, 0.999, 1.0] {

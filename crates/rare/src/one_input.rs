@@ -17,7 +17,7 @@ use crate::search::DesignPoint;
 const REACH: f64 = 8.0;
 /// Error of an end of an interval, in standard deviations; chosen: far below the width of any interval that a scan finds.
 const PRECISION: f64 = 1e-9;
-/// Part of the budget for the scan; chosen: the ends of intervals take the rest.
+/// Fraction of the budget for the scan; chosen: the ends of intervals take the rest.
 const SCANNED: f64 = 0.8;
 /// Fewest points of a range, chosen: its ends are always looked at.
 const FEWEST: f64 = 3.0;
@@ -125,7 +125,7 @@ fn between(proven: &[[f64; 2]]) -> Vec<[f64; 2]> {
     open
 }
 
-/// Places in each range, ascending, some `number` in all.
+/// Places in each range, ascending, about `number` in all.
 fn points(ranges: &[[f64; 2]], number: f64) -> Vec<Vec<f64>> {
     let length: f64 = ranges.iter().map(|[from, to]| to - from).sum();
     let inside = |[from, to]: [f64; 2]| Interval { from, to }.probability();

@@ -103,7 +103,7 @@ impl Sampled {
         }
     }
 
-    /// The mean and the variance of it over the lines of a design point.
+    /// The mean of the weights of the lines of a design point, and the variance of this mean.
     fn moments_of(lines: &[Line]) -> (f64, f64) {
         let count = lines.len() as f64;
         let mean = lines.iter().map(|line| line.weight).sum::<f64>() / count;
@@ -162,7 +162,7 @@ fn line<L: LimitState>(
         let points: Vec<Vec<f64>> = places.iter().map(|t| along(&across, *t, direction)).collect();
         Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
     };
-    // Those of all design points: the weights count on what each fails by.
+    // The windows of all design points are looked at: the weights take it that failure of each is found on every line.
     let (mut narrowest, mut seen) = (STEP, Vec::new());
     for (point, window) in points.iter().zip(windows) {
         let Some(window) = window else { continue };

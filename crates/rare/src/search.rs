@@ -18,13 +18,13 @@ pub(crate) const REACH: f64 = 7.0;
 const MOST_MOVES: usize = 40;
 /// Largest number of steps up the gradient from one direction to failure; chosen: after as many only nearer points of the direction itself are looked at.
 const MOST_CLIMBS: usize = 4;
-/// Part of the way to the next direction that is not halved any more where no nearer onset is found, and the same for windows; chosen: with less, more
+/// Fraction of the way to the next direction that is not halved any more where no nearer onset is found, and the same for windows; chosen: with less, more
 /// points are evaluated before a search ends; with more, it ends farther from the design point.
 const SMALLEST: f64 = 0.1;
 const SMALLEST_OF_WINDOWS: f64 = 0.01;
-/// Parts of the reach at which a direction is looked at too, for failure that ends again before the reach; chosen.
+/// Fractions of the reach at which a direction is looked at too, for failure that ends again before the reach; chosen.
 const NEARER: [f64; 3] = [0.8, 0.6, 0.4];
-/// Cosine between ray and gradient at a design point; chosen: 1.1 degrees, beyond which the distance changes by less than an end of an interval.
+/// Least cosine between ray and gradient at a design point; chosen: 1.1 degrees, beyond which the distance changes by less than an end of an interval.
 const RIGHT_ANGLE: f64 = 1.0 - 2e-4;
 /// Least cosine of the directions, and largest difference of the distances, of two design points that count as one; chosen: stricter numbers may keep one point
 /// twice, looser ones lose one of two points.
@@ -35,7 +35,7 @@ const SAME: (f64, f64) = (0.97, 0.25);
 pub struct DesignPoint {
     /// The point, in standard deviations from the medians.
     pub point: Vec<f64>,
-    /// Direction of the gradient there, of length 1: its squares are the parts that the inputs have.
+    /// Direction of the gradient there, of length 1: the squares of its entries are the shares that the inputs have in the failure.
     pub direction: Vec<f64>,
     /// Distance of the point from the medians, in standard deviations.
     pub beta: f64,
@@ -43,7 +43,7 @@ pub struct DesignPoint {
     pub slope: f64,
     /// Mode that fails from there on.
     pub mode: Mode,
-    /// The point is one to the precision that is asked for: the ray meets the surface at a right angle.
+    /// True if the point is one to the precision that is asked for: the ray meets the surface of failure at a right angle.
     pub is_settled: bool,
 }
 
@@ -114,7 +114,7 @@ fn climb<L: LimitState>(of: &Counted<'_, L>, direction: &[f64]) -> Result<Option
     Ok(nearer.into_iter().zip(worst).find(|(_, worst)| worst.margin > 0.0).map(|(u, _)| u))
 }
 
-/// True if the onset on the ray to a failing point is on the tangent plane of a design point that is known, to a tenth.
+/// True if the onset on the ray to a failing point is on the tangent plane of a design point that is known, to a tenth of the distance from the medians.
 fn is_explained<L: LimitState>(of: &Counted<'_, L>, known: &[DesignPoint], failing: &[f64]) -> Result<bool, L::Error> {
     let onset = |point: &DesignPoint| {
         Some(point.beta / dot(&point.direction, failing)).filter(|part| (0.0..0.95).contains(part))

@@ -25,7 +25,7 @@ const MOST_DIRECTIONS: usize = 8;
 const FLAT: f64 = 1e-3;
 /// Distance from the tangent plane up to which the onset is looked for; chosen: one that is farther away bends by more than is made use of.
 const FARTHEST: f64 = 2.0;
-/// Largest `h c`, for a deviation of 2; chosen: farther out the curvature is another.
+/// Largest `h c`, which makes a standard deviation of 2; chosen: farther out the curvature is another.
 const LARGEST: f64 = 0.75;
 
 /// Directions across in which half of the lines are drawn with a larger standard deviation.
@@ -99,8 +99,9 @@ impl Spread {
     }
 }
 
-/// Curvature of the onset at a design point times a direction across, by the direction of the gradient one deviation beside it: how it turns, against the
-/// direction of the point, towards the medians. `None` where there is no onset, or no gradient.
+/// Curvature of the onset at a design point times a direction across, from the direction of the gradient on the onset one deviation beside the point: its
+/// components across over its component in the direction of the point. It is positive where the onset bends towards the medians. `None` where there is no
+/// onset, or no gradient.
 fn bent<L: LimitState>(
     of: &Counted<'_, L>,
     (point, window): (&DesignPoint, Option<Window>),

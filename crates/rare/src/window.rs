@@ -9,13 +9,14 @@ use crate::vector::{along, dot};
 
 /// Distances beyond an onset at which the end of a window is looked for, in standard deviations; chosen: farther apart outwards, down to the precision of onsets.
 const BEYOND: [f64; 8] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 0.6, STEP];
-/// Precision of the end of a window, as a part of the distance beyond the onset at which failure was seen; chosen.
+/// Precision of the end of a window, as a fraction of the distance beyond the onset at which failure was seen; chosen.
 const OF_WIDTH: f64 = 0.1;
 /// Distance between the places that are looked at about a window, in widths; chosen: at least one of them is inside.
 const SPACING: f64 = 0.5;
 /// Number of these places on either side; chosen: a window that lies farther from where it is expected is lost.
 const ON_A_SIDE: i32 = 6;
-/// Part of the way across of the first move, and the smallest; chosen: a window that moves by three widths in the smallest is lost.
+/// Fraction of the way across that the first move goes, and the smallest that one may go; chosen: a window that moves by three widths in the smallest is
+/// lost.
 const MOVES: (f64, f64) = (0.5, 1.0 / 128.0);
 
 /// Cosine of two directions below which the window of one is not followed to lines in the other; chosen: there its lines count for it.
@@ -74,7 +75,7 @@ impl Window {
     }
 
     /// Places about the window with their margins on the line at `across` in a direction, to which it is followed from its design point, given with its own
-    /// direction; `None` where it is lost.
+    /// direction; `None` where it is lost, and where the two directions have a cosine below [`LEAST_COSINE`].
     ///
     /// # Errors
     /// Those of the limit state.
