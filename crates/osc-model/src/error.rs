@@ -6,8 +6,8 @@ use linsys::LinsysError;
 
 use crate::Dof;
 
-/// The largest size of a value, and the reciprocal of the smallest that must not be zero. Chosen: sums, products and squares of
-/// such numbers stay far from the ends of a double's range.
+/// The largest absolute value of a number that is given, and the reciprocal of the least value of one that has to be positive. Chosen: sums, products and
+/// squares of such numbers stay far from the ends of a double's range.
 const LARGEST: f64 = 1e100;
 
 /// The range that a value must lie in.

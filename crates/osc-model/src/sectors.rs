@@ -96,7 +96,8 @@ impl Sectors {
     /// full model. Nothing is allocated if all systems already have their orders and states.
     ///
     /// # Errors
-    /// An operating point of another system, or one that breaks the symmetry.
+    /// An operating point of another system, one that breaks the symmetry, and, with several sectors, one in which a channel without an internal state
+    /// comes before one that has one.
     pub fn assemble_into<'a>(
         &self,
         system: &AffineSystem,
@@ -163,8 +164,8 @@ impl Sector {
         self.shapes.len()
     }
 
-    /// Writes the part of a symmetric system in this sector to `out`. Nothing is allocated if `out` already has the order and
-    /// number of states.
+    /// Writes the part of a symmetric system in this sector to `out`. That the system has the symmetry is not checked. Nothing is allocated if `out`
+    /// already has the order and number of states.
     ///
     /// # Errors
     /// A system with another number of degrees of freedom; a system in which a symmetry exchanges a channel with states and a channel

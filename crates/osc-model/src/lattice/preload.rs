@@ -14,9 +14,8 @@ impl PreparedLattice {
     ///
     /// `contacts` gives the friction coefficients; their `normal_load` is not read.
     ///
-    /// Under [`Preload::Equilibrium`] the loads solve `(K + K_friction) u = f` with the given force in -z on each
-    /// oscillator in contact, `N_i = k_z (z_p - z_i)`; K is the elastic stiffness, K_friction the drag `mu N_i` in x and,
-    /// under [`Lateral::Coupled`], in y.
+    /// Under [`Preload::Equilibrium`] the loads solve `(K + K_friction) u = f` with the given force in -z on each oscillator in contact whose z is free,
+    /// `N_i = k_z (z_p - z_i)`; K is the elastic stiffness, K_friction the drag `mu N_i` in x and, under [`Lateral::Coupled`], in y.
     ///
     /// # Errors
     /// A preload that is not positive, a malformed contact, and for the equilibrium a contact whose load is not positive

@@ -5,7 +5,7 @@ use num_complex::Complex;
 
 use super::{Combination, Sector, Sectors};
 
-/// Largest entry, as a part of the largest of all, that couples two sectors by rounding alone; chosen, far above rounding.
+/// Largest entry, as a fraction of the largest of all, that couples two sectors by rounding alone; chosen, far above rounding.
 const ROUNDING: f64 = 1e-12;
 
 impl Sectors {
