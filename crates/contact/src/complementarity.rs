@@ -12,7 +12,7 @@ const NEGATIVE: f64 = 1e-10;
 /// Largest solution of a regular matrix, as a multiple of what matrix and right-hand side ask for; chosen: a million times what
 /// gaps of contacts are.
 const SINGULAR: f64 = 1e10;
-/// Most steps of a search, by the number of unknowns; chosen, far more than were ever needed.
+/// Most steps of a search for each unknown; chosen, far more than were ever needed.
 const STEPS: usize = 50;
 /// Largest difference of two solutions that are one, relative to the largest |q|; chosen: with less, rounding of one solution makes two of it; with more, two
 /// that are near each other are one.
@@ -35,22 +35,22 @@ pub struct Complementary {
 pub enum Unsolved {
     /// The path of Lemke's method ends in a ray: where M has a semi-definite symmetric part there is no solution, else it may have missed one.
     Ray,
-    /// The path did not end.
+    /// The path did not end, or lost so many digits that what it ends with is no solution.
     Steps,
 }
 
 /// Most changes of the set of zeros before another method is tried; chosen: it takes less than ten where it ends at all.
 const CHANGES: usize = 40;
 
-/// Solves a problem by changing the set of zeros until it is right: a z that comes out below 0 becomes 0, a w that does so its z free (the
-/// primal-dual active set method). `None` where that does not end, which it does for the matrices of contacts nearly always; what it finds is a
-/// solution whatever the matrix.
+/// Solves a problem by changing the set of zeros until it is right: a z that comes out below 0 becomes 0, a w that does so its z free (the primal-dual
+/// active set method). `None` where that does not end, or comes to equations that are singular; for the matrices of contacts it ends nearly always. What it
+/// finds is a solution whatever the matrix.
 #[must_use]
 pub fn active_set(q: &DVector<f64>, m: &DMatrix<f64>) -> Option<Complementary> {
     let mut opened: Vec<bool> = q.iter().map(|&q| q < 0.0).collect();
     for _ in 0..CHANGES {
         let (z, w) = with_zeros(q, m, &opened)?;
-        // Both are compared by the size of their own, as one of each pair is 0.
+        // Each is compared with the largest of its own kind, as one of each pair is 0.
         let (of_z, of_w) = tolerances(q, &z, &w);
         let next: Vec<bool> = (0..q.len()).map(|at| if opened[at] { z[at] > -of_z } else { w[at] < -of_w }).collect();
         if next == opened {
@@ -126,7 +126,7 @@ fn eliminate(tableau: &mut DMatrix<f64>, row: usize, column: usize) {
     }
 }
 
-/// Vectors z and w with z free where it is said, and w there 0.
+/// Vectors z and w with z free and w = 0 where `opened` is true, and z = 0 elsewhere; `None` where the equations are singular.
 fn with_zeros(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<(DVector<f64>, DVector<f64>)> {
     let places: Vec<usize> = (0..q.len()).filter(|&at| opened[at]).collect();
     let mut z = DVector::zeros(q.len());
@@ -150,7 +150,7 @@ fn tolerances(q: &DVector<f64>, z: &DVector<f64>, w: &DVector<f64>) -> (f64, f64
     (NEGATIVE * z.amax(), NEGATIVE * (q.amax() + w.amax()))
 }
 
-/// The solution with z > 0 where it is said, if that is one.
+/// The solution with z free where `opened` is true; `None` where z or w then comes out below 0.
 fn solved(q: &DVector<f64>, m: &DMatrix<f64>, opened: &[bool]) -> Option<Complementary> {
     let (z, w) = with_zeros(q, m, opened)?;
     let (of_z, of_w) = tolerances(q, &z, &w);

@@ -8,8 +8,8 @@ use sparse::{Problem, SparseError, SparseSecondOrder};
 use crate::sliding::value;
 use crate::{ContactError, Row};
 
-/// A solution that is larger by this than forces and stiffness ask for is one of a singular stiffness; chosen: a structure that is held has
-/// 1e10 at most, one that is not 1e15 and more.
+/// A solution that is larger by this factor than forces and stiffness ask for is one of a singular stiffness; chosen: a structure that is held has 1e10 at
+/// most, one that is not 1e15 and more.
 const NOT_HELD: f64 = 1e13;
 
 /// Largest ratio of the smallest to the largest pivot of the LU decomposition of `I + A D`, D the change of the points' stiffnesses, with which nothing holds a
@@ -44,12 +44,12 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// The structure of stiffness K (without any contact) with contact points by their rows of gap and slip, the stiffness of each closed
-    /// point, N/m, and loads, a column for each of them that is scaled by itself.
+    /// The structure of stiffness K (without any contact) with contact points by their rows of gap and slip, the stiffness of each closed point, N/m, and
+    /// loads, a column for each of them that is scaled by itself. The indices of rows have to be below the order of K, which is not checked.
     ///
     /// # Errors
-    /// No points, other numbers of slip rows or stiffnesses than points, loads of another order, a stiffness that is not > 0; bodies that nothing
-    /// holds though all points are closed.
+    /// No points, other numbers of slip rows or stiffnesses than points, loads of another order, a stiffness that is not > 0; bodies that nothing holds
+    /// though all points are closed; more memory than there is.
     pub fn new(
         structure: &CscMatrix<f64>,
         gaps: &[Row],

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use elements::Face;
 use nalgebra::Vector3;
 
-/// Bulge of a face beyond the box of its nodes, at most, as a fraction of its size; chosen: a parabola through three points does so by an
+/// Largest bulge of a face beyond the box of its nodes, as a fraction of the longest side of the box; chosen: a parabola through three points does so by an
 /// eighth.
 const BULGE: f64 = 0.15;
 /// Most cells along an axis that one face may be listed in; chosen, against faces that are far larger than the others.
@@ -21,7 +21,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The faces, which reach this far beyond themselves.
+    /// The cells of faces; each face may come near what is within `reach` of it.
     pub fn new(faces: &[Face], reach: f64) -> Self {
         let boxes: Vec<[Vector3<f64>; 2]> = faces.iter().map(|face| bounds(face, reach)).collect();
         let mut sizes: Vec<f64> = boxes.iter().map(|[from, to]| (to - from).amax()).collect();

@@ -10,7 +10,7 @@ use crate::segments::segments;
 use crate::sliding::{Sliding, faces, value};
 use crate::{ContactError, Side};
 
-/// Weights of this size are rounding of a shape function, or of a component of a normal, that is zero.
+/// Weights up to this absolute value are rounding of a shape function, or of a component of a normal, that is zero.
 const NO_WEIGHT: f64 = 1e-14;
 
 /// Rule by which the slave's faces are integrated over.
@@ -149,7 +149,7 @@ impl Interface {
     /// the outer faces of it that are meant.
     ///
     /// # Errors
-    /// As [`Interface::new`], but for faces that do not meet, a master that is smaller and normals that contradict.
+    /// A setting that is not allowed, a side without faces, a face without area. The sliding is not looked at.
     pub fn facing(
         mesh: &Mesh,
         slave: &[FaceId],

@@ -27,8 +27,8 @@ pub(crate) struct Projection {
     pub gap: f64,
 }
 
-/// The point where `x - x_face` is perpendicular to the face, on it or on what its shape functions continue it to; `None` where the search
-/// does not end.
+/// The point where `x - x_face` is perpendicular to the face, on it or on what its shape functions continue it to; `None` where the search does not end or
+/// leads too far out, and where the face has no two tangents there.
 pub(crate) fn project(face: &Face, x: &Vector3<f64>) -> Option<Projection> {
     let places = face.kind.places();
     let mut own = places.iter().fold(Vector2::zeros(), |sum, place| sum + Vector2::from(*place)) / places.len() as f64;

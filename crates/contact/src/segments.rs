@@ -11,8 +11,8 @@ const NO_PIECE: f64 = 1e-13;
 
 type Polygon = Vec<Vector2<f64>>;
 
-/// Points and weights on a face of the slave, in its own coordinates: seven on each triangle of each piece that a face of the master cuts out of
-/// it. Where the master leaves something uncovered the points of the whole face tell.
+/// Points and weights on a face of the slave, in its own coordinates: seven on each triangle of each piece that a face of the master cuts out of it. Where
+/// the master leaves something uncovered it has the points of the whole face instead.
 pub(crate) fn segments(face: &Face, master: &[Face], grid: &Grid, largest_cosine: f64) -> Vec<FacePoint> {
     let outwards = face.area().normalize();
     let domain: Polygon = face.kind.places()[..face.kind.corners()].iter().map(|place| Vector2::from(*place)).collect();

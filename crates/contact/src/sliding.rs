@@ -52,7 +52,7 @@ impl Sliding {
         Ok((along / speed, speed))
     }
 
-    /// Checks that an axis goes through none of the slave's faces.
+    /// Checks that the velocity or the speed of rotation is finite and not 0, and that an axis goes through none of the slave's faces.
     pub(crate) fn check(&self, mesh: &Mesh, faces: &[Face]) -> Result<(), ContactError> {
         match self {
             Self::Along(velocity) => {

@@ -39,7 +39,8 @@ impl Stiffness {
         }
     }
 
-    /// The force of the points of these areas at an overlap, N, 0 without overlap, and its derivative, N/m.
+    /// The force of a point at an overlap, N, 0 without overlap, and its derivative towards more overlap, N/m; the point has this `area`, and all points
+    /// together `whole`.
     pub(crate) fn force(&self, area: f64, whole: f64, overlap: f64) -> (f64, f64) {
         let overlap = overlap.max(0.0);
         match *self {

@@ -6,7 +6,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::complementarity::{MOST_ENUMERATED, all_solutions};
 
-/// An eigenvalue of this part of the norm is zero; chosen, above rounding.
+/// Largest absolute value of an eigenvalue that counts as zero, as a fraction of the norm; chosen, above rounding.
 const ZERO: f64 = 1e-11;
 
 /// Uniqueness of the forces of an equilibrium, and how it is known.
@@ -20,7 +20,8 @@ pub enum Uniqueness {
     Enumerated,
     /// Not unique, with the number of states that are in balance.
     Several(usize),
-    /// Not decided: the symmetric part is indefinite, and there are too many contacts to look at all states, or none of them was found in balance.
+    /// Not decided: the symmetric part is indefinite, and there are too many contacts to look at all states, or none of them was found in balance. Under a
+    /// law with friction it is not looked at.
     NotDecided,
 }
 
@@ -36,7 +37,7 @@ impl fmt::Display for Uniqueness {
     }
 }
 
-/// Looks whether `w = q + M z` has one solution w.
+/// The uniqueness of the solution w of `w = q + M z`.
 pub(crate) fn uniqueness(q: &DVector<f64>, m: &DMatrix<f64>) -> Uniqueness {
     let symmetric = (m + m.transpose()) * 0.5;
     let is_symmetric = (m - &symmetric).amax() <= ZERO * m.amax();
@@ -65,7 +66,7 @@ pub(crate) fn is_monotone(m: &DMatrix<f64>) -> bool {
     is_above((m + m.transpose()) * 0.5, -ZERO)
 }
 
-/// True if all eigenvalues of a symmetric matrix are above this fraction of its norm, by a Cholesky decomposition.
+/// True if all eigenvalues of a symmetric matrix are above the fraction `part` of its norm, by a Cholesky decomposition.
 fn is_above(mut symmetric: DMatrix<f64>, part: f64) -> bool {
     let norm = symmetric.row_iter().map(|row| row.iter().map(|value| value.abs()).sum::<f64>()).fold(0.0, f64::max);
     (0..symmetric.nrows()).for_each(|at| symmetric[(at, at)] -= part * norm);
