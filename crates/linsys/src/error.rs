@@ -72,10 +72,10 @@ pub enum LinsysError {
         /// Internal states of the term.
         states: usize,
     },
-    /// An operating point of another affine system.
+    /// A list, a vector or a basis of another length than the system asks for, as an operating point of another system has.
     #[error("{found} {what}; expected {expected}")]
     Count {
-        /// Name of what is counted: term coefficients or channel gains.
+        /// Name of what is counted: term coefficients, channel gains, degrees of freedom, entries of a shape, rows of a basis.
         what: &'static str,
         /// Number given.
         found: usize,
@@ -119,7 +119,7 @@ pub enum LinsysError {
         /// The entry.
         value: f64,
     },
-    /// A constraint names a degree of freedom that does not exist.
+    /// A constraint or a channel names a degree of freedom that does not exist.
     #[error("constraint on degree of freedom {dof}; there are {total}, numbered from 0")]
     UnknownDof {
         /// The index asked for, from 0.

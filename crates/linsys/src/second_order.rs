@@ -167,7 +167,7 @@ impl SecondOrder {
 
     /// `Q(lambda) = lambda^2 M + lambda C + K - lambda F diag(1 / (lambda + a)) E`, n x n.
     ///
-    /// `lambda` is an eigenvalue exactly where Q is singular, unless it equals `-a` of a state.
+    /// `lambda` is an eigenvalue exactly where Q is singular, unless it equals `-a` of a state, where Q is not finite.
     #[must_use]
     pub fn dynamic_stiffness(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
         let n = self.order();

@@ -19,7 +19,7 @@ pub struct Channel {
     pub name: String,
     /// The family to which the work of its forces belongs.
     pub family: String,
-    /// b: degrees of freedom, from 0, with coefficients.
+    /// b: degrees of freedom, from 0, with coefficients. Each is there once, which is not checked: of two entries an internal state takes the last alone.
     pub force: Vec<(usize, f64)>,
     /// r, N/m: degrees of freedom, from 0, with coefficients.
     pub reading: Vec<(usize, f64)>,

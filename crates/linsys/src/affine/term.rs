@@ -16,7 +16,7 @@ pub struct Term {
     pub family: String,
     matrices: SecondOrder,
     is_elastic: bool,
-    /// M, C, K: the matrix has an entry that is not zero.
+    /// Flags of M, C, K, true if the matrix has an entry that is not zero.
     is_there: [bool; 3],
 }
 
