@@ -38,8 +38,8 @@ pub struct ModeEnergy {
     pub total: Energy,
     /// Energy of each part, with its name, in the order given; the sum is the total.
     pub parts: Vec<(String, Energy)>,
-    /// Energy of each body, `Re(conj(u_j) (A u)_j)` summed over its degrees of freedom: a spring between two bodies is shared by them, as
-    /// each of the two forces does its part. The sum is the total where each degree of freedom belongs to one body.
+    /// Energy of each body, `Re(conj(u_j) (A u)_j)` summed over its degrees of freedom: a spring between two bodies is shared by them, as each of its two
+    /// forces acts on one of them. The sum is the total where each degree of freedom belongs to one body.
     pub bodies: Vec<Energy>,
 }
 

@@ -36,7 +36,7 @@ pub enum WorkError {
         /// Degrees of freedom of the mass matrix.
         expected: usize,
     },
-    /// The matrices of a family do not fit each other, or hold an entry that is not finite.
+    /// The matrices of a family do not fit each other, or have an entry that is not finite.
     #[error("the force family {family:?} is no system")]
     Family {
         /// Name of the family.
@@ -57,7 +57,7 @@ pub enum WorkError {
         /// Degrees of freedom of the mode shape.
         expected: usize,
     },
-    /// The matrices of a part do not fit each other, or hold an entry that is not finite.
+    /// The matrices of a part do not fit each other, or have an entry that is not finite.
     #[error("the part {part:?} is no system")]
     Part {
         /// Name of the part.

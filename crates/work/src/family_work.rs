@@ -101,7 +101,8 @@ impl ModeWork {
 /// ```
 ///
 /// # Errors
-/// No family, sizes that do not fit, a modal mass that is not positive, or an eigenvalue equal to minus a decay rate.
+/// No family, sizes that do not fit, a degree of freedom of a body that does not exist, a modal mass that is not positive, or an eigenvalue equal to minus
+/// a decay rate.
 pub fn family_work(
     mass: &DMatrix<f64>,
     families: &[ForceFamily<'_>],
@@ -133,7 +134,7 @@ pub fn family_work(
 /// ```
 ///
 /// # Errors
-/// No family, sizes that do not fit, a modal mass that is not positive, or a force that is not finite.
+/// No family, sizes that do not fit, a degree of freedom of a body that does not exist, a modal mass that is not positive, or a force that is not finite.
 pub fn work_of_forces(
     mass: &DMatrix<f64>,
     families: &[FamilyForces<'_>],
