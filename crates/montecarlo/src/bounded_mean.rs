@@ -36,7 +36,9 @@ impl Bounds {
 pub struct BoundedMean {
     values: IntegerMean,
     nonzero: u64,
+    /// Least value; 0 where none is below.
     least: i32,
+    /// Greatest value; 0 where none is above.
     greatest: i32,
 }
 

@@ -52,8 +52,8 @@ pub fn exact_upper_limit(hits: u64, trials: u64, tail: f64) -> f64 {
     high
 }
 
-/// The lower limit alone: the proportion at which at least `hits` in `trials` have the probability `tail`. It is 0 without
-/// hits; more hits than trials count as `trials` hits.
+/// The lower limit alone: the proportion at which at least `hits` in `trials` have the probability `tail`. It is 0 without hits; more hits than trials
+/// count as `trials` hits. It is known to about 1e-9, absolute: a limit that is smaller has no digits.
 #[must_use]
 pub fn exact_lower_limit(hits: u64, trials: u64, tail: f64) -> f64 {
     if hits == 0 { 0.0 } else { 1.0 - exact_upper_limit(trials.saturating_sub(hits), trials, tail) }

@@ -47,7 +47,7 @@ impl Confidence {
         -Normal::standard().inverse_cdf(self.tail())
     }
 
-    /// The deviate of Student's t with `freedom` degrees of freedom that leaves out [`tail`](Self::tail) on each side.
+    /// The deviate of Student's t with `freedom` degrees of freedom, >= 1, that leaves out [`tail`](Self::tail) on each side.
     ///
     /// Above 1,000 degrees of freedom it is computed by the expansion about the normal deviate of Abramowitz and Stegun 26.7.5,
     /// which agrees with the inverted distribution at 1,000 degrees to 1e-11 for 95, 99 and 99.9 %. The inversion of statrs

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MonteCarloError {
-    /// A run that [`Progress::is_cancelled`](crate::Progress::is_cancelled) ended. What it had is in its checkpoint.
+    /// A run that [`Progress::is_cancelled`](crate::Progress::is_cancelled) ended. What it had is in its checkpoint, if it has one.
     #[error("cancelled")]
     Cancelled,
     /// A number of the sampling or of the experiment is 0.

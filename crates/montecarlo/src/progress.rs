@@ -13,11 +13,11 @@ pub trait Progress: Sync {
     fn end(&self);
     /// Called where work goes another way than it seemed to: `news` says why, in a sentence.
     fn tell(&self, _news: &str) {}
-    /// True if whoever is told wants the run to end now: asked between evaluations, and by a run ten times a second.
+    /// True if whoever is told wants the run to end now: asked between evaluations, and by a run after each block and twenty times a second.
     fn is_cancelled(&self) -> bool {
         false
     }
-    /// The error with which work ends that is cancelled.
+    /// An error if work is to end because it is cancelled.
     ///
     /// # Errors
     /// [`MonteCarloError::Cancelled`].

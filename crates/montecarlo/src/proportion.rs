@@ -55,7 +55,8 @@ fn score_interval(hits: u64, trials: u64, confidence: Confidence) -> Interval {
 /// n = (z / h)^2 max(q(p - h), q(p + h)),    q(P) = P (1 - P), 0 outside of 0 to 1
 /// ```
 ///
-/// and the limits of Clopper and Pearson 1 / h more. Where p is 0 or 1 it is `ln(tail) / ln(1 - h)`, exactly.
+/// and the limits of Clopper and Pearson 1 / h more. Where p is 0 or 1 it is `ln(tail) / ln(1 - h)`, exactly. h has to be above 0 and below 1, which is not
+/// checked.
 ///
 /// ```
 /// use montecarlo::{Confidence, trials_for_half_width};

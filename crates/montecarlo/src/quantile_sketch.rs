@@ -14,7 +14,7 @@ use crate::merge::Merge;
 /// buckets per octave.
 const DROPPED: u32 = 42;
 
-/// Counts of values in logarithmic buckets, each 2^-10 of its lower limit wide.
+/// Counts of values in logarithmic buckets: 1,024 of equal width in each octave, at most 2^-10 of their lower limit wide.
 ///
 /// A value counts as the middle of its bucket, with a relative error of at most
 /// [`RELATIVE_ACCURACY`](Self::RELATIVE_ACCURACY); a value below the smallest normal number counts as zero. The state does not

@@ -1,7 +1,7 @@
 //! Spearman's rank correlation: whether two quantities order the same things alike.
 
-/// Spearman's rank correlation of pairs, -1 to 1: Pearson's correlation of the ranks, equal values having the mean of theirs. `None` of fewer than
-/// three pairs, which any order has, where all values on a side are equal, and where one is not a number.
+/// Spearman's rank correlation of pairs, -1 to 1: Pearson's correlation of the ranks, equal values having the mean of theirs. `None` of fewer than three
+/// pairs, which are always in the same order or in the opposite one, where all values on a side are equal, and where one is not a number.
 ///
 /// ```
 /// use montecarlo::rank_correlation;

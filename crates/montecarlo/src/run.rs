@@ -37,17 +37,18 @@ pub fn run<S: Experiment, T: Tally<S>>(
 
 /// Runs a sampling to its end, or continues it from a checkpoint to its end. `empty` makes an empty tally.
 ///
-/// The checkpoint is written before the first evaluation, so that a folder that cannot be written is noticed at once, and last
-/// when the run is complete. A run whose checkpoint is complete returns its result without any evaluation. A run whose
-/// checkpoint has fewer samples, whether that run was complete or not, is continued; the result is the same bytes as the result of
-/// an uninterrupted run.
+/// Where there is no checkpoint yet it is written before the first evaluation, so that a folder that cannot be written is noticed at once, and last when
+/// the run is complete. A run whose checkpoint is complete returns its result without any evaluation. A run whose checkpoint has fewer samples, whether
+/// that run was complete or not, is continued; the result is the same bytes as the result of an uninterrupted run.
 ///
 /// # Errors
 /// - a sampling of zero samples, threads or samples per block, or with indices beyond 64 bits; an experiment of no
 ///   scenes;
 /// - a checkpoint that is damaged, of another experiment, seed, first sample or number of scenes, or with more samples; or
 ///   one that cannot be read or written;
-/// - an experiment whose `evaluate_block` gives a wrong number of results.
+/// - an experiment whose `evaluate_block` gives a wrong number of results;
+/// - [`MonteCarloError::Cancelled`] where `progress` says so: the state is written to the checkpoint before;
+/// - worker threads that cannot be started.
 ///
 /// # Panics
 /// A panic of the experiment or the tally is resumed in the calling thread, with its own message.

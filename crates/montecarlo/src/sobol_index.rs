@@ -32,7 +32,7 @@ pub struct SobolIndex {
 }
 
 impl SobolIndex {
-    /// The estimate as a part of the variance: cut to what an index can be, 0 to 1.
+    /// The estimate as a fraction of the variance: cut to what an index can be, 0 to 1.
     #[must_use]
     pub fn part(&self) -> f64 {
         self.value.clamp(0.0, 1.0)
@@ -116,8 +116,8 @@ pub fn first_order_by_ranks(x: &[f64], y: &[f64]) -> Option<SobolIndex> {
     Some(SobolIndex { value, standard_error, samples: n as u64, few: few_neighbours(&order, given, variance) })
 }
 
-/// Largest part of the samples in which a rare output is not zero; chosen: pairs of neighbours are then few where they are
-/// independent, and the mean of y is small beside its deviation.
+/// Largest fraction of the samples in which a rare output is not zero; chosen: pairs of neighbours are then few where they are independent, and the mean of
+/// y is small beside its deviation.
 const RARE: f64 = 0.1;
 
 /// The pairs of neighbours of which neither is zero, of a rare output y; `order` is the order of the samples by x, `variance` the variance of y.

@@ -6,8 +6,8 @@ use super::Distribution;
 use super::bounded_normal::BoundedNormal;
 use crate::error::DistributionFault;
 
-/// Least part of a distribution that its bounds must keep. Chosen, 1 %: a smaller part is probably a mistake in the input, and
-/// costs the inverse distribution function more than two digits.
+/// Least fraction of a distribution that its bounds must keep. Chosen, 1 %: a smaller one is probably a mistake in the input, and costs the inverse
+/// distribution function more than two digits.
 const SMALLEST_SHARE: f64 = 0.01;
 
 /// Probabilities of the quantiles that must be numbers: a draw beyond the first and the last is not to be expected.

@@ -21,7 +21,8 @@ use quantile_table::interpolate;
 /// Largest value taken of a distribution function, the double next to 1: rounded to 0 or 1 it would have an infinite normal score.
 pub(crate) const MOST_PROBABLE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Part of a mean by which the median of a normal distribution may differ from it and be the mean; chosen: six digits, which is what is printed.
+/// Largest difference of the median of a normal distribution from its mean, as a fraction of the mean, with which the mean itself is given as the median;
+/// chosen: six digits, which is what is printed.
 const SAME_MEDIAN: f64 = 1e-6;
 
 /// Distribution that a parameter is drawn from. In a file: `{ distribution = "normal", mean = 0.5, deviation = 0.1 }`.
