@@ -99,7 +99,7 @@ fn the_lattice_has_the_cycle_that_another_program_integrated() {
     assert!(measures.imbalance() < 1e-8, "{}", measures.imbalance());
     let open = measures.contacts.iter().map(|shares| shares.open).fold(0.0, f64::max);
     assert!(measures.contacts.iter().all(|shares| shares.stuck == 0.0) && (open - 0.584).abs() < 1e-3, "{measures:?}");
-    // Its harmonics hold the velocities of all, and of the four oscillators above, by Parseval.
+    // Its harmonics have the velocities of all, and of the four oscillators above, by Parseval.
     let all: Vec<usize> = (0..system.order()).collect();
     let states = states(&system, &cycle, 1024, 1e-11).unwrap();
     let found = harmonics(&cycle, all.len(), &states, (&all, measures.rms_of(&all)));

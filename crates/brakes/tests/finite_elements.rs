@@ -153,8 +153,8 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
     assert!(matches!(refused.downcast_ref(), Some(brakes::Error::SeveralBases { .. })));
 }
 
-/// Names go from one arrangement to another along a bridge; under a law with internal states both its ends have those of their closed patches. No basis holds what grows faster than
-/// it oscillates, or is damped more than the case wants.
+/// Names go from one arrangement to another along a bridge; under a law with internal states both its ends have those of their closed patches. No basis
+/// contains what grows faster than it oscillates, or is damped more than the case wants.
 #[test]
 fn the_end_of_a_bridge_has_the_modes_of_its_arrangement_under_a_law_with_states() {
     let text = two_arrangements().header.text.replace("laws = [\"amontons-coulomb\", \"lugre\"]", "laws = [\"lugre\"]");

@@ -10,8 +10,8 @@ use brakes::case::{CaseFile, FiniteElementCase};
 use montecarlo::stream;
 use squeal::study::{BandMode, ModeSource, UncertainBrake};
 
-/// Growth up to which modes are counted, as a part of the highest frequency of the band: as far as the line around it is. Under LuGre friction
-/// single pairs of nodes may grow by far faster, which neither the search nor the basis holds (docs/large-problems.md).
+/// Growth up to which modes are counted, as a fraction of the highest frequency of the band: as far as the line around it is. Under LuGre friction single
+/// pairs of nodes may grow far faster, which the search does not find and the basis does not contain (docs/large-problems.md).
 const COUNTED: f64 = 0.06;
 
 /// The case with some arrangements of closed patches, with or without friction across the sliding (`contact.lateral`).

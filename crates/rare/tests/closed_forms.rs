@@ -75,7 +75,7 @@ fn found(dimensions: usize, margins: Margins, options: Options) -> Result<Estima
     estimate(&System { dimensions, margins }, &options)
 }
 
-/// Share of `seeds` whose interval holds `exact`, and the mean of the estimates relative to it.
+/// Share of `seeds` whose interval contains `exact`, and the mean of the estimates relative to it.
 fn coverage(dimensions: usize, margins: Margins, exact: f64, seeds: u64) -> (f64, f64) {
     let (mut covered, mut answers, mut sum) = (0, 0, 0.0);
     for seed in 0..seeds {

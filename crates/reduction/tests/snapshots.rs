@@ -1,4 +1,4 @@
-//! A basis of modes at a few points: its columns follow the modes and not the contacts, and it holds frictions and arrangements in between.
+//! A basis of modes at a few points: its columns follow the modes and not the contacts, and it serves for frictions and arrangements in between.
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 

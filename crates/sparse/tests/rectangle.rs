@@ -282,7 +282,7 @@ fn structural_damping_is_a_complex_stiffness_above_the_real_axis() {
     }
 }
 
-/// Rectangles far larger than the spectrum: the bounds that limit the search hold every eigenvalue, and all are found.
+/// Rectangles far larger than the spectrum: the bounds that limit the search contain every eigenvalue, and all are found.
 #[test]
 fn bounds_of_the_spectrum_hold_all_eigenvalues() {
     let everywhere = Rectangle { re: [-1e6, 1e6], im: [-1e6, 1e6] };

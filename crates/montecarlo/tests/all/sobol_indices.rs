@@ -92,7 +92,7 @@ fn closed_forms_with_many_samples() {
     }
 }
 
-/// The part of the replicates whose 95 % interval covers the truth, before it is cut to 0..1.
+/// The fraction of the replicates whose 95 % interval covers the truth, before it is cut to 0..1.
 fn coverage(truth: f64, found: impl Iterator<Item = SobolIndex>) -> f64 {
     let all: Vec<SobolIndex> = found.collect();
     let t = |index: &SobolIndex| Confidence::P95.t(index.samples - 1) * index.standard_error;
@@ -161,8 +161,8 @@ fn rare_outputs(parts: &[[f64; 3]]) -> Vec<Rare> {
     parts.iter().flat_map(|&q| kinds.map(|(of, means)| Rare { q, of, means })).collect()
 }
 
-/// The part of replicates of which the intervals cover the index, of each input: by ranks, and total ones by design. An output that is not
-/// zero in fewer than 30 samples has no index.
+/// The fraction of the replicates whose intervals cover the index, of each input: by ranks, and total ones by design. An output that is not zero in fewer
+/// than 30 samples has no index.
 fn rare_coverage(rare: &Rare, n: usize, replicates: u64) -> [Vec<f64>; 2] {
     let (first, total) = (rare.first(), rare.total());
     let mut covered = [vec![0.0; 5], vec![0.0; 5]];
@@ -201,7 +201,7 @@ fn check_rare(parts: &[[f64; 3]], n: usize, replicates: u64) {
     for rare in rare_outputs(parts) {
         let covered = rare_coverage(&rare, n, replicates);
         println!("{:?}, mean {:.2}: ranks {:.3?}, total {:.3?}", rare.q, rare.means[0], covered[0], covered[1]);
-        // Three standard errors of a part of so many replicates.
+        // Three standard errors of a fraction of so many replicates.
         let least = 0.95 - 3.0 * (0.95 * 0.05 / replicates as f64).sqrt();
         assert!(covered.iter().flatten().all(|covered| *covered >= least), "{:?}: {covered:?}", rare.q);
     }

@@ -151,7 +151,8 @@ fn counts(spectrum: &Spectrum, band: Band) -> Option<[i64; 2]> {
     Some([beyond(false), beyond(true)])
 }
 
-/// How far, as a part of the range, a sweep contradicts spectra at so many equal places without a break.
+/// Longest stretch without a break, as a fraction of the range, over which a sweep contradicts spectra at `places` equally spaced places; -1 where it
+/// contradicts none.
 fn longest_contradiction(brake: &MatricesBrake, found: &Sweep, places: usize) -> f64 {
     let (scene, place) = (&brake.plan.scenes[0], found.parameter.place);
     let at = |i: usize| found.parameter.at(i as f64 / (places - 1) as f64);
