@@ -88,7 +88,9 @@ pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>)
     if a.ncols() == 0 {
         return Ok((a.clone(), Vec::new()));
     }
-    let svd = view(a).thin_svd().map_err(|_| ReductionError::Decomposition { what })?;
+    let svd = view(a).thin_svd();
+    end_wide();
+    let svd = svd.map_err(|_| ReductionError::Decomposition { what })?;
     Ok((owned(svd.U()), svd.S().column_vector().iter().copied().collect()))
 }
 
@@ -117,7 +119,9 @@ pub(super) struct Factored(faer::linalg::solvers::PartialPivLu<Complex<f64>>);
 
 impl Factored {
     pub fn new(a: &DMatrix<Complex<f64>>) -> Self {
-        Self(view(a).partial_piv_lu())
+        let factors = view(a).partial_piv_lu();
+        end_wide();
+        Self(factors)
     }
 
     /// `A^-1 b`.

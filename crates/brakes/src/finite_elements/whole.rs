@@ -1,6 +1,6 @@
 //! Single eigenvalues of the whole brake.
 
-use cea::{CeaError, CertifiedError, Workspace, singular_vectors};
+use cea::{CeaError, CertifiedError, ROUNDED_DATA, Workspace, singular_vectors};
 use linsys::OperatingPoint;
 use nalgebra::DVector;
 use num_complex::Complex;
@@ -36,6 +36,5 @@ pub(super) fn next_to(
     shape: &DVector<Complex<f64>>,
 ) -> Result<WholeEigenvalue, SparseError> {
     let pair = whole.eigenpair_near(near, shape, TAKEN)?;
-    let bound = pair.condition * pair.backward_error.max(f64::EPSILON) * pair.lambda.norm();
-    Ok(WholeEigenvalue { lambda: pair.lambda, bound })
+    Ok(WholeEigenvalue { lambda: pair.lambda, bound: ROUNDED_DATA * pair.bound })
 }

@@ -214,12 +214,14 @@ fn has_converged([before, now]: [f64; 2]) -> bool {
     now <= 1e-14 || (now <= LARGEST_BACKWARD_ERROR && now >= 0.5 * before)
 }
 
-/// Multiplies by a phase that makes the largest component real and positive: the first of those that are as large but for 1e-9. A zero vector becomes NaN.
+/// Multiplies by a phase that makes the largest component real and positive: the first of those that are as large but for 1e-9. A zero vector stays as it is.
 pub fn fix_phase(x: &mut DVector<Complex<f64>>) {
     let larger = |m: Complex<f64>, &v: &Complex<f64>| if v.norm_sqr() > m.norm_sqr() * (1.0 + 2e-9) { v } else { m };
     let largest = x.iter().fold(Complex::from(0.0), larger);
-    let turn = largest.conj() / largest.norm();
-    x.apply(|v| *v *= turn);
+    if largest != Complex::from(0.0) {
+        let turn = largest.conj() / largest.norm();
+        x.apply(|v| *v *= turn);
+    }
 }
 
 #[cfg(test)]

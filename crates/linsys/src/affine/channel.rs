@@ -121,10 +121,13 @@ impl Channel {
     pub(super) fn add_lag(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
         let Some(lag) = gain.lag else { return };
         out.internal.decay[state] = lag.decay;
+        for &(dof, _) in &self.force {
+            (out.internal.drive[(state, dof)], out.internal.force[(dof, state)]) = (0.0, 0.0);
+        }
         for &(dof, b) in &self.force {
             // The state is driven by the sliding velocity -b^T u'.
-            out.internal.drive[(state, dof)] = -b * lag.drive;
-            out.internal.force[(dof, state)] = b * lag.force;
+            out.internal.drive[(state, dof)] -= b * lag.drive;
+            out.internal.force[(dof, state)] += b * lag.force;
         }
     }
 }

@@ -92,7 +92,7 @@ impl<'a> Counting<'a> {
     /// # Errors
     /// [`SparseError::CountsDiffer`] where there are more or fewer.
     pub(super) fn agrees(&mut self, around: &Around<'_>) -> Result<bool, SparseError> {
-        let mut differing: Vec<i64> = Vec::new();
+        let mut differing: Vec<(f64, i64)> = Vec::new();
         for tried in 0..CIRCLES {
             let radius = around.clear_radius(tried);
             let Some(mut excess) = self.excess(around, radius, FIRST_POINTS) else { continue };
@@ -112,9 +112,10 @@ impl<'a> Counting<'a> {
                 return Ok(true);
             }
             // Rounding that turns the phase next to one circle does not at two in the same way, nor at all of them in one direction.
-            let is_same = differing.last() == Some(&excess);
-            differing.push(excess);
-            let are_all = differing.len() == CIRCLES && differing.iter().all(|other| other.signum() == excess.signum());
+            let is_same = differing.last().is_some_and(|&(other, last)| other != radius && last == excess);
+            differing.push((radius, excess));
+            let are_all =
+                differing.len() == CIRCLES && differing.iter().all(|(_, other)| other.signum() == excess.signum());
             if (is_same || are_all) && (around.is_all || excess < 0) {
                 let counted = (eigenvalues as i64 + excess) as usize;
                 return Err(SparseError::CountsDiffer { listed: eigenvalues, counted, centre, radius });

@@ -27,9 +27,13 @@ const ENOUGH: f64 = 16.0 * f64::EPSILON;
 /// Largest relative residual of a Ritz value whose vector is good enough though its backward error does not become so small; chosen: with less, spaces grow
 /// though no backward error becomes smaller; with more, vectors have fewer digits.
 const CONVERGED: f64 = 1e-13;
-/// Radius of a disc, as a fraction of the distance of the first Ritz value not yet known; chosen: with less, discs are smaller; with more, that value may be
-/// inside, as its place is not known.
+/// Most of a disc's radius, as a fraction of the distance of the first Ritz value not yet known; chosen: with less, discs are smaller; with more, that value may
+/// be inside, as its place is not known.
 const TRUSTED: f64 = 0.95;
+/// Number of residuals by which an eigenvalue that a Ritz value not yet known stands for may be nearer to the shift than that value, in `1 / (lambda - sigma)`. Where
+/// eigenvalues crowd, a Ritz value is a mean of many, its residual their deviation from it, and the nearest of them is some deviations away. Chosen: with 1 the
+/// crowds of the tests would be seen too; with ten, spaces for modes of brakes have to grow by a tenth.
+const DEVIATIONS: f64 = 3.0;
 /// Number of columns before the first look at the Ritz values; chosen: fewer have hardly any that is known, more may be too many where few are wanted.
 const FIRST_LOOK: usize = 40;
 /// Number of columns before the radius of a disc grows about evenly with them; chosen.
@@ -125,7 +129,7 @@ impl Problem {
                 continue;
             }
             let ritz = Ritz::of(&krylov, sigma)?;
-            let (mut radius, mut error) = (TRUSTED * known_within(&ritz, sigma, target), 0.0);
+            let (mut radius, mut error) = (known_within(&ritz, sigma, target), 0.0);
             if is_last || radius >= needed {
                 let mut inside = self.wanted(&ritz, sigma, radius, target);
                 let judged = if is_last { inside.clone() } else { ritz.worst(&inside) };
@@ -237,12 +241,15 @@ impl Problem {
     }
 }
 
-/// Distance from the shift to the nearest Ritz value that is not known, which in the target takes a smaller residual; infinite where all are known.
+/// Radius about the shift within which no eigenvalue is unknown: all Ritz values that are not known, which in the target takes a smaller residual, are farther, by as
+/// much as their residuals say; infinite where all are known.
 fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle) -> f64 {
     let is_known =
         |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { NEARLY } else { SEEN };
     let all = ritz.lambdas.iter().zip(&ritz.residuals);
-    all.filter(|&(&lambda, &residual)| !is_known(lambda, residual))
-        .map(|(lambda, _)| (lambda - sigma).norm())
-        .fold(f64::INFINITY, f64::min)
+    let reach = |(lambda, residual): (&Complex<f64>, &f64)| {
+        let distance = (lambda - sigma).norm();
+        (TRUSTED * distance).min(distance / (1.0 + DEVIATIONS * residual))
+    };
+    all.filter(|&(&lambda, &residual)| !is_known(lambda, residual)).map(reach).fold(f64::INFINITY, f64::min)
 }

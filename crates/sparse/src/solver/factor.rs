@@ -151,22 +151,25 @@ impl<'a> Factor<'a> {
     pub(crate) fn solve(&self, side: Side, b: &Mat<Complex<f64>>) -> Result<Mat<Complex<f64>>, SparseError> {
         let mut x = b.clone();
         self.substitute(side, &mut x);
-        let mut best = f64::INFINITY;
+        let (mut best, mut error_of_best) = (None, f64::INFINITY);
         for _ in 0..=REFINEMENTS {
             let mut residual = self.residual(side, b, &x);
             let error = self.backward_error(b, &x, &residual);
             // A NaN is no small error.
-            if error <= GOOD || (error <= REFUSED && error > 0.5 * best) {
+            if error <= GOOD || (error <= REFUSED && error > 0.5 * error_of_best) {
                 return Ok(x);
             }
             if !error.is_finite() {
                 break;
             }
-            best = best.min(error);
+            if error < error_of_best {
+                (best, error_of_best) = (Some(x.clone()), error);
+            }
             self.substitute(side, &mut residual);
             x += residual;
         }
-        if best <= REFUSED { Ok(x) } else { Err(SparseError::Solve { shift: self.sigma, residual: best }) }
+        let residual = error_of_best;
+        best.filter(|_| residual <= REFUSED).ok_or(SparseError::Solve { shift: self.sigma, residual })
     }
 
     /// The largest of the columns.

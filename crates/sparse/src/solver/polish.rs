@@ -69,7 +69,7 @@ impl Problem {
         let found = self.polished(vec![candidate], [tolerance, left_tolerance], counters)?;
         let residual = found.first().map_or(f64::INFINITY, |polished| polished.pair.backward_error);
         match found.into_iter().next() {
-            Some(polished) if residual <= tolerance => Ok(polished.pair),
+            Some(polished) if polished.is_good => Ok(polished.pair),
             polished => {
                 let lambda = polished.map_or(lambda, |polished| polished.pair.lambda);
                 Err(SparseError::NotConverged { lambda, residual })
@@ -109,11 +109,13 @@ impl Problem {
                 // One vector of several that rounding does not tell apart would become any of their space.
                 if !is_good && is_alone {
                     match self.by_inverse_iteration(candidate.lambda, trial.x.clone(), counters) {
-                        Ok(better) => trial = better,
+                        Ok(better) => {
+                            trial = better;
+                            is_good = trial.error <= tolerance;
+                        }
                         Err(SparseError::Solve { .. } | SparseError::Singular { .. }) => {}
                         Err(other) => return Err(other),
                     }
-                    is_good = trial.error <= tolerance;
                 }
                 trials.push(trial);
                 good.push(is_good);

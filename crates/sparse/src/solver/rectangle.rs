@@ -184,7 +184,11 @@ impl Search<'_> {
             self.discs.push(disc);
             self.covered.push(Covered { part: done, margin, seen });
             covered += area(&done);
-            progress(Progress { covered: covered / area(&whole), found: self.found.len(), shifts: self.discs.len() });
+            progress(Progress {
+                covered: (covered / area(&whole)).min(1.0),
+                found: self.found.len(),
+                shifts: self.discs.len(),
+            });
         }
         Ok(())
     }

@@ -77,6 +77,7 @@ pub(super) fn systems_differ(found: &SecondOrder, expected: &SecondOrder) -> Opt
         }
     }
     let mut decays = found.internal.decay.iter().zip(&expected.internal.decay);
-    let (&found, &expected) = decays.find(|(a, b)| (**a - **b).abs() > OF_ENTRY * b.abs())?;
+    let is_same = |a: f64, b: f64| (a - b).abs() <= OF_ENTRY * b.abs();
+    let (&found, &expected) = decays.find(|(a, b)| !is_same(**a, **b))?;
     Some(Difference { what: "a decay rate".into(), found, expected })
 }

@@ -43,6 +43,11 @@ pub(super) struct PendingCell {
 }
 
 impl PendingCell {
+    /// True if the cell is not the smallest, of one step in each direction in which it has an extent.
+    pub fn has_halves(&self) -> bool {
+        self.size.iter().any(|&size| size > 1)
+    }
+
     fn corner(&self, k: usize) -> [u32; 3] {
         std::array::from_fn(|d| self.low[d] + if k >> d & 1 == 1 { self.size[d] } else { 0 })
     }

@@ -71,7 +71,9 @@ impl Surrogate {
                 break;
             }
             for _ in 0..CELLS_PER_ROUND {
-                if let Some((_, cell)) = done.pop().filter(|(uncertain, _)| *uncertain > 0) {
+                // Points of the smallest cells stay uncertain: they are solved.
+                if let Some(at) = done.iter().rposition(|(uncertain, cell)| *uncertain > 0 && cell.has_halves()) {
+                    let (_, cell) = done.remove(at);
                     pending.extend(builder.halve(cell).into_iter().filter(|half| !half.points.is_empty()));
                 }
             }
