@@ -11,7 +11,7 @@ use super::check::{Check, syntax};
 use super::correlation::Correlated;
 use super::schema::{self, Chain, LatticeFile, Values};
 use super::{
-    Alternative, CaseError, ConstraintSet, Draws, FrictionDistributions, LatticeCase, LatticeReadings, Paper,
+    Alternative, CaseError, ConstraintSet, Draws, FrictionDistributions, LatticeCase, LatticeReadings, Law, Paper,
     SpeedRange,
 };
 use crate::input::{LARGEST_CASE, read_text};
@@ -81,6 +81,8 @@ impl LatticeCase {
             has_numbers: readings.draws == Draws::Each && alternatives.draws.is_empty(),
             others: Vec::new(),
         };
+        let speeds = speed_ranges(&check, speeds)?;
+        note_speeds(&check, &laws, &friction, &speeds);
         let mut case = Self {
             header,
             laws,
@@ -88,7 +90,7 @@ impl LatticeCase {
             panels: arrangements_by_number(&check, &contact, parameters.grid.oscillators())?,
             lattice: parameters,
             constraints,
-            speeds: speed_ranges(&check, speeds)?,
+            speeds,
             correlation: check.correlation(correlation, &correlated)?,
             friction,
             alternatives: all_alternatives(&check, &alternatives)?,
@@ -233,6 +235,29 @@ fn check_paper(check: &Check<'_>, paper: &Paper, oscillators: usize) -> Result<(
         }
     }
     Ok(())
+}
+
+/// Fastest sliding of which nothing is said, m/s; chosen: several times that of a brake disc of a fast car, far below the same numbers in mm/s.
+const FASTEST: f64 = 100.0;
+/// Largest product of alpha and the slowest sliding of which nothing is said; chosen: beyond it `exp(-alpha v)` is nothing, and friction no longer falls.
+const STEEPEST: f64 = 50.0;
+
+/// Asks for the units of speeds that no brake has, and of an exponential fall of friction that ends below all of them.
+pub(super) fn note_speeds(check: &Check<'_>, laws: &[Law], friction: &FrictionDistributions, speeds: &[SpeedRange]) {
+    let unit = check.units.of("m/s");
+    for SpeedRange { name, from, to } in speeds {
+        if to * check.units.length() > FASTEST {
+            check.note(format!("speeds {name:?}: sliding at up to {to} {unit}; is that the unit?"));
+        }
+        let steepness = friction.alpha.median() * from;
+        if laws.contains(&Law::VelocityDependent) && steepness > STEEPEST {
+            check.note(format!(
+                "friction.alpha = {}: alpha v is {steepness:.0} at {from} {unit}, so that friction is mu_k alone; is the unit {}?",
+                friction.alpha.median(),
+                check.units.of("s/m")
+            ));
+        }
+    }
 }
 
 pub(super) fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<Vec<SpeedRange>, CaseError> {

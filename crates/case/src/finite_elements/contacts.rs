@@ -24,7 +24,7 @@ use super::{
 use crate::arrangements::arrangements_by_number;
 use crate::check::{Check, field};
 use crate::expression::formulas::{Formula, Formulas};
-use crate::lattice::{distributions, speed_ranges};
+use crate::lattice::{distributions, note_speeds, speed_ranges};
 use crate::schema::BristleDampingEntry;
 use crate::{CaseError, Draws, Expression, FrictionDistributions, Law, schema};
 
@@ -315,12 +315,15 @@ fn patch_contact(
         return Err(check.value("speeds", "missing", allowed));
     }
     let needs_ranges = depends_on_speed && own_speed.is_none();
+    let friction = distributions(check, of_laws(check, &laws, friction)?)?;
+    let speeds = if needs_ranges || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() };
+    note_speeds(check, &laws, &friction, &speeds);
     Ok(PatchContact {
         panels: arrangements_by_number(check, &shared.arranged, patches.len())?,
         patches,
-        friction: distributions(check, of_laws(check, &laws, friction)?)?,
+        friction,
         laws,
-        speeds: if needs_ranges || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
+        speeds,
         draws: shared.draws,
         bristle_damping: shared.bristle_damping.into(),
         is_lateral,

@@ -1,6 +1,7 @@
 //! The terms of a finite element case: its sparse matrices on common rows.
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use formats::{Dof, FormatsError, Kind, Limits, Matrix};
@@ -134,6 +135,9 @@ fn common_rows(check: &Check<'_>, all: &mut [ReadTerm]) -> Result<Vec<Dof>, Case
 /// difference is refused a loss factor.
 const SYMMETRIC: f64 = 1e-10;
 
+/// Largest damping ratio by Rayleigh damping in the band of which nothing is said; chosen: linings and shims have a tenth of it.
+const LARGEST_DAMPING: f64 = 0.5;
+
 /// The terms, with Rayleigh damping and loss factors at a frequency in C, and their coefficients. A loss factor without a frequency is that of a complex
 /// stiffness. `band` is the band in which modes are wanted, Hz.
 pub(super) fn terms_with_coefficients(
@@ -152,6 +156,14 @@ pub(super) fn terms_with_coefficients(
             let of_mass = check.finite(&named("mass"), rayleigh.mass)?;
             let of_stiffness = check.finite(&named("stiffness"), rayleigh.stiffness)?;
             c = c + &m * of_mass + &k * of_stiffness;
+            let ratio = |hz: f64| of_mass / (2.0 * TAU * hz) + of_stiffness * TAU * hz / 2.0;
+            let [first, last] = band.map(ratio);
+            if first.max(last) > LARGEST_DAMPING {
+                check.note(format!(
+                    "terms {:?}: by rayleigh the damping ratio is {first:.3} at {:.1} Hz and {last:.3} at {:.1} Hz; is it {{ mass = 1/s, stiffness = s }}?",
+                    table.name, band[0], band[1]
+                ));
+            }
         }
         let named = |key: &str| field("terms", &table.name, &format!("loss_factor{key}"));
         let loss = match table.loss_factor {
@@ -180,7 +192,7 @@ pub(super) fn terms_with_coefficients(
                     named("")
                 ));
                 // `C = eta K / omega_0`, so that `i omega C = i eta K` at omega_0 alone.
-                c = c + &k * (value / (std::f64::consts::TAU * at_hz));
+                c = c + &k * (value / (TAU * at_hz));
                 0.0
             }
         };

@@ -223,3 +223,24 @@ fn all_that_bases_depend_on_is_in_the_identity_of_what_is_prepared() {
         assert_eq!(case.brake_identity() == own.brake_identity(), is_same_brake, "{to}");
     }
 }
+
+/// Numbers in the place or the unit of others are asked for, and those of the shipped case are not.
+#[test]
+fn numbers_that_no_brake_has_are_asked_for() {
+    let asked = |from: &str, to: &str| {
+        let text = text();
+        assert!(text.contains(from), "{from}");
+        let notes = parse(text.replacen(from, to, 1)).unwrap().header.notes;
+        notes.into_iter().filter(|note| note.contains("; is ")).collect::<Vec<_>>()
+    };
+    assert_eq!(asked("seed = 1", "seed = 1"), [""; 0]);
+    for (from, to, words) in [
+        ("mass = 100.0, stiffness = 1.25e-6", "mass = 1.25e-6, stiffness = 100.0", "by rayleigh the damping ratio is"),
+        ("to = 1.0\n", "to = 1000.0\n", "sliding at up to 1000 m/s"),
+        ("median = 1.5,", "median = 1500.0,", "so that friction is mu_k alone"),
+        ("stiffness = 4.05e8", "stiffness = 0.405", "times as stiff as the bodies"),
+    ] {
+        let notes = asked(from, to);
+        assert!(matches!(notes.as_slice(), [note] if note.contains(words)), "{to}: {notes:?}");
+    }
+}
