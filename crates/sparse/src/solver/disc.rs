@@ -27,13 +27,9 @@ const ENOUGH: f64 = 16.0 * f64::EPSILON;
 /// Largest relative residual of a Ritz value whose vector is good enough though its backward error does not become so small; chosen: with less, spaces grow
 /// though no backward error becomes smaller; with more, vectors have fewer digits.
 const CONVERGED: f64 = 1e-13;
-/// Most of a disc's radius, as a fraction of the distance of the first Ritz value not yet known; chosen: with less, discs are smaller; with more, that value may
-/// be inside, as its place is not known.
+/// Radius of a disc, as a fraction of the distance at which the first eigenvalue is expected that is not yet known; chosen: with less, discs are smaller; with
+/// more, that eigenvalue may be inside, as its place is not known.
 const TRUSTED: f64 = 0.95;
-/// Number of residuals by which an eigenvalue that a Ritz value not yet known stands for may be nearer to the shift than that value, in `1 / (lambda - sigma)`. Where
-/// eigenvalues crowd, a Ritz value is a mean of many, its residual their deviation from it, and the nearest of them is some deviations away. Chosen: with 1 the
-/// crowds of the tests would be seen too; with ten, spaces for modes of brakes have to grow by a tenth.
-const DEVIATIONS: f64 = 3.0;
 /// Number of columns before the first look at the Ritz values; chosen: fewer have hardly any that is known, more may be too many where few are wanted.
 const FIRST_LOOK: usize = 40;
 /// Number of columns before the radius of a disc grows about evenly with them; chosen.
@@ -241,15 +237,12 @@ impl Problem {
     }
 }
 
-/// Radius about the shift within which no eigenvalue is unknown: all Ritz values that are not known, which in the target takes a smaller residual, are farther, by as
-/// much as their residuals say; infinite where all are known.
+/// Radius about the shift within which all eigenvalues are known; infinite where all are. A Ritz value that is not known, which in the target takes a smaller residual,
+/// may be a mean of a crowd of eigenvalues: its residual is their deviation from it, in `1 / (lambda - sigma)`, and the nearest of them are nearer to the shift by that.
 fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle) -> f64 {
     let is_known =
         |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { NEARLY } else { SEEN };
     let all = ritz.lambdas.iter().zip(&ritz.residuals);
-    let reach = |(lambda, residual): (&Complex<f64>, &f64)| {
-        let distance = (lambda - sigma).norm();
-        (TRUSTED * distance).min(distance / (1.0 + DEVIATIONS * residual))
-    };
+    let reach = |(lambda, residual): (&Complex<f64>, &f64)| TRUSTED * (lambda - sigma).norm() / (1.0 + residual);
     all.filter(|&(&lambda, &residual)| !is_known(lambda, residual)).map(reach).fold(f64::INFINITY, f64::min)
 }
