@@ -38,8 +38,7 @@ impl Path<'_> {
     /// The value of a kink at a part of the unit, positive on the side where the motion is, and its derivative by the part.
     fn kink_at(&self, kink: usize, part: f64) -> [f64; 2] {
         let (row, offset) = self.kinks[kink];
-        let add = |[value, slope]: [f64; 2], k: usize| [value * part + self.seen[(row, k)], slope * part + value];
-        let [value, slope] = (0..=self.degree).rev().fold([0.0; 2], add);
+        let [value, slope] = value_and_slope((0..=self.degree).rev().map(|k| self.seen[(row, k)]), part);
         if self.sides[kink] { [value + offset, slope] } else { [-(value + offset), -slope] }
     }
 
@@ -82,25 +81,36 @@ impl Path<'_> {
         None
     }
 
-    /// The part of the unit at which a kink changes, between one before and one after it: Newton's method, with a halving where that leaves them.
-    fn change(&self, kink: usize, [mut low, mut high]: [f64; 2]) -> f64 {
-        let mut part = 0.5 * (low + high);
-        for _ in 0..MOST_LOOKS {
-            let [value, slope] = self.kink_at(kink, part);
-            if value > 0.0 {
-                low = part
-            } else {
-                high = part
-            }
-            let newton = part - value / slope;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - part).abs() <= 2.0 * f64::EPSILON * next {
-                return next;
-            }
-            part = next;
-        }
-        part
+    /// The part of the unit at which a kink changes, between one before and one after it.
+    fn change(&self, kink: usize, between: [f64; 2]) -> f64 {
+        root(|part| self.kink_at(kink, part), between, 2.0 * f64::EPSILON)
     }
+}
+
+/// A polynomial, its coefficients from the last on, and its derivative.
+pub(crate) fn value_and_slope(coefficients: impl Iterator<Item = f64>, at: f64) -> [f64; 2] {
+    coefficients.fold([0.0; 2], |[value, slope], coefficient| [value * at + coefficient, slope * at + value])
+}
+
+/// Place at which a function goes from above 0 to below, by its value and its derivative, between one before and one after it, to a part of itself: Newton's method, with a
+/// halving where that leaves them.
+pub(crate) fn root(function: impl Fn(f64) -> [f64; 2], [mut low, mut high]: [f64; 2], error: f64) -> f64 {
+    let mut at = 0.5 * (low + high);
+    for _ in 0..MOST_LOOKS {
+        let [value, slope] = function(at);
+        if value > 0.0 {
+            low = at
+        } else {
+            high = at
+        }
+        let newton = at - value / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if (next - at).abs() <= error * next {
+            return next;
+        }
+        at = next;
+    }
+    at
 }
 
 /// Least and greatest of a number and those that follow it, and the largest difference of two neighbours.

@@ -8,7 +8,7 @@
 //! | to | see |
 //! | --- | --- |
 //! | write the equations | [`ContactSystem`], [`SlidingContact`], [`ContactFriction`]; [`ContactSystem::check_tangent`] holds them against the linear analysis |
-//! | know what a motion becomes | [`follow`]: power series of time from kink to kink, then [`shoot`] to a [`Cycle`] with its Floquet multipliers |
+//! | know what a motion becomes | [`follow`]: power series of time from kink to kink, then [`shoot`] to a [`Cycle`] with its Floquet multipliers, or measures of what does not repeat itself |
 //! | measure a cycle | [`measure`]: amplitudes, shares open and stuck, power by family; [`history`]: N(t) and slip; [`harmonics`]: its Fourier series |
 //! | follow cycles over a parameter | [`Balance`]: harmonic balance on the contacts, [`Balance::branch_from_onset`] |
 
@@ -27,6 +27,7 @@ mod path;
 mod powers;
 mod shooting;
 mod size;
+mod slow;
 mod system;
 mod tangent;
 mod variation;
@@ -37,7 +38,7 @@ pub use error::Error;
 pub use friction::{Bristled, ContactFriction, Smoothed};
 pub use harmonic_balance::{Balance, BalancedCycle};
 pub use harmonics::{Harmonics, harmonics};
-pub use measure::{ContactMoment, ContactState, Measures, Shares, history, measure, measure_over, states};
+pub use measure::{ContactMoment, ContactState, Measures, Shares, history, measure, states};
 pub use motion::{Motion, Settings, follow, follow_telling, state_after};
 pub use shooting::{Cycle, shoot};
 pub use system::{ContactSystem, Part};

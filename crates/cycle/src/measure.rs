@@ -4,8 +4,8 @@ use crate::moments::rule;
 use crate::path::Path;
 use crate::{ContactSystem, Cycle, Error, SlidingContact};
 
-/// Measures of a periodic motion.
-#[derive(Debug, Clone, PartialEq)]
+/// Measures of a motion, over a period or a stretch of it.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Measures {
     /// Root mean square of each velocity, m/s.
     pub rms_velocity: Vec<f64>,
@@ -78,6 +78,26 @@ impl Measures {
         (0.0 + dofs.iter().map(|&dof| self.rms_velocity[dof].powi(2)).sum::<f64>()).sqrt()
     }
 
+    /// Measures of stretches of a motion together, each as long as the others; those of none are empty.
+    #[must_use]
+    pub fn together(stretches: &[Self]) -> Self {
+        let part = 1.0 / stretches.len().max(1) as f64;
+        let mut all = stretches.first().cloned().unwrap_or_default();
+        for (dof, (rms, peak)) in all.rms_velocity.iter_mut().zip(&mut all.peak).enumerate() {
+            *rms = (part * stretches.iter().map(|of| of.rms_velocity[dof].powi(2)).sum::<f64>()).sqrt();
+            *peak = stretches.iter().map(|of| of.peak[dof]).fold(0.0, f64::max);
+        }
+        all.kinetic_energy = part * stretches.iter().map(|of| of.kinetic_energy).sum::<f64>();
+        for (at, (_, power)) in all.powers.iter_mut().enumerate() {
+            *power = part * stretches.iter().map(|of| of.powers[at].1).sum::<f64>();
+        }
+        for (at, shares) in all.contacts.iter_mut().enumerate() {
+            shares.open = part * stretches.iter().map(|of| of.contacts[at].open).sum::<f64>();
+            shares.stuck = part * stretches.iter().map(|of| of.contacts[at].stuck).sum::<f64>();
+        }
+        all
+    }
+
     /// Largest displacement of one of the given degrees of freedom, m.
     #[must_use]
     pub fn peak_of(&self, dofs: &[usize]) -> f64 {
@@ -90,76 +110,96 @@ impl Measures {
 /// # Errors
 /// A motion that cannot be followed.
 pub fn measure(system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<Measures, Error> {
-    Ok(measured(system, &cycle.start, [cycle.period, cycle.period], tolerance, system.families())?.0)
+    let scales = system.scales(std::f64::consts::TAU / cycle.period);
+    let mut motion = Path::new(system, cycle.start.clone(), &scales, tolerance, 0.1 * cycle.period, &[]);
+    let mut meter = Meter::new(system, &cycle.start, system.families());
+    while motion.time < cycle.period {
+        motion.step(cycle.period)?;
+        meter.add(&motion);
+    }
+    Ok(meter.take())
 }
 
-/// Goes on with a motion that need not be periodic for a time, s, of many periods, and measures it; gives its last state too. `period`, s, is
-/// about that in which it swings, and scales it. There are no powers: the motion may end with another energy than it has at first.
-///
-/// # Errors
-/// A motion that cannot be followed.
-pub fn measure_over(
-    system: &ContactSystem,
-    start: &[f64],
-    [time, period]: [f64; 2],
-    tolerance: f64,
-) -> Result<(Measures, Vec<f64>), Error> {
-    measured(system, start, [time, period], tolerance, Vec::new())
-}
-
-/// Measures of a motion over a time, with the powers of these families, and its last state.
-fn measured(
-    system: &ContactSystem,
-    start: &[f64],
-    [time, period]: [f64; 2],
-    tolerance: f64,
+/// Measures of a motion while it goes on.
+pub(crate) struct Meter<'a> {
+    system: &'a ContactSystem,
     families: Vec<String>,
-) -> Result<(Measures, Vec<f64>), Error> {
-    let n = system.order();
-    let scales = system.scales(std::f64::consts::TAU / period);
-    let mut motion = Path::new(system, start.to_vec(), &scales, tolerance, 0.1 * period, &[]);
-    let (mut squares, mut energy) = (vec![0.0; n], 0.0);
-    let (mut works, mut powers) = (vec![0.0; families.len()], vec![0.0; families.len()]);
-    let mut shares = vec![Shares::default(); system.contacts().len()];
-    let mut peak: Vec<f64> = start[..n].iter().map(|u| u.abs()).collect();
-    let (mut before, mut x) = (start.to_vec(), start.to_vec());
-    while motion.time < time {
-        motion.step(time)?;
-        let duration = motion.duration();
-        for (contact, share) in shares.iter_mut().enumerate() {
-            share.open += if motion.is_closed(contact) { 0.0 } else { duration / time };
-            share.stuck += if motion.is_closed(contact) && motion.is_slow(contact) { duration / time } else { 0.0 };
+    /// Time that is measured, s, and what is integrated over it, as [`Measures`] names it.
+    time: f64,
+    squares: Vec<f64>,
+    energy: f64,
+    works: Vec<f64>,
+    contacts: Vec<Shares>,
+    peak: Vec<f64>,
+    /// The state before, the next one, and the powers in it.
+    before: Vec<f64>,
+    x: Vec<f64>,
+    powers: Vec<f64>,
+}
+
+impl<'a> Meter<'a> {
+    /// A meter of a motion from its start, with the powers of these families.
+    pub fn new(system: &'a ContactSystem, start: &[f64], families: Vec<String>) -> Self {
+        let (n, powers) = (system.order(), vec![0.0; families.len()]);
+        Self {
+            system,
+            families,
+            time: 0.0,
+            squares: vec![0.0; n],
+            energy: 0.0,
+            works: powers.clone(),
+            contacts: vec![Shares::default(); system.contacts().len()],
+            peak: start[..n].iter().map(|u| u.abs()).collect(),
+            before: start.to_vec(),
+            x: start.to_vec(),
+            powers,
         }
-        let mut part_before = 0.0;
+    }
+
+    /// Measures the piece that the motion has come to the end of.
+    pub fn add(&mut self, motion: &Path<'_>) {
+        let (n, duration) = (self.system.order(), motion.duration());
+        self.time += duration;
+        for (contact, share) in self.contacts.iter_mut().enumerate() {
+            share.open += if motion.is_closed(contact) { 0.0 } else { duration };
+            share.stuck += if motion.is_closed(contact) && motion.is_slow(contact) { duration } else { 0.0 };
+        }
+        let (mut part_before, x) = (0.0, &mut self.x);
         for (part, weight) in rule(motion.degree()).iter().copied().chain([(1.0, 0.0)]) {
-            motion.at_part(part, &mut x);
+            motion.at_part(part, x);
             if weight > 0.0 {
-                squares.iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square += weight * duration * v * v);
-                energy += weight * duration * system.kinetic_energy(&x);
-                if !families.is_empty() {
-                    system.powers(&families, &x, &mut powers);
+                self.squares.iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square += weight * duration * v * v);
+                self.energy += weight * duration * self.system.kinetic_energy(x);
+                if !self.families.is_empty() {
+                    self.system.powers(&self.families, x, &mut self.powers);
                 }
-                works.iter_mut().zip(&powers).for_each(|(work, power)| *work += weight * duration * power);
+                self.works.iter_mut().zip(&self.powers).for_each(|(work, power)| *work += weight * duration * power);
             }
-            for (dof, peak) in peak.iter_mut().enumerate() {
+            for (dof, peak) in self.peak.iter_mut().enumerate() {
                 *peak = peak.max(x[dof].abs());
                 // A displacement that turns in between is larger there.
-                if (before[n + dof] > 0.0) != (x[n + dof] > 0.0) {
+                if (self.before[n + dof] > 0.0) != (x[n + dof] > 0.0) {
                     *peak = peak.max(motion.turning(dof, [part_before, part]).abs());
                 }
             }
-            std::mem::swap(&mut before, &mut x);
+            std::mem::swap(&mut self.before, x);
             part_before = part;
         }
     }
-    let measures = Measures {
-        rms_velocity: squares.iter().map(|square| (square / time).sqrt()).collect(),
-        peak,
-        kinetic_energy: energy / time,
-        powers: families.into_iter().zip(works.iter().map(|work| work / time)).collect(),
-        contacts: shares,
-    };
-    Ok((measures, motion.x))
+
+    /// Measures of the motion since its start or since they were taken last.
+    pub fn take(&mut self) -> Measures {
+        let next = Self::new(self.system, &self.before, self.families.clone());
+        let Self { families, time, squares, energy, works, contacts, peak, .. } = std::mem::replace(self, next);
+        let share = |Shares { open, stuck }| Shares { open: open / time, stuck: stuck / time };
+        Measures {
+            rms_velocity: squares.iter().map(|square| (square / time).sqrt()).collect(),
+            peak,
+            kinetic_energy: energy / time,
+            powers: families.into_iter().zip(works.iter().map(|work| work / time)).collect(),
+            contacts: contacts.into_iter().map(share).collect(),
+        }
+    }
 }
 
 /// The contacts in each of some states of motion, rows by contact.

@@ -8,6 +8,9 @@ pub(crate) const MOMENTS: usize = 16;
 /// Number of values that a remainder is fitted to, at every second moment, and so of its powers of time; chosen.
 pub(crate) const FITTED: usize = MOMENTS / 2;
 
+/// Leading coefficient of the Chebyshev polynomial on 0 to 1 of as many powers as are fitted.
+pub(crate) const LEADING: f64 = (1_u32 << (2 * FITTED - 1)) as f64;
+
 /// Moments of the largest rule by which a piece is integrated; chosen: exact for squares of series of 15 powers.
 const MOST_INTEGRATED: usize = 16;
 

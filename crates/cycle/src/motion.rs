@@ -2,10 +2,11 @@
 
 use num_complex::Complex;
 
+use crate::measure::Meter;
 use crate::path::Path;
 use crate::shooting::shoot;
 use crate::size::{amplitude, distance};
-use crate::{ContactSystem, Cycle, Error};
+use crate::{ContactSystem, Cycle, Error, Measures};
 
 /// Settings of the integration of a motion: its error and its length.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,11 +17,14 @@ pub struct Settings {
     pub most_periods: usize,
     /// Periods of the mode in one period of the motion, at most; chosen 8.
     pub most_multiple: usize,
+    /// Difference of the velocities of the stretches in which a motion is measured, relative, up to which it has settled and is followed no longer: see
+    /// [`Motion::NotPeriodic`]. Without it nothing is measured.
+    pub settled: Option<f64>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { tolerance: 1e-9, most_periods: 1000, most_multiple: 8 }
+        Self { tolerance: 1e-9, most_periods: 1000, most_multiple: 8, settled: None }
     }
 }
 
@@ -37,13 +41,26 @@ pub enum Motion {
     NotPeriodic {
         /// Time that was looked at, s.
         time: f64,
-        /// State of motion at its end.
-        state: Vec<f64>,
+        /// Measures of four equal stretches, the last half of that time; none where nothing was measured. There are no powers: a motion may end with another energy than
+        /// it has at first.
+        stretches: Vec<Measures>,
     },
 }
 
 /// Growth of the amplitude, relative to the scales of a motion, that nothing stops any more; chosen.
 const UNBOUNDED: f64 = 1e6;
+
+/// Periods of the mode in a block of a motion that is measured; chosen: some at least.
+const BLOCK: usize = 5;
+
+/// Blocks after which it is asked whether the motion has settled, and again after as many, from twice as many on; chosen: its last half are four equal stretches then.
+const ASKED: usize = 8;
+
+/// Part of the distance of passages in the quarter before to which it shrinks in the last quarter where a motion comes to a cycle; chosen.
+const COMING: f64 = 0.8;
+
+/// Distance of two passages, relative to the size of the motion, below which it may be on its way to a cycle however slowly; chosen.
+const NEARLY: f64 = 0.01;
 
 /// Part of the largest amplitude of a motion so far that counts as rest; chosen, far above what an allowed error keeps alive.
 const REST: f64 = 1e-6;
@@ -88,13 +105,25 @@ pub fn follow_telling(
     let scales = system.scales(omega);
     let section = section(system, shape);
     let period = std::f64::consts::TAU / omega;
+    let mut meter = settings.settled.map(|_| Meter::new(system, &start, Vec::new()));
+    let mut blocks = Blocks::default();
     let mut motion = Path::new(system, start, &scales, settings.tolerance, 0.1 * period, &section);
     let until = settings.most_periods as f64 * period;
+    let end_of_block = |blocks: &Blocks| ((blocks.measured.len() + 1) * BLOCK) as f64 * period;
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
     let (mut next_try, mut largest) = (0, amplitude(&motion.x, &scales));
     let mut told = 0;
     while motion.time < until {
-        let is_passage = motion.step(until)?;
+        let is_passage = motion.step(if meter.is_some() { end_of_block(&blocks).min(until) } else { until })?;
+        if let (Some(meter), Some(settled)) = (&mut meter, settings.settled) {
+            meter.add(&motion);
+            if motion.time >= end_of_block(&blocks) {
+                blocks.end(meter.take());
+                if blocks.have_settled(settled) {
+                    break;
+                }
+            }
+        }
         while told < settings.most_periods && (told + 1) as f64 * period <= motion.time {
             each_period();
             told += 1;
@@ -115,6 +144,8 @@ pub fn follow_telling(
             passages.remove(0);
         }
         next_try = usize::saturating_sub(next_try, 1);
+        let distances = passages.iter().rev().skip(1).map(|(_, x)| distance(x, &motion.x, &scales) / size);
+        blocks.nearest = distances.fold(blocks.nearest, f64::min);
         let Some(((end, last), earlier)) = passages.split_last() else { continue };
         let alike = |(_, x): &&(f64, Vec<f64>)| distance(x, last, &scales) < ALIKE * size;
         let Some((begin, _)) = earlier.iter().rev().find(alike).filter(|_| next_try == 0) else { continue };
@@ -130,7 +161,49 @@ pub fn follow_telling(
         // Not yet there, or not at all: a shooting costs more than some periods.
         next_try = 20;
     }
-    Ok(Motion::NotPeriodic { time: motion.time, state: motion.x })
+    Ok(Motion::NotPeriodic { time: motion.time, stretches: blocks.stretches() })
+}
+
+/// Blocks of a motion that is measured, one after the other.
+struct Blocks {
+    measured: Vec<Measures>,
+    /// The least distance of two passages in each, relative to the size of the motion, and in the block that has not ended.
+    distances: Vec<f64>,
+    nearest: f64,
+}
+
+impl Default for Blocks {
+    fn default() -> Self {
+        Self { measured: Vec::new(), distances: Vec::new(), nearest: f64::INFINITY }
+    }
+}
+
+impl Blocks {
+    fn end(&mut self, measures: Measures) {
+        self.measured.push(measures);
+        self.distances.push(std::mem::replace(&mut self.nearest, f64::INFINITY));
+    }
+
+    /// Measures of the last half in four equal stretches; with some blocks less where it has no four.
+    fn stretches(&self) -> Vec<Measures> {
+        let each = (self.measured.len() / ASKED).max(1);
+        let last = &self.measured[self.measured.len().saturating_sub(ASKED / 2 * each)..];
+        last.chunks(each).map(Measures::together).collect()
+    }
+
+    /// True where the stretches are as fast as each other and passages do not come nearer to one another.
+    fn have_settled(&self, settled: f64) -> bool {
+        let blocks = self.measured.len();
+        if blocks < 2 * ASKED || !blocks.is_multiple_of(ASKED) {
+            return false;
+        }
+        let nearest = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
+        let (before, last) = self.distances[blocks / 2..].split_at(blocks / 4);
+        let velocities: Vec<f64> = self.stretches().iter().map(|stretch| stretch.kinetic_energy.sqrt()).collect();
+        let (least, most) =
+            velocities.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), v| (least.min(*v), most.max(*v)));
+        most - least <= settled * most && nearest(last) >= (COMING * nearest(before)).max(NEARLY)
+    }
 }
 
 /// False for an equilibrium beside steady sliding, where the state after any time is that before.

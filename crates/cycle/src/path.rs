@@ -3,23 +3,32 @@
 //! A piece ends where the force of a contact has a kink, so that within it all forces are smooth. There `x' = x_0' + J (x - x_0) + B r`, with the
 //! Jacobian J at the begin of the piece and r, what friction has beyond its tangent there. A constant coefficient has no r: each term of
 //! the series follows from the one before by a product with J, whatever is open. Else r is a polynomial of time through its values at some
-//! moments of the piece, found by repeated substitution.
+//! moments of the piece, found by repeated substitution. Of a contact that slides slower than its stick speed the coefficient is a polynomial of the velocity, and so
+//! r a product of series that is known term by term: there friction is stiff, and repeated substitution would need many short pieces.
 //!
 //! A. Jorba, M. Zou, A software package for the numerical integration of ODEs by means of high-order Taylor methods, Experiment. Math. 14 (2005)
 //! 99-117.
 
 use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
 
-use crate::moments::{FITTED, MOMENTS, fit, moment};
+use crate::contact::along;
+use crate::kinks::{root, value_and_slope};
+use crate::moments::{FITTED, LEADING, MOMENTS, fit, moment};
 use crate::size::{amplitude, largest};
+use crate::slow::Slow;
 use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Error};
 
 /// Terms of a series after the first, at most; chosen: with more a piece costs less than it gains, until their alternating signs cost digits.
-const MOST_TERMS: usize = 30;
+pub(crate) const MOST_TERMS: usize = 30;
 
 /// Number of terms fewer than in the piece before from which on their size is looked at; chosen.
 const FEWER: usize = 6;
+
+/// Part of a unit before which a kink is early, and the length of the next unit in that; chosen, by the time that motions of lattices took.
+const EARLY: f64 = 0.4;
+const SHORTER: f64 = 0.8;
 
 /// Part of the allowed error that the last two terms of a series may have; chosen.
 const LAST_TERMS: f64 = 0.01;
@@ -29,6 +38,9 @@ const SUBSTITUTED: f64 = 0.1;
 
 /// Substitutions after which a piece is too long; chosen.
 const MOST_SUBSTITUTIONS: usize = 12;
+
+/// Number of times as many entries as are not 0 from which on a matrix is read entry by entry; chosen, as wide registers multiply so many at once.
+const SPARSE: usize = 8;
 
 /// Pieces one after the other that may take no time; chosen, above the number of kinks that a motion of some symmetry has at once.
 const MOST_STANDING: usize = 10_000;
@@ -63,14 +75,18 @@ pub(crate) struct Path<'a> {
     /// Matrix of the readings of a state by contacts, and that times the terms: by rows changes of the normal force, N, sliding velocities without v, m/s,
     /// bristles; and the section.
     reads: DMatrix<f64>,
+    /// Its entries by rows, where most are 0.
+    sparse_reads: Option<Vec<Vec<(usize, f64)>>>,
     pub seen: DMatrix<f64>,
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
     pub forces: Vec<ContactForces>,
     pub below: DMatrix<f64>,
     /// Powers from the first on of the remainder of friction of each contact, and then of the rates of their bristles.
     remainder: DMatrix<f64>,
+    /// The friction of each contact in the piece where that is known term by term.
+    pub slow: Vec<Option<Slow<'a>>>,
     /// Change of the state in the time 1 s by a remainder of 1, in scales.
-    weights: Vec<f64>,
+    pub weights: Vec<f64>,
     /// Unit of the next series.
     next: f64,
     standing: usize,
@@ -100,6 +116,12 @@ impl<'a> Path<'a> {
             reads.view_mut((rows, n), (1, n)).copy_from_slice(section);
             kinks.push((rows, 0.0));
         }
+        let filled = reads.iter().filter(|entry| **entry != 0.0).count();
+        let row = |row: usize| {
+            let entries = reads.row(row).iter().copied().enumerate().collect::<Vec<_>>();
+            entries.into_iter().filter(|(_, entry)| *entry != 0.0).collect()
+        };
+        let sparse_reads = (filled < reads.len() / SPARSE).then(|| (0..reads.nrows()).map(row).collect());
         let weight = |at: usize| {
             system.sliding.column(at).iter().zip(&scales[n..]).map(|(b, scale)| (b / scale).abs()).fold(0.0, f64::max)
         };
@@ -120,9 +142,11 @@ impl<'a> Path<'a> {
             degree: 0,
             seen: DMatrix::zeros(reads.nrows(), MOST_TERMS + 1),
             reads,
+            sparse_reads,
             forces: Vec::new(),
             below: DMatrix::zeros(0, 0),
             remainder: DMatrix::zeros(2 * contacts, FITTED),
+            slow: vec![None; contacts],
             weights: (0..contacts).map(weight).chain((0..contacts).map(of_rate)).collect(),
             next: first,
             kinks,
@@ -145,9 +169,9 @@ impl<'a> Path<'a> {
         self.sides[4 * contact + 1] && !self.sides[4 * contact + 3]
     }
 
-    /// Powers of time in the series of the piece.
+    /// Powers of time that the series needs as far as the piece goes, about: it may go on beyond its end.
     pub fn degree(&self) -> usize {
-        self.degree
+        (self.degree as f64 * self.length).ceil() as usize
     }
 
     /// Length of the piece, s.
@@ -216,9 +240,18 @@ impl<'a> Path<'a> {
             }
             if change <= SUBSTITUTED {
                 (self.unit, self.length) = (unit, length);
-                // One more term costs so much less than one more piece that a kink within the unit makes the next unit no shorter; a series whose
+                // One more term costs so much less than one more piece that only a kink early in the unit makes the next unit shorter; a series whose
                 // terms have all been needed is as long as it can be.
-                let growth = if kink.is_some() && !is_curved { 1.0 } else { 2.0 };
+                let growth = match kink {
+                    Some(_) if !is_curved => {
+                        if length < EARLY {
+                            SHORTER
+                        } else {
+                            1.0
+                        }
+                    }
+                    _ => 2.0,
+                };
                 let growth = if reach < 1.0 { reach } else { growth };
                 let growth = if is_curved {
                     growth.min(0.9 * (SUBSTITUTED / last).powf(1.0 / (FITTED + 1) as f64))
@@ -257,6 +290,13 @@ impl<'a> Path<'a> {
             self.system.take_below(&forces, &mut self.below);
         }
         self.forces = forces;
+        for contact in 0..self.slow.len() {
+            let of = &self.forces[contact];
+            let slow = self.system.slow_friction(contact, self.sides[4 * contact + 2]);
+            let slow = slow.filter(|_| self.is_slow(contact) && self.is_closed(contact));
+            let slopes = [of.friction_by_gap, of.friction_by_velocity];
+            self.slow[contact] = slow.map(|slow| Slow::new(&self.system.contacts()[contact], slow, slopes));
+        }
     }
 
     /// Fills in the terms of the series in a unit of time. Returns the part of the unit, up to 1, over which it holds; fails with the part of the unit
@@ -273,6 +313,14 @@ impl<'a> Path<'a> {
             } else {
                 to[..n].copy_from_slice(&from[n..2 * n]);
                 product(&self.below, from, &mut to[n..]);
+            }
+            for (contact, slow) in self.slow.iter_mut().enumerate() {
+                let Some(slow) = slow else { continue };
+                let friction = slow.remainder(k, &from[..n], &from[n..]);
+                if k > 0 {
+                    let column = self.system.sliding.column(contact);
+                    to[n..2 * n].iter_mut().zip(&column).for_each(|(to, b)| *to += b * friction);
+                }
             }
             if is_curved && (1..=FITTED).contains(&k) {
                 for contact in 0..contacts {
@@ -307,7 +355,13 @@ impl<'a> Path<'a> {
     /// Takes what contacts and section see of the terms.
     fn see(&mut self) {
         let terms = self.degree + 1;
-        self.seen.columns_mut(0, terms).gemm(1.0, &self.reads, &self.terms.columns(0, terms), 0.0);
+        let Some(rows) = &self.sparse_reads else {
+            self.seen.columns_mut(0, terms).gemm(1.0, &self.reads, &self.terms.columns(0, terms), 0.0);
+            return;
+        };
+        for (mut seen, term) in self.seen.column_iter_mut().zip(self.terms.column_iter()).take(terms) {
+            seen.iter_mut().zip(rows).for_each(|(seen, row)| *seen = along(row, term.as_slice()));
+        }
     }
 
     /// Readings of contacts and section at the moments of a part of the unit, by columns.
@@ -329,7 +383,7 @@ impl<'a> Path<'a> {
     fn take_remainder(&mut self, unit: f64, length: f64, is_curved: bool, values: &DMatrix<f64>) -> [f64; 2] {
         let contacts = self.system.contacts().len();
         let (mut change, mut last) = (0.0_f64, 0.0_f64);
-        for contact in 0..contacts {
+        for contact in (0..contacts).filter(|contact| self.slow[*contact].is_none()) {
             let at_begin = &self.forces[contact];
             let bristle = self.system.bristle(contact).map(|place| 2 * contacts + place - 2 * self.system.order());
             let state = |values: &DMatrix<f64>, moment: usize| bristle.map_or(0.0, |row| values[(row, moment)]);
@@ -362,9 +416,7 @@ impl<'a> Path<'a> {
                     change = largest(change, (value - before) * weight);
                 }
                 let powers = fit(&values);
-                // The leading coefficient of a Chebyshev polynomial on 0 to 1.
-                let leading = f64::from(1_u32 << (2 * FITTED - 1));
-                last = largest(last, powers[FITTED - 1] / leading * weight);
+                last = largest(last, powers[FITTED - 1] / LEADING * weight);
                 self.remainder.row_mut(row).copy_from_slice(&powers);
             }
         }
@@ -382,25 +434,40 @@ impl<'a> Path<'a> {
     }
 
     /// The displacement of a degree of freedom where its velocity is 0, between two parts of the piece at which its velocity has different signs.
-    pub fn turning(&self, dof: usize, [mut low, mut high]: [f64; 2]) -> f64 {
-        let value = |row: usize, part: f64| {
-            (0..=self.degree).rev().fold(0.0, |sum, k| sum * part * self.length + self.terms[(row, k)])
-        };
-        let velocity = |part: f64| value(self.system.order() + dof, part);
-        let rises = velocity(high) > 0.0;
+    pub fn turning(&self, dof: usize, [low, high]: [f64; 2]) -> f64 {
+        let series = |row: usize| (0..=self.degree).rev().map(move |k| self.terms[(row, k)]);
+        let velocity: Vec<f64> = series(self.system.order() + dof).collect();
+        let at = |part: f64| value_and_slope(velocity.iter().copied(), part);
+        let sign = if at(low * self.length)[0] > 0.0 { 1.0 } else { -1.0 };
         // A displacement turns so slowly that half of the digits of the time will do.
-        for _ in 0..27 {
-            let middle = 0.5 * (low + high);
-            if (velocity(middle) > 0.0) == rises { high = middle } else { low = middle }
-        }
-        value(dof, high)
+        let turn = root(|part| at(part).map(|x| sign * x), [low * self.length, high * self.length], 1e-8);
+        value_and_slope(series(dof), turn)[0]
     }
 
     /// State at so many units of time after the begin of the piece.
     fn at_units(&self, part: f64, x: &mut [f64]) {
-        x.copy_from_slice(self.terms.column(self.degree).as_slice());
-        for term in (0..self.degree).rev() {
-            x.iter_mut().zip(self.terms.column(term).iter()).for_each(|(x, term)| *x = *x * part + term);
+        Arch::new().dispatch(Sum { terms: &self.terms, degree: self.degree, part, x });
+    }
+}
+
+/// The sum of a series at a part of its unit, by Horner's rule: the same bits on registers of any width.
+struct Sum<'a> {
+    terms: &'a DMatrix<f64>,
+    degree: usize,
+    part: f64,
+    x: &'a mut [f64],
+}
+
+impl WithSimd for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { terms, degree, part, x } = self;
+        let mut terms = terms.as_slice().chunks_exact(x.len().max(1)).take(degree + 1).rev();
+        x.copy_from_slice(terms.next().unwrap_or_default());
+        for term in terms {
+            x.iter_mut().zip(term).for_each(|(x, term)| *x = *x * part + term);
         }
     }
 }

@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use linsys::{AffineSystem, SecondOrder, Term};
 use nalgebra::{DMatrix, DVectorView};
 use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
 
+use crate::slow::SlowFriction;
 use crate::{Error, SlidingContact};
 
 /// A part of a structure whose forces are one family: M, C and K.
@@ -44,6 +46,8 @@ pub struct ContactSystem {
     pub(crate) contacts: Vec<SlidingContact>,
     /// z and mu of steady sliding, by contact.
     steady: Vec<(f64, f64)>,
+    /// Friction of each contact below its stick speed, forwards and backwards, where that is a polynomial of the velocity.
+    slow: Vec<[Option<SlowFriction>; 2]>,
     /// Place of the bristle of each contact in a state of motion.
     pub(crate) bristles: Vec<Option<usize>>,
     pub(crate) dimension: usize,
@@ -163,6 +167,10 @@ impl ContactSystem {
             .view_mut((2 * contacts.len(), 2 * order), (dimension - 2 * order, dimension - 2 * order))
             .fill_with_identity();
         let steady = contacts.iter().map(SlidingContact::steady).collect();
+        let slow = |contact: &SlidingContact| {
+            [true, false].map(|is_forward| SlowFriction::new(&*contact.friction, contact.speed, is_forward))
+        };
+        let slow = contacts.iter().map(slow).collect();
         let at_rest = (Vec::new(), DMatrix::zeros(dimension - order, dimension));
         let stop = None;
         let mut system = Self {
@@ -170,6 +178,7 @@ impl ContactSystem {
             structure,
             contacts,
             steady,
+            slow,
             bristles,
             dimension,
             free,
@@ -235,6 +244,11 @@ impl ContactSystem {
 
     pub(crate) fn bristle(&self, contact: usize) -> Option<usize> {
         self.bristles[contact]
+    }
+
+    /// Friction of a contact below its stick speed on one side of rest, where that is a polynomial of the velocity.
+    pub(crate) fn slow_friction(&self, contact: usize, is_forward: bool) -> Option<&SlowFriction> {
+        self.slow[contact][usize::from(!is_forward)].as_ref()
     }
 
     /// Bristle state of a contact in steady sliding.
@@ -399,20 +413,37 @@ impl ContactSystem {
 
 /// A matrix times a vector.
 pub(crate) fn product(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
-    out.fill(0.0);
-    let rows = out.len();
-    // Four columns at a time, so that each entry of the result is loaded and stored once for them.
-    let (columns, entries) = (matrix.as_slice().chunks_exact(4 * rows.max(1)), x.chunks_exact(4));
-    let (last, last_entries) = (columns.remainder(), entries.remainder());
-    for (columns, x) in columns.zip(entries) {
-        let (a, others) = columns.split_at(rows);
-        let (b, others) = others.split_at(rows);
-        let (c, d) = others.split_at(rows);
-        for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-            *out += (a * x[0] + b * x[1]) + (c * x[2] + d * x[3]);
+    Arch::new().dispatch(Product { matrix, x, out });
+}
+
+/// The product: its sums are the same bits on registers of any width.
+struct Product<'a> {
+    matrix: &'a DMatrix<f64>,
+    x: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { matrix, x, out } = self;
+        out.fill(0.0);
+        let rows = out.len();
+        // Four columns at a time, so that each entry of the result is loaded and stored once for them.
+        let (columns, entries) = (matrix.as_slice().chunks_exact(4 * rows.max(1)), x.chunks_exact(4));
+        let (last, last_entries) = (columns.remainder(), entries.remainder());
+        for (columns, x) in columns.zip(entries) {
+            let (a, others) = columns.split_at(rows);
+            let (b, others) = others.split_at(rows);
+            let (c, d) = others.split_at(rows);
+            for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                *out += (a * x[0] + b * x[1]) + (c * x[2] + d * x[3]);
+            }
         }
-    }
-    for (column, x) in last.chunks_exact(rows.max(1)).zip(last_entries) {
-        out.iter_mut().zip(column).for_each(|(out, a)| *out += a * x);
+        for (column, x) in last.chunks_exact(rows.max(1)).zip(last_entries) {
+            out.iter_mut().zip(column).for_each(|(out, a)| *out += a * x);
+        }
     }
 }

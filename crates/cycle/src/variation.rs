@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::Error;
-use crate::moments::{FITTED, fit, moment};
+use crate::moments::{FITTED, LEADING, fit, moment};
 use crate::path::Path;
 use crate::size::{amplitude, largest};
 
@@ -15,6 +15,9 @@ const LAST_TERMS: f64 = 1e-11;
 
 /// Part of the largest deviation above which terms that cancel each other cost too many digits; chosen.
 const CANCELLING: f64 = 1e4;
+
+/// Part of a deviation that may be missed where a slope of friction is no polynomial of time; chosen, far below what a multiplier is known to.
+const MISSED: f64 = 1e-9;
 
 /// Parts of a piece over which deviations have a series, at most; more, and numbers are not finite.
 const MOST_PARTS: usize = 1 << 16;
@@ -50,7 +53,7 @@ impl Path<'_> {
     fn carry_over(&self, deviations: &DMatrix<f64>, [from, to]: [f64; 2]) -> Option<DMatrix<f64>> {
         let (system, below) = (self.system, &self.below);
         let (d, n, contacts) = (system.dimension(), system.order(), system.contacts().len());
-        let slopes = self.slopes([from, to]);
+        let slopes = self.slopes([from, to])?;
         let size = |of: &DMatrix<f64>| {
             of.column_iter().fold(0.0, |size, column| largest(size, amplitude(column.as_slice(), self.scales)))
         };
@@ -96,9 +99,11 @@ impl Path<'_> {
         None
     }
 
-    /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some.
-    fn slopes(&self, [from, to]: [f64; 2]) -> Vec<Slopes> {
-        let system = self.system;
+    /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some; `None` where the part is too long
+    /// for their polynomials.
+    fn slopes(&self, [from, to]: [f64; 2]) -> Option<Vec<Slopes>> {
+        let (system, contacts) = (self.system, self.system.contacts().len());
+        let duration = (to - from) * self.duration();
         let mut x = vec![0.0; system.dimension()];
         let mut found: Vec<Vec<[f64; 5]>> = vec![Vec::with_capacity(FITTED + 1); system.contacts().len()];
         for at in 0..=FITTED {
@@ -118,12 +123,23 @@ impl Path<'_> {
             }
         }
         let fitted = |(contact, changes): (usize, Vec<[f64; 5]>)| {
-            let powers = std::array::from_fn(|slope| {
+            let powers: [[f64; FITTED + 1]; 5] = std::array::from_fn(|slope| {
                 let first = changes[0][slope];
                 let others = fit(&std::array::from_fn(|at| changes[at + 1][slope] - first));
                 std::array::from_fn(|power| if power == 0 { first } else { others[power - 1] })
             });
-            Slopes { contact, powers }
+            // What a deviation of one scale does by what is missed; other pieces are no longer than polynomials hold.
+            let missed = |slope: usize| {
+                let bristle = system.bristle(contact).map(|place| 2 * contacts + place - 2 * system.order());
+                let row = [Some(contact), Some(contacts + contact), bristle, Some(contacts + contact), bristle][slope];
+                let read = row.map_or(0.0, |row| {
+                    system.reads.row(row).iter().zip(self.scales).map(|(read, scale)| (read * scale).abs()).sum()
+                });
+                let weight = self.weights[if slope < 3 { contact } else { contacts + contact }];
+                (powers[slope][FITTED] / LEADING).abs() * read * weight * duration
+            };
+            let is_long = self.slow[contact].is_some();
+            (!is_long || (0..5).all(|slope| missed(slope) <= MISSED)).then_some(Slopes { contact, powers })
         };
         let changed =
             found.into_iter().enumerate().filter(|(_, changes)| changes.iter().flatten().any(|change| *change != 0.0));

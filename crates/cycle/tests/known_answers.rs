@@ -15,7 +15,7 @@ use friction::{
     BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent, VelocityDependentParameters,
 };
 use linsys::{Internal, SecondOrder};
-use nalgebra::{dmatrix, dvector};
+use nalgebra::{DMatrix, dmatrix, dvector};
 use num_complex::Complex;
 
 const TIGHT: f64 = 1e-12;
@@ -176,14 +176,48 @@ fn springs_that_the_stiffness_does_not_hold_are_refused_by_name() {
     }
 }
 
+/// Rayleigh's equation, whose velocity is van der Pol's x: y'' - (y' - y'^3 / 3) + k y = 0 under the belt's v = 10, with k = 1.
+fn van_der_pol() -> ContactSystem {
+    let curve = Curve(|w| (1.0 + (10.0 - w) - (10.0 - w).powi(3) / 3.0, -1.0 + (10.0 - w).powi(2)));
+    mass_on_belt(10.0, 0.0, Arc::new(curve))
+}
+
+#[test]
+fn a_motion_that_does_not_repeat_is_measured_once_it_has_settled() {
+    // Two masses that know nothing of each other, each of which comes to its cycle; their periods have no common multiple.
+    let belt = van_der_pol().contacts()[0].clone();
+    let alone = [1.0, 2.0].map(|stiffness| {
+        let mass = part("mass", dmatrix![1.0], dmatrix![0.0], dmatrix![stiffness]);
+        let system = ContactSystem::new(vec![mass], vec![belt.clone()]).unwrap();
+        let found = cycle(&system, vec![2.0, 0.0], stiffness.sqrt(), &ONE, TIGHT);
+        measure(&system, &found, TIGHT).unwrap()
+    });
+    let masses = part("masses", DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![1.0, 0.0; 0.0, 2.0]);
+    let other = SlidingContact { sliding: vec![(1, 1.0)], ..belt.clone() };
+    let system = ContactSystem::new(vec![masses], vec![belt, other]).unwrap();
+    let settings = Settings { settled: Some(0.01), ..Settings::default() };
+    let shape = [Complex::from(1.0), Complex::from(0.0)];
+    let Motion::NotPeriodic { time, stretches } =
+        follow(&system, vec![0.1, 0.1, 0.0, 0.0], 1.0, &shape, &settings).unwrap()
+    else {
+        panic!("the periods of the masses have no common multiple")
+    };
+    assert_eq!(stretches.len(), 4);
+    let periods = time / std::f64::consts::TAU;
+    assert!((80.0..500.0).contains(&periods), "{periods}");
+    let together = Measures::together(&stretches);
+    for (dof, alone) in alone.iter().enumerate() {
+        let [found, expected] = [together.rms_velocity[dof], alone.rms_velocity[0]];
+        assert!((found / expected - 1.0).abs() < 0.005, "{dof}: {found} {expected}");
+        assert!((together.peak[dof] / alone.peak[0] - 1.0).abs() < 1e-5, "{dof}: {:?} {:?}", together.peak, alone.peak);
+    }
+    let energy: f64 = alone.iter().map(|alone| alone.kinetic_energy).sum();
+    assert!((together.kinetic_energy / energy - 1.0).abs() < 0.01);
+}
+
 #[test]
 fn van_der_pols_oscillator_has_its_amplitude_and_period() {
-    // Rayleigh's equation, whose velocity is van der Pol's x: y'' - (y' - y'^3 / 3) + y = 0 under the belt's v = 10.
-    let system = mass_on_belt(
-        10.0,
-        0.0,
-        Arc::new(Curve(|w| (1.0 + (10.0 - w) - (10.0 - w).powi(3) / 3.0, -1.0 + (10.0 - w).powi(2)))),
-    );
+    let system = van_der_pol();
     let found = cycle(&system, vec![0.1, 0.0], 1.0, &ONE, TIGHT);
     assert!((found.period - 6.663286859).abs() < 1e-8, "{}", found.period);
     let slips = history(&system, &states(&system, &found, 8192, TIGHT).unwrap());

@@ -1,7 +1,7 @@
 //! The motion that an unstable mode of a draw grows into, and how loud it is.
 
 use cea::{Mode, Workspace};
-use cycle::{ContactSystem, Measures, Motion, Settings, follow, measure, measure_over};
+use cycle::{ContactSystem, Measures, Motion, Settings, follow, measure};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::Brake;
@@ -11,29 +11,29 @@ use study::{Moves, Plan, Units};
 use super::{GrowingMode, TOLERANCE, in_si, starts};
 use crate::Error;
 
-/// Stretches in which a motion that is not periodic is measured; chosen, so that they can be compared with each other.
-const STRETCHES: usize = 4;
+/// Relative difference of the velocities of the four stretches of a motion up to which it has settled; chosen: the mean of all four is nearer still.
+const SETTLED: f64 = 0.01;
 
 /// Settings by which motions of draws are followed.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Following {
     /// Settings of the integration.
     pub settings: Settings,
-    /// Periods of the mode in each of the stretches in which a motion that is not periodic is measured.
-    pub stretch: usize,
     /// A contact sticks where it slides with less than this part of its steady speed.
     pub stick: f64,
 }
 
 impl Following {
-    /// Settings as at medians; chosen: stretches of 50 periods.
+    /// Settings as at medians, until a motion has settled.
     pub fn of_study(stick: f64) -> Self {
-        Self { settings: Settings { tolerance: TOLERANCE, ..Settings::default() }, stretch: 50, stick }
+        let settings = Settings { tolerance: TOLERANCE, settled: Some(SETTLED), ..Settings::default() };
+        Self { settings, stick }
     }
 
-    /// Settings for a screening, shorter and with a larger error, as a screening follows many; chosen: 200 periods, stretches of 25, 1e-8.
+    /// Settings for a screening, shorter and with a larger error, as a screening follows many; chosen: 200 periods, 1e-8.
     pub fn of_screen(stick: f64) -> Self {
-        Self { settings: Settings { tolerance: 1e-8, most_periods: 200, ..Settings::default() }, stretch: 25, stick }
+        let of_study = Self::of_study(stick);
+        Self { settings: Settings { tolerance: 1e-8, most_periods: 200, ..of_study.settings }, stick }
     }
 }
 
@@ -51,10 +51,12 @@ pub enum DrawnFate {
     },
     /// A motion that does not repeat itself.
     NotPeriodic {
-        /// Measures over some stretches of it together.
+        /// Measures over four stretches of it together.
         measured: MeasuredMotion,
         /// Difference of the loudest and the least loud of the stretches, relative to their mean.
         spread: f64,
+        /// Periods of the mode for which it was followed; the stretches are their last half.
+        periods: f64,
     },
     /// Rest in steady sliding.
     Rest,
@@ -150,14 +152,14 @@ pub(crate) fn loudest(fates: &[DrawnFate]) -> f64 {
     fates.iter().map(|fate| fate.loudness().unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
 }
 
-/// Follows the motion from just beyond the first kink in a mode.
+/// Follows the motion from just beyond the first kink, beside a mode.
 fn fate(
     system: &ContactSystem,
     mode: &GrowingMode,
     (loud, brake, units): (&[usize], &Brake, Units),
     following: &Following,
 ) -> Result<DrawnFate, Error> {
-    let Following { settings, stretch, .. } = following;
+    let Following { settings, .. } = following;
     let omega = mode.lambda.im;
     let of_si = |measures: &Measures| MeasuredMotion {
         loudness: measures.rms_of(loud),
@@ -166,7 +168,7 @@ fn fate(
     };
     let measured = |measures: Measures| of_si(&in_si(measures, units));
     let found = || -> Result<DrawnFate, cycle::Error> {
-        Ok(match follow(system, starts::in_mode(system, mode), omega, &mode.shape, settings)? {
+        Ok(match follow(system, starts::beside_mode(system, mode), omega, &mode.shape, settings)? {
             Motion::Rest => DrawnFate::Rest,
             Motion::Unbounded => DrawnFate::Unbounded,
             Motion::Cycle(cycle) => DrawnFate::Cycle {
@@ -174,20 +176,12 @@ fn fate(
                 largest_multiplier: cycle.largest_multiplier(),
                 measured: measured(measure(system, &cycle, settings.tolerance)?),
             },
-            Motion::NotPeriodic { mut state, .. } => {
-                let period = std::f64::consts::TAU / omega;
-                let mut stretches = Vec::with_capacity(STRETCHES);
-                for _ in 0..STRETCHES {
-                    let time = *stretch as f64 * period;
-                    let (measures, last) = measure_over(system, &state, [time, period], settings.tolerance)?;
-                    stretches.push(measured(measures));
-                    state = last;
-                }
-                let loudness = || stretches.iter().map(|stretch| stretch.loudness);
+            Motion::NotPeriodic { time, stretches } => {
+                let loudness = || stretches.iter().map(|stretch| measured(stretch.clone()).loudness);
                 let (least, most) = (loudness().fold(f64::INFINITY, f64::min), loudness().fold(0.0, f64::max));
-                let measured = together(&stretches);
+                let measured = measured(Measures::together(&stretches));
                 let spread = if measured.loudness > 0.0 { (most - least) / measured.loudness } else { 0.0 };
-                DrawnFate::NotPeriodic { measured, spread }
+                DrawnFate::NotPeriodic { measured, spread, periods: (time * omega / std::f64::consts::TAU).round() }
             }
         })
     };
@@ -195,21 +189,5 @@ fn fate(
         Err(cycle::Error::Stopped) => Err(cycle::Error::Stopped.into()),
         Err(error) => Ok(DrawnFate::NotFollowed(error.to_string())),
         Ok(fate) => Ok(fate),
-    }
-}
-
-/// Measures of equal stretches of a motion together.
-fn together(stretches: &[MeasuredMotion]) -> MeasuredMotion {
-    let mean = |of: &dyn Fn(&MeasuredMotion) -> f64| stretches.iter().map(of).sum::<f64>() / stretches.len() as f64;
-    let first = &stretches[0];
-    let body = |at: usize| {
-        let peak = stretches.iter().map(|stretch| stretch.bodies[at].1).fold(0.0, f64::max);
-        (mean(&|stretch| stretch.bodies[at].0.powi(2)).sqrt(), peak)
-    };
-    let contact = |at: usize| (mean(&|stretch| stretch.contacts[at].0), mean(&|stretch| stretch.contacts[at].1));
-    MeasuredMotion {
-        loudness: mean(&|stretch| stretch.loudness.powi(2)).sqrt(),
-        bodies: (0..first.bodies.len()).map(body).collect(),
-        contacts: (0..first.contacts.len()).map(contact).collect(),
     }
 }

@@ -227,6 +227,7 @@ impl CyclesOfDraws {
             "largest_multiplier",
             "loudness_m_per_s",
             "loudness_spread",
+            "periods",
         ];
         let mut header = scene_header();
         header.extend(own.map(str::to_owned));
@@ -243,11 +244,11 @@ impl CyclesOfDraws {
             for draw in &of.draws {
                 for (motion, fate) in fates(&draw.motions) {
                     let mut row = plan.labels.scene_columns(scene);
-                    let (reason, multiplier, spread) = match fate {
-                        DrawnFate::NotFollowed(reason) => (reason.as_str(), None, None),
-                        DrawnFate::Cycle { largest_multiplier, .. } => ("", Some(*largest_multiplier), None),
-                        DrawnFate::NotPeriodic { spread, .. } => ("", None, Some(*spread)),
-                        DrawnFate::Rest | DrawnFate::Unbounded => ("", None, None),
+                    let (reason, multiplier, [spread, periods]) = match fate {
+                        DrawnFate::NotFollowed(reason) => (reason.as_str(), None, [None; 2]),
+                        DrawnFate::Cycle { largest_multiplier, .. } => ("", Some(*largest_multiplier), [None; 2]),
+                        DrawnFate::NotPeriodic { spread, periods, .. } => ("", None, [*spread, *periods].map(Some)),
+                        DrawnFate::Rest | DrawnFate::Unbounded => ("", None, [None; 2]),
                     };
                     row.extend([
                         draw.sample.to_string(),
@@ -255,7 +256,7 @@ impl CyclesOfDraws {
                         motion.growth.to_string(),
                     ]);
                     row.extend([(motion.omega / TAU).to_string(), fate.kind().to_owned(), reason.to_owned()]);
-                    row.extend([cycle_hz(fate), multiplier, fate.loudness(), spread].map(text));
+                    row.extend([cycle_hz(fate), multiplier, fate.loudness(), spread, periods].map(text));
                     let measured = fate.measured();
                     let pair =
                         |found: Option<(f64, f64)>| [found.map(|pair| pair.0), found.map(|pair| pair.1)].map(text);

@@ -11,6 +11,9 @@ const BEYOND_THE_KINK: f64 = 1.1;
 /// Part of the scales of a motion that noise has; chosen.
 const NOISE: f64 = 1.0;
 
+/// Part of the size of a start in a mode that the noise beside it has; chosen, so that it takes some ten periods to matter.
+const BESIDE: f64 = 0.03;
+
 /// Streams of noise from which motions start; chosen.
 pub(super) const STREAMS: u64 = 4;
 
@@ -20,6 +23,16 @@ pub(super) fn in_mode(system: &ContactSystem, mode: &GrowingMode) -> Vec<f64> {
     let largest = mode.shape.iter().map(|phi| phi.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let amplitude = if kink.is_finite() { kink } else { system.scales(mode.lambda.im)[0] / largest };
     system.state_of_mode(mode.lambda, &mode.shape, BEYOND_THE_KINK * amplitude)
+}
+
+/// A state as [`in_mode`], with noise beside it, the same for all: a motion that starts in a mode alone stays in the symmetric part of the brake to which
+/// that belongs until rounding takes it out, after some hundred periods, and no brake is so symmetric.
+pub(super) fn beside_mode(system: &ContactSystem, mode: &GrowingMode) -> Vec<f64> {
+    let mut x = in_mode(system, mode);
+    let scales = system.scales(mode.lambda.im);
+    let size = x.iter().zip(&scales).map(|(x, scale)| (x / scale).abs()).fold(0.0, f64::max);
+    x.iter_mut().zip(noise(system, mode, 0, 0)).for_each(|(x, noise)| *x += BESIDE * size * noise);
+    x
 }
 
 /// A state of noise.
