@@ -18,6 +18,10 @@ use crate::Error;
 /// a gradient must be right to, and quantiles at 7 deviations keep enough digits. Eigenvalues are never differenced.
 const DIFFERENCE: f64 = 1e-3;
 
+/// Part of the size of an eigenvalue by which its margin must be below the largest to be no candidate for that, whose bounds are not asked for; chosen, far above the
+/// error of an eigenvalue that is any good.
+const FAR: f64 = 1e-3;
+
 /// A scene whose inputs are functions of independent standard normal numbers, one of each coordinate of the brake's quantile functions.
 pub(super) struct SceneState<'a, B: UncertainBrake> {
     pub study: &'a Study<'a, B>,
@@ -91,10 +95,27 @@ impl<'a, B: UncertainBrake> SceneState<'a, B> {
         let is_divergence = |lambda: Complex<f64>| lambda.im == 0.0 || grows_too_fast(lambda);
         let is_studied = |lambda: Complex<f64>| plan.is_studied(lambda) && (has_divergence || !is_divergence(lambda));
         let of_system = |work: &mut Workspace, (system, spectrum): (&SecondOrder, Result<Spectrum, CeaError>)| {
-            let counted = CountedSpectrum::of_some(&plan.threshold, system, &spectrum?, is_studied, work)?;
-            match counted.blunt.first() {
-                Some(lambda) => Err(Error::Blunt { omega: lambda.im }),
-                None => Ok(Self::judged(plan, counted)),
+            let spectrum = spectrum?;
+            let studied =
+                || spectrum.eigenvalues.iter().copied().filter(|lambda| lambda.im >= 0.0 && is_studied(*lambda));
+            let most = studied().map(|lambda| plan.threshold.margin(lambda)).fold(f64::NEG_INFINITY, f64::max);
+            let is_near = |lambda: Complex<f64>| plan.threshold.margin(lambda) >= most - FAR * lambda.norm();
+            let mut judged = |is_asked: &dyn Fn(Complex<f64>) -> bool| {
+                let counted = CountedSpectrum::of_some(&plan.threshold, system, &spectrum, is_asked, work)?;
+                match counted.blunt.first() {
+                    Some(lambda) => Err(Error::Blunt { omega: lambda.im }),
+                    None => Ok(Self::judged(plan, counted)),
+                }
+            };
+            // The largest margin is that of one of these, unless none of them is sided.
+            let near = judged(&|lambda| is_studied(lambda) && is_near(lambda))?;
+            match near {
+                Some(mode)
+                    if studied().all(|lambda| is_near(lambda) || plan.threshold.margin(lambda) <= mode.margin) =>
+                {
+                    Ok(near)
+                }
+                _ => judged(&is_studied),
             }
         };
         let modes = systems.par_iter().zip(spectra).map_init(Workspace::default, of_system).collect();
