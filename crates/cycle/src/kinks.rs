@@ -4,9 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::moments::{MOMENTS, moment};
 use crate::path::Path;
-
-/// Looks at the part of a piece in which a kink lies, at most; more than it has bits.
-const MOST_LOOKS: usize = 60;
+use crate::series::{root, value_and_slope};
 
 impl Path<'_> {
     /// The first kink up to a part of the unit, by what is seen at its moments, and the part at which it is; without one, the given part.
@@ -85,32 +83,6 @@ impl Path<'_> {
     fn change(&self, kink: usize, between: [f64; 2]) -> f64 {
         root(|part| self.kink_at(kink, part), between, 2.0 * f64::EPSILON)
     }
-}
-
-/// A polynomial, its coefficients from the last on, and its derivative.
-pub(crate) fn value_and_slope(coefficients: impl Iterator<Item = f64>, at: f64) -> [f64; 2] {
-    coefficients.fold([0.0; 2], |[value, slope], coefficient| [value * at + coefficient, slope * at + value])
-}
-
-/// Place at which a function goes from above 0 to below, by its value and its derivative, between one before and one after it, to a part of itself: Newton's method, with a
-/// halving where that leaves them.
-pub(crate) fn root(function: impl Fn(f64) -> [f64; 2], [mut low, mut high]: [f64; 2], error: f64) -> f64 {
-    let mut at = 0.5 * (low + high);
-    for _ in 0..MOST_LOOKS {
-        let [value, slope] = function(at);
-        if value > 0.0 {
-            low = at
-        } else {
-            high = at
-        }
-        let newton = at - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - at).abs() <= error * next {
-            return next;
-        }
-        at = next;
-    }
-    at
 }
 
 /// Least and greatest of a number and those that follow it, and the largest difference of two neighbours.

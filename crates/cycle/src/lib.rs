@@ -25,6 +25,7 @@ mod moments;
 mod motion;
 mod path;
 mod powers;
+mod series;
 mod shooting;
 mod size;
 mod slow;

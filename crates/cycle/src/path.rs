@@ -13,15 +13,12 @@ use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::contact::along;
-use crate::kinks::{root, value_and_slope};
 use crate::moments::{FITTED, LEADING, MOMENTS, fit, moment};
+use crate::series::{MOST_TERMS, root, value_and_slope};
 use crate::size::{amplitude, largest};
 use crate::slow::Slow;
 use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Error};
-
-/// Terms of a series after the first, at most; chosen: with more a piece costs less than it gains, until their alternating signs cost digits.
-pub(crate) const MOST_TERMS: usize = 30;
 
 /// Number of terms fewer than in the piece before from which on their size is looked at; chosen.
 const FEWER: usize = 6;

@@ -1,7 +1,7 @@
 //! Friction of a contact that slides slower than its stick speed, as a series of time.
 
 use crate::contact::along;
-use crate::path::MOST_TERMS;
+use crate::series::MOST_TERMS;
 use crate::{ContactFriction, SlidingContact};
 
 /// Numbers of powers of the velocity by which a coefficient of friction is tried to be told; chosen: 5 of a smoothed constant one.

@@ -269,6 +269,16 @@ mod tests {
     }
 
     #[test]
+    fn a_phase_is_fixed_by_the_largest_component_and_zero_stays_zero() {
+        let mut x = DVector::from_vec(vec![Complex::new(0.0, 1.0), Complex::new(0.0, -2.0)]);
+        fix_phase(&mut x);
+        assert!((x - DVector::from_vec(vec![Complex::from(-1.0), Complex::from(2.0)])).norm() < 1e-15);
+        let mut zero = DVector::<Complex<f64>>::zeros(2);
+        fix_phase(&mut zero);
+        assert_eq!(zero.norm(), 0.0);
+    }
+
+    #[test]
     fn what_is_no_eigenvalue_has_no_eigenvector() {
         let wrong = right_vector(&flutter(), Complex::new(0.0, 1.0), &mut Workspace::default());
         assert!(matches!(wrong, Err(CeaError::Certified(CertifiedError::NoEigenvector { .. }))));

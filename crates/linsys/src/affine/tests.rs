@@ -44,7 +44,12 @@ fn the_system_is_the_formula_at_any_lambda() {
     }
     let system = brake.assemble(&at).unwrap();
     assert_eq!(system.states(), 1);
-    assert!((system.dynamic_stiffness(lambda) - expected).norm() < 1e-13);
+    assert!((system.dynamic_stiffness(lambda) - &expected).norm() < 1e-13);
+    // The same force given in two halves is the same channel.
+    let mut channels = brake.channels().to_vec();
+    channels[0].force = vec![(0, 0.25), (0, 0.75)];
+    let halves = AffineSystem::new(brake.terms().to_vec(), channels).unwrap().assemble(&at).unwrap();
+    assert!((halves.dynamic_stiffness(lambda) - expected).norm() < 1e-13);
 }
 
 #[test]
