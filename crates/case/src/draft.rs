@@ -12,7 +12,7 @@ use crate::CaseError;
 pub struct Draft {
     /// Text of the case file.
     pub text: String,
-    /// What was found in the files, for the screen: a label and words on it.
+    /// Facts found in the files, for the screen: a label and words each.
     pub found: Vec<(&'static str, String)>,
 }
 

@@ -118,7 +118,7 @@ pub struct PatchContact {
     pub stiffness_factor: Option<Expression>,
     /// Factor of the friction of all pairs, where it depends on parameters.
     pub friction_factor: Option<Expression>,
-    /// What multiplies the friction of each contact besides, by its number: its field and the factor; `None` where the contact gives none.
+    /// Further factors of friction, of each contact by its number: the field and the factor; `None` where the contact gives none.
     pub own_friction_factors: Vec<Option<(String, Expression)>>,
     /// Parameters that have a value for each patch or pair, in the order of their names; they occur in both factors alone.
     pub spread: SpreadParameters,
