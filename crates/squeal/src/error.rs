@@ -20,7 +20,7 @@ pub enum Error {
         "no occurrence to a half width, as a draw cannot be solved: {source}; or plain sampling, which counts draws that fail"
     )]
     Unsolved {
-        /// What is wrong with the draw.
+        /// Fault of the draw.
         source: Box<study::Error>,
     },
     /// A scene in which nothing is drawn.

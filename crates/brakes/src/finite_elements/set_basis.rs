@@ -67,7 +67,7 @@ pub(super) struct HeldOut {
     pub modes: Vec<Complex<f64>>,
 }
 
-/// Where complete solutions of the whole brake are kept until its bases are made.
+/// Place in which complete solutions of the whole brake are kept until its bases are made.
 pub(super) struct KeptSolutions<'a> {
     pub pieces: &'a Pieces<'a>,
     /// Rows that the set of constraints fixes.

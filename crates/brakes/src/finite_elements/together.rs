@@ -33,7 +33,7 @@ impl Together {
     /// Complete solutions, as many together as there are places. These may themselves share their work among threads.
     ///
     /// # Errors
-    /// One of theirs.
+    /// An error of one of the solutions.
     pub fn map<T: Send, U: Send>(
         &self,
         mut of: Vec<T>,
