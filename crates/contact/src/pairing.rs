@@ -92,9 +92,9 @@ impl Interface {
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
         pairing.sliding.check(mesh, &slave)?;
         let mut search = Search { grid: Grid::new(&master, pairing.reach), master: &master, pairing, projections: 0 };
-        let (mut points, mut total, mut overhang) = (Vec::new(), 0, 0.0);
-        // Points without a face opposite: those that may overhang, if anything meets, and others.
-        let (mut overhanging, mut beside) = (Vec::new(), Vec::new());
+        let (mut points, mut total) = (Vec::new(), 0);
+        // Points without a face opposite, with what each has of the area.
+        let mut beside = Vec::new();
         for face in &slave {
             let rule = match pairing.integration {
                 Integration::GaussPoints => face.kind.rule(),
@@ -106,11 +106,7 @@ impl Interface {
                 let node = mesh.labels()[face.nodes[largest(&at.shape)]];
                 let outwards = at.area.normalize();
                 let Some((opposite, found)) = search.opposite(&at.position, &outwards, node)? else {
-                    let may_overhang = pairing.overhang
-                        && search.distance(&at.position, &outwards, pairing.largest_cosine).is_infinite();
-                    overhang += if may_overhang { weight * at.area.norm() } else { 0.0 };
-                    let list = if may_overhang { &mut overhanging } else { &mut beside };
-                    list.push((node, at.position, outwards));
+                    beside.push((node, at.position, outwards, weight * at.area.norm()));
                     continue;
                 };
                 let normal = snapped(&found.normal);
@@ -129,10 +125,15 @@ impl Interface {
                 });
             }
         }
-        if points.is_empty() {
-            beside.extend(overhanging);
+        let mut overhang = 0.0;
+        if pairing.overhang && !points.is_empty() {
+            beside.retain(|(_, position, outwards, area)| {
+                let hangs = search.distance(position, outwards, pairing.largest_cosine).is_infinite();
+                overhang += if hangs { *area } else { 0.0 };
+                !hangs
+            });
         }
-        let Some(&(node, position, outwards)) = beside.first() else {
+        let Some(&(node, position, outwards, _)) = beside.first() else {
             return Ok(Self { points, overhang, projections: search.projections });
         };
         let beside = beside.len();

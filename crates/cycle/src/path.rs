@@ -72,7 +72,7 @@ pub(crate) struct Path<'a> {
     /// Matrix of the readings of a state by contacts, and that times the terms: by rows changes of the normal force, N, sliding velocities without v, m/s,
     /// bristles; and the section.
     reads: DMatrix<f64>,
-    /// Its entries by rows, where most are 0.
+    /// Entries of `reads` that are not 0, by rows, where most are 0.
     sparse_reads: Option<Vec<Vec<(usize, f64)>>>,
     pub seen: DMatrix<f64>,
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.

@@ -47,7 +47,7 @@ impl BandMode {
 pub struct WholeEigenvalue {
     /// Eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// Error of the eigenvalue to first order, rad/s: its condition number times its backward error.
+    /// Error bound of the eigenvalue to first order, rad/s, for matrices that are rounded.
     pub bound: f64,
 }
 

@@ -287,7 +287,8 @@ fn named_band(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
             field: "reduction.frequencies".into(),
             value: format!("{:?}", case.reduction.frequencies),
             allowed: format!(
-                "a band with a mode of the brake, which has none there with a growth above {} 1/s; mass and stiffness may be swapped, or their units not be those of the band",
+                "a band with a mode of the brake, which has none there with a growth above {} 1/s; mass and stiffness may be swapped, or their \
+                 units not be those of the band",
                 case.reduction.growth[0]
             ),
         }

@@ -3,8 +3,6 @@
 use std::sync::Arc;
 
 use montecarlo::Distribution;
-use nalgebra_sparse::CscMatrix;
-use nalgebra_sparse::csc::CscCol;
 use sparse::SparseTerm;
 
 use super::contact::Patches;
@@ -84,16 +82,13 @@ pub(super) fn read_contact(
 
 /// Asks for the units of the patch that is softest or stiffest beside the bodies at its nodes, where that is not plausible.
 fn report_stiffness(structure: &Structure<'_>, patches: &Patches) -> Result<(), CaseError> {
-    let mut of_bodies = vec![0.0; patches.terms.first().map_or(0, |term| term.matrices.order())];
-    let (coefficients, holders) =
-        (structure.coefficients_at_medians()?, structure.holders.iter().map(|term| (term, 1.0)));
-    for (term, theta) in structure.terms.iter().zip(coefficients).chain(holders) {
-        of_bodies.iter_mut().zip(diagonal(&term.matrices.k)).for_each(|(sum, own)| *sum += theta * own);
-    }
+    let of_bodies = structure.diagonal_at_medians()?;
     let ratio = |term: &SparseTerm| {
-        let springs = diagonal(&term.matrices.k);
-        let bodies: f64 = springs.iter().zip(&of_bodies).filter(|(own, _)| **own != 0.0).map(|(_, of)| of).sum();
-        springs.iter().sum::<f64>() / bodies
+        let diagonal = term.matrices.k.diagonal_as_csc();
+        let at_nodes = diagonal.triplet_iter().filter(|(_, _, spring)| **spring != 0.0);
+        let [springs, bodies] =
+            at_nodes.fold([0.0; 2], |[springs, bodies], (row, _, spring)| [springs + spring, bodies + of_bodies[row]]);
+        springs / bodies
     };
     // A patch without closed springs, or on rows that nothing makes stiff, has no ratio.
     let ratios =
@@ -107,15 +102,6 @@ fn report_stiffness(structure: &Structure<'_>, patches: &Patches) -> Result<(), 
         ));
     }
     Ok(())
-}
-
-/// The diagonal of a matrix.
-fn diagonal(matrix: &CscMatrix<f64>) -> Vec<f64> {
-    let at = |(column, entries): (usize, CscCol<'_, f64>)| {
-        let found = entries.row_indices().binary_search(&column);
-        found.map_or(0.0, |place| entries.values()[place])
-    };
-    matrix.col_iter().enumerate().map(at).collect()
 }
 
 /// A contact between nodes at the same places.

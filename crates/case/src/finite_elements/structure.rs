@@ -46,6 +46,21 @@ impl Structure<'_> {
         all.map(|(term, own)| self.value(field("terms", &term.name, "coefficient"), own)).collect()
     }
 
+    /// The diagonal of K at the medians.
+    ///
+    /// # Errors
+    /// A coefficient without a value there.
+    pub fn diagonal_at_medians(&self) -> Result<Vec<f64>, CaseError> {
+        let mut sum = vec![0.0; self.terms.first().map_or(0, |term| term.matrices.order())];
+        let holders = self.holders.iter().map(|term| (term, 1.0));
+        for (term, theta) in self.terms.iter().zip(self.coefficients_at_medians()?).chain(holders) {
+            for (row, _, own) in term.matrices.k.diagonal_as_csc().triplet_iter() {
+                sum[row] += theta * own;
+            }
+        }
+        Ok(sum)
+    }
+
     /// K at the medians, and a multiple of M.
     ///
     /// # Errors

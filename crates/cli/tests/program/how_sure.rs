@@ -140,46 +140,29 @@ fn a_sweep_and_one_analysis_say_which_threshold_they_apply() {
     }
 }
 
+/// Hoffmann's oscillator with mu from 0.2 to a number, and dashpots by a table of mu that ends at another: draws beyond it fail.
+fn with_a_table([to, end]: [f64; 2]) -> String {
+    let text = std::fs::read_to_string(hoffmann()).unwrap();
+    let changes = [
+        ("samples = 10000", "samples = 1000".to_owned()),
+        ("from = 0.5", "from = 0.2".to_owned()),
+        ("to = 1.1", format!("to = {to}")),
+        ("name = \"dashpots\"", "name = \"dashpots\"\ncoefficient = \"f(mu)\"".to_owned()),
+    ];
+    let changed = changes.into_iter().fold(text, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, &to, 1)
+    });
+    format!("{changed}\n[tables.f]\nat = [0.0, {end}]\nvalue = [1.0, 1.0]\n")
+}
+
 /// Samples that fail count in the half width as what may be unstable in any mode: a modulus that is measured up to mu = 0.9 alone, beyond which every draw fails.
 #[test]
 fn a_half_width_that_failures_leave_open_is_not_reached() {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("case.toml");
-    let text = |to: f64| {
-        format!(
-            r#"
-[study]
-name = "oscillator"
-samples = 1000
-seed = 1
-[brake]
-kind = "matrices"
-dofs = ["x", "y"]
-[parameters.mu]
-distribution = "uniform"
-from = 0.2
-to = {to}
-[tables.damping]
-at = [0.0, 0.9]
-value = [1.0, 1.0]
-[[terms]]
-name = "structure"
-mass = [[1.0, 0.0], [0.0, 1.0]]
-stiffness = [[2.0, 1.0], [1.0, 2.0]]
-[[terms]]
-name = "dashpots"
-coefficient = "0.05*damping(mu)"
-damping = [[1.0, 0.0], [0.0, 1.0]]
-[[contacts]]
-name = "belt"
-force = {{ x = -1.0 }}
-reading = {{ y = 1.3333333333333333 }}
-mu = "mu"
-"#
-        )
-    };
     for (to, is_reached) in [(0.9, true), (0.905, false), (1.0, false)] {
-        std::fs::write(&case, text(to)).unwrap();
+        std::fs::write(&case, with_a_table([to, 0.9])).unwrap();
         let said = run(&case, &folder.path().join(format!("to-{to}")), &["--until-half-width", "0.1"]);
         assert_eq!(said.contains("every occurrence is within 0.1"), is_reached, "{to} {said}");
         assert_eq!(said.contains("every occurrence is NOT within 0.1"), !is_reached, "{to} {said}");
@@ -191,11 +174,8 @@ mu = "mu"
 #[test]
 fn draws_that_fail_are_counted_by_a_screen_and_refused_by_an_integral() {
     let folder = tempfile::tempdir().unwrap();
-    let text = std::fs::read_to_string(hoffmann()).unwrap();
-    let text = text.replace("name = \"dashpots\"\n", "name = \"dashpots\"\ncoefficient = \"f(mu)\"\n")
-        + "\n[tables.f]\nat = [0.0, 1.0]\nvalue = [1.0, 1.0]\n";
     let case = folder.path().join("brake.toml");
-    std::fs::write(&case, text).unwrap();
+    std::fs::write(&case, with_a_table([1.1, 1.0])).unwrap();
     let options = |command: &str, out: &str| {
         let mut program = squeal();
         program.arg(command).arg(&case).arg("--out").arg(folder.path().join(out)).args(["--samples", "200"]);

@@ -19,7 +19,7 @@ pub struct Channel {
     pub name: String,
     /// The family to which the work of its forces belongs.
     pub family: String,
-    /// b: degrees of freedom, from 0, with coefficients. Each is there once, which is not checked: of two entries an internal state takes the last alone.
+    /// b: degrees of freedom, from 0, with coefficients; of one that is there twice the coefficients add up.
     pub force: Vec<(usize, f64)>,
     /// r, N/m: degrees of freedom, from 0, with coefficients.
     pub reading: Vec<(usize, f64)>,
@@ -121,9 +121,6 @@ impl Channel {
     pub(super) fn add_lag(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
         let Some(lag) = gain.lag else { return };
         out.internal.decay[state] = lag.decay;
-        for &(dof, _) in &self.force {
-            (out.internal.drive[(state, dof)], out.internal.force[(dof, state)]) = (0.0, 0.0);
-        }
         for &(dof, b) in &self.force {
             // The state is driven by the sliding velocity -b^T u'.
             out.internal.drive[(state, dof)] -= b * lag.drive;

@@ -86,7 +86,7 @@ impl Rectangle {
 pub struct Options {
     /// Backward error below which an eigenpair is not improved further. A search lists a pair that stays above it too, with [`Eigenpair::backward_error`].
     pub tolerance: f64,
-    /// The same for its left vector. An eigenvalue has an error of the order of the product of both, and a condition number needs few digits.
+    /// Backward error below which a left vector is not improved further. An eigenvalue has an error of the order of the product of both, and a condition number needs few digits.
     pub left_tolerance: f64,
     /// Right-hand sides that are solved together, and so the largest multiplicity that a Krylov space surely shows.
     pub block: usize,
