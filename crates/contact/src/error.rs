@@ -72,17 +72,15 @@ pub enum ContactError {
         /// The largest that is allowed.
         reach: f64,
     },
-    /// Points of the slave beside the master, the first of them at whatever distance.
+    /// A part of the slave beside the master, some of it at whatever distance.
     #[error(
-        "the master is smaller than the slave: {beside} of {total} points have no face of it within reach, the first, at node {node}, none at any distance; allowed with an overhang, which carries nothing"
+        "the master is smaller than the slave: {:.3} % of the area has no face of it within reach, first at node {node}, where none is at any distance; allowed with an overhang, which carries nothing", 100.0 * share
     )]
     MasterSmaller {
-        /// The number of the node of the slave next to the first such point.
+        /// The number of the node of the slave next to the first point of that part.
         node: i64,
-        /// Number of points that have no face of the master opposite within reach.
-        beside: usize,
-        /// Number of all points.
-        total: usize,
+        /// Share of the slave's area that has no face of the master opposite within reach, 0 to 1.
+        share: f64,
     },
     /// Faces that do not look at each other.
     #[error(

@@ -18,7 +18,7 @@ const NO_WEIGHT: f64 = 1e-14;
 pub enum Integration {
     /// Points of Gauss of each face of the slave, each on whatever face of the master is opposite: 2 x 2 of a linear, 3 x 3 of a quadratic
     /// quadrilateral, 3 and 7 of a triangle. What the master gets of a constant pressure is exact but for what its shape functions bend
-    /// within a face of the slave.
+    /// within a face of the slave. A face with a corner beside the master is cut as for [`Integration::Segments`].
     #[default]
     GaussPoints,
     /// Points of pieces: each face of the slave is cut along the edges of the master's, and each piece has seven points of its own. A constant
@@ -92,16 +92,15 @@ impl Interface {
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
         pairing.sliding.check(mesh, &slave)?;
         let mut search = Search { grid: Grid::new(&master, pairing.reach), master: &master, pairing, projections: 0 };
-        let (mut points, mut total) = (Vec::new(), 0);
+        let mut points: Vec<ContactPoint> = Vec::new();
         // Points without a face opposite, with what each has of the area.
         let mut beside = Vec::new();
         for face in &slave {
             let rule = match pairing.integration {
-                Integration::GaussPoints => face.kind.rule(),
-                Integration::Segments => segments(face, &master, &search.grid, pairing.largest_cosine),
+                Integration::GaussPoints if search.is_over_corners(face) => face.kind.rule(),
+                _ => segments(face, &master, &search.grid, pairing.largest_cosine),
             };
             for (own, weight) in rule {
-                total += 1;
                 let at = face.at(own);
                 let node = mesh.labels()[face.nodes[largest(&at.shape)]];
                 let outwards = at.area.normalize();
@@ -136,13 +135,14 @@ impl Interface {
         let Some(&(node, position, outwards, _)) = beside.first() else {
             return Ok(Self { points, overhang, projections: search.projections });
         };
-        let beside = beside.len();
+        let aside: f64 = beside.iter().map(|(.., area)| area).sum();
         // Where no face is within reach of any point, one that looks elsewhere says how far off it is, too.
         let largest_cosine = if points.is_empty() { f64::INFINITY } else { pairing.largest_cosine };
         let (distance, reach) = (search.distance(&position, &outwards, largest_cosine), pairing.reach);
+        let share = aside / (aside + points.iter().map(|point| point.area).sum::<f64>());
         Err(match points.is_empty() || distance.is_finite() {
             true => ContactError::Apart { node, distance, reach },
-            false => ContactError::MasterSmaller { node, beside, total },
+            false => ContactError::MasterSmaller { node, share },
         })
     }
 
@@ -253,6 +253,14 @@ impl<'a> Search<'a> {
             (None, Some(cosine)) => Err(ContactError::Normals { node, cosine, allowed: self.pairing.largest_cosine }),
             (best, _) => Ok(best),
         }
+    }
+
+    /// True if each corner of a face has a face of the master opposite, so that it does not hang over the edge of the master.
+    fn is_over_corners(&mut self, face: &Face) -> bool {
+        face.kind.places()[..face.kind.corners()].iter().all(|place| {
+            let at = face.at(*place);
+            matches!(self.opposite(&at.position, &at.area.normalize(), 0), Ok(Some(_)))
+        })
     }
 
     /// Distance from a point to the nearest face that it is over, within reach or not, of those whose normals have at most this cosine with its
