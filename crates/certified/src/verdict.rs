@@ -36,7 +36,7 @@ impl fmt::Display for Verdict {
 }
 
 impl Verdict {
-    /// The verdict on `lambda` known to within `bound`, rad/s.
+    /// The verdict on `lambda` known to within `bound`, rad/s. Studies, sweeps and maps, which have thresholds, decide by `cea`'s `stability::judge`.
     #[inline]
     pub fn of(lambda: Complex<f64>, bound: f64) -> Self {
         if lambda.re > bound {

@@ -4,20 +4,22 @@ use std::fmt::Debug;
 
 use friction::{BristleMotion, FrictionLaw, LuGre};
 
-/// Friction in any relative motion, beside which a [`FrictionLaw`] is its tangent in steady sliding.
+/// Friction in any relative motion; a [`FrictionLaw`] is its linearisation about steady sliding.
 pub trait ContactFriction: Debug + Send + Sync {
-    /// The coefficient at a sliding velocity w of either sign, m/s, and a bristle state z, with its derivatives. A friction without a state
-    /// does not read z, and its rate is 0.
+    /// The coefficient at a sliding velocity w of either sign, m/s, and a bristle state z, with its derivatives. The direction of steady sliding is that of
+    /// positive w ([`SlidingContact`](crate::SlidingContact)), and the coefficient has the sign of w. A friction without a state does not read z, and its
+    /// rate is 0.
     fn at(&self, velocity: f64, state: f64) -> BristleMotion;
 
-    /// State z in steady sliding at a speed, m/s; `None` for friction without a state.
+    /// State z in steady sliding at a speed, m/s; `None`, at every speed, for friction without a state.
     fn steady_state(&self, speed: f64) -> Option<f64>;
 
-    /// Speed below which a contact is said to stick, m/s.
+    /// Speed below which a contact is said to stick, m/s; of [`Smoothed`] friction the width of the smoothing too, on which its force depends.
     fn stick_speed(&self) -> f64;
 }
 
-/// A law of the speed alone, smoothed where the sliding turns: `mu(w) = mu(|w|) s(w / eps)`.
+/// A law of the speed alone, smoothed where the sliding turns: `mu(w) = mu(|w|) s(w / eps)`. A law with an internal state is not for this: its state would
+/// be lost.
 ///
 /// `s(x) = (15 x - 10 x^3 + 3 x^5) / 8` within 1 and the sign of x beyond, twice differentiable. So friction above eps is that of the law to
 /// the last bit, and its tangent in steady sliding that of the complex eigenvalue analysis, which `w / sqrt(w^2 + eps^2)` would bend.
@@ -32,7 +34,7 @@ pub struct Smoothed<L> {
 impl<L: FrictionLaw + Debug + Send + Sync> ContactFriction for Smoothed<L> {
     fn at(&self, velocity: f64, _: f64) -> BristleMotion {
         let speed = velocity.abs().max(f64::MIN_POSITIVE);
-        // A law that has no coefficient at a speed stops the motion there.
+        // Where a law has no coefficient, integration fails, as nothing goes on from what is not a number.
         let tangent = self.law.tangent_at(speed);
         let (mu, slope) = tangent.map_or((f64::NAN, f64::NAN), |tangent| (tangent.mu, tangent.slope));
         let x = velocity / self.stick_speed;

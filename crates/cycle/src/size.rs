@@ -11,7 +11,7 @@ pub(crate) fn largest(size: f64, x: f64) -> f64 {
     f64::from_bits(size.to_bits().max(x.abs().to_bits()))
 }
 
-/// Largest difference of two states, relative to the scales.
+/// Largest difference of two states, relative to the scales; not a number where one of theirs is not.
 pub(crate) fn distance(x: &[f64], other: &[f64], scales: &[f64]) -> f64 {
-    x.iter().zip(other).zip(scales).map(|((x, y), scale)| ((x - y) / scale).abs()).fold(0.0, f64::max)
+    x.iter().zip(other).zip(scales).fold(0.0, |size, ((x, y), scale)| largest(size, (x - y) / scale))
 }

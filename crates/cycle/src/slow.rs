@@ -41,8 +41,8 @@ impl SlowFriction {
             let found = Self { eps, coefficients, knots };
             let misses = |part: f64| (found.at(sign * part) - mu(sign * part)).abs();
             // Between the knots, at the ends too.
-            let missed = (0..=4 * powers).map(|at| misses(at as f64 / (4 * powers) as f64)).fold(0.0, f64::max);
-            (missed <= MISSED * most).then_some(found)
+            let is_held = (0..=4 * powers).all(|at| misses(at as f64 / (4 * powers) as f64) <= MISSED * most);
+            is_held.then_some(found)
         })
     }
 

@@ -1,4 +1,4 @@
-//! Sparse systems that are affine in a few coefficients, and their projection.
+//! Sparse systems that are affine in a few coefficients, with structural damping (`i eta K` of a term with a loss factor), and their projection.
 
 use linsys::{AffineSystem, Channel, DofMap, LinsysError, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;

@@ -28,8 +28,17 @@ pub(crate) struct DrawnFriction<'a> {
 const COORDINATES: [u32; FrictionDistributions::DRAWN.len()] = [0, 3, 2, 0, 4, 5, 6, 7, 8];
 /// Coordinate of the speed.
 const SPEED: u32 = 1;
-/// Number of coordinates of a contact; the second and later contacts do not use the coordinate of the speed.
-pub(crate) const OF_CONTACT: u32 = 9;
+/// Number of coordinates of a contact: one more than the largest of [`COORDINATES`]. The second and later contacts do not use the coordinate of the speed.
+pub(crate) const OF_CONTACT: u32 = {
+    let (mut largest, mut at) = (SPEED, 0);
+    while at < COORDINATES.len() {
+        if COORDINATES[at] > largest {
+            largest = COORDINATES[at];
+        }
+        at += 1;
+    }
+    largest + 1
+};
 
 /// Flags of [`FrictionDistributions::DRAWN`]: true where a law has the parameter. Amontons-Coulomb friction has one coefficient in all directions.
 fn of_law(law: Law) -> [bool; FrictionDistributions::DRAWN.len()] {

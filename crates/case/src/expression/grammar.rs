@@ -3,9 +3,9 @@
 //! The check is one pass with a list of the open parentheses and no recursion, so that no text overflows the stack. An
 //! expression that passes is translated to a form that `exmex` reads in one way only:
 //!
-//! - names of parameters are put in braces, so that a parameter may be called `e` or `E`, which are constants in `exmex`;
+//! - names of parameters are put in braces, which tell them from functions;
 //! - numbers are written without exponents, which `exmex` does not read;
-//! - a leading minus becomes `0 -`, because `exmex` reads `-w^2` as `(-w)^2`, and a negative number gets parentheses;
+//! - a leading minus becomes `0 -`, as `exmex` is given no unary minus (`operators.rs`), and a negative number gets parentheses;
 //! - a call of a table, `modulus(T)`, becomes a variable, and its argument an expression of its own.
 
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use super::{ExpressionError, TableFunction};
 /// Most characters of an expression; chosen: several times the length of a usual coefficient, and short enough that parsing
 /// and evaluating take milliseconds.
 pub(super) const LONGEST_EXPRESSION: usize = 1000;
-/// Most parentheses open at one place; chosen, because `exmex` recurses once for each.
+/// Most parentheses open at one place, without those that a negative number gets; chosen, because `exmex` recurses once for each.
 pub(super) const DEEPEST_NESTING: usize = 32;
 /// Words for what is allowed where an operand is expected.
 const OPERAND: &str = "a number, a parameter, a function or \"(\"";
@@ -33,7 +33,7 @@ pub(super) struct Level {
     power: bool,
     /// True if the last operand is a number with a minus sign; a power of it, as in `2*-3^2`, would have two readings.
     negative: bool,
-    /// The table that is called with what is in the parentheses, and where that begins in the translated text.
+    /// Index of the table that is called with what is in the parentheses, and the byte of the translated text at which that begins.
     pub(super) call: Option<(usize, usize)>,
 }
 
@@ -60,10 +60,12 @@ pub(super) fn name_of_call(call: usize) -> String {
 /// Pass through the characters of an expression.
 pub(super) struct Pass<'a> {
     pub(super) characters: Vec<char>,
+    /// Index of the next character.
     pub(super) at: usize,
     pub(super) parameters: &'a [String],
     pub(super) tables: &'a [Arc<TableFunction>],
     levels: Vec<Level>,
+    /// What is translated so far.
     pub(super) out: String,
     calls: Vec<CheckedCall>,
 }
@@ -124,15 +126,15 @@ pub(super) struct Fault {
 impl Pass<'_> {
     fn run(&mut self) -> Result<(), Fault> {
         loop {
-            self.operand()?;
-            if !self.operator()? {
+            self.up_to_operand()?;
+            if !self.after_operand()? {
                 return Ok(());
             }
         }
     }
 
     /// Reads the next number or name, with all parentheses and functions that open before it.
-    fn operand(&mut self) -> Result<(), Fault> {
+    fn up_to_operand(&mut self) -> Result<(), Fault> {
         loop {
             let c = self.next_character(OPERAND)?;
             if c == '(' {
@@ -181,7 +183,7 @@ impl Pass<'_> {
     }
 
     /// Reads closing parentheses and the next operator; `false` at the end of the text.
-    fn operator(&mut self) -> Result<bool, Fault> {
+    fn after_operand(&mut self) -> Result<bool, Fault> {
         loop {
             self.skip_spaces();
             let Some(&c) = self.characters.get(self.at) else {

@@ -21,6 +21,8 @@ struct SlidingMass {
     mu: Distribution,
     /// Of the falling coefficient, Ns/m.
     slope: f64,
+    /// Error of the reduction that it is taken for.
+    error: f64,
 }
 
 fn at(mu: f64, slope: f64) -> OperatingPoint {
@@ -36,7 +38,7 @@ impl SlidingMass {
         let pad = Channel::new("pad", "friction", vec![(0, 1.0)], vec![(1, -4.0 / 3.0)]);
         let system = AffineSystem::new(vec![Term::new("mass", "dashpots", structure).unwrap()], vec![pad]).unwrap();
         let naming_point = at(mu.median(), slope);
-        Self { plan: Plan::single("sliding mass", Brake::new(system), naming_point, 64, 3), mu, slope }
+        Self { plan: Plan::single("sliding mass", Brake::new(system), naming_point, 64, 3), mu, slope, error: 0.0 }
     }
 
     fn right() -> Self {
@@ -61,6 +63,10 @@ impl UncertainBrake for SlidingMass {
 
     fn operating_point(&self, _: &Scene, mu: &f64) -> Result<OperatingPoint, squeal::study::Error> {
         Ok(at(*mu, self.slope))
+    }
+
+    fn error_of_reduction(&self, _: &Scene) -> f64 {
+        self.error
     }
 }
 
@@ -92,6 +98,7 @@ fn others() -> Vec<(SlidingMass, &'static str)> {
         ),
         (SlidingMass::new(MU, -0.02, 2.0), "other equations and other draws"),
         (SlidingMass::new(MU, -0.01, 2.1), "other equations"),
+        (SlidingMass { error: 1e-3, ..SlidingMass::right() }, "other errors"),
     ];
     let mut with = |change: &dyn Fn(&mut Plan), said| {
         let mut brake = SlidingMass::right();

@@ -8,20 +8,22 @@ use osc_model::Brake;
 use super::{Identity, Written};
 use crate::{Configuration, ModeIdentity, ModeNaming, Origin, Plan, Scene, UncertainBrake};
 
-/// Number of draws whose operating points stand for the distribution of a brake's own type; chosen: a change of any of its parameters moves some
-/// of them.
+/// Number of draws whose operating points are written, in every scene. For a brake of a user's own type they stand for its distributions, and a change that
+/// moves none of them is not seen. Another number would make every folder one of another study.
 const DRAWS: u64 = 8;
 
 /// The identity of the study of a brake, without the number of samples and what a command adds.
 ///
-/// A brake with a case file has the parts of its case; one of a user's own type has its equations and naming points. Both have scenes,
-/// threshold, seed, and the operating points of the medians and of the first draws in every scene: these know distributions, laws and
-/// whatever else turns a draw into numbers.
+/// A brake with a case file has the parts of its case; one of a user's own type has its equations, naming points and errors of reduction. Both have modes
+/// (labels, rule, band, least growth), scenes, threshold, seed, and the operating points of the medians and of the first draws in every scene, which change
+/// with distributions, laws and whatever else turns a draw into numbers. What a [`ModeSource`](crate::ModeSource) of a user's own finds is not among them.
 pub fn of_study<B: UncertainBrake>(brake: &B) -> Identity {
     let plan = brake.plan();
     let mut identity = Identity::read(&plan.name, &plan.identity);
     if plan.source_file.is_none() {
-        identity = identity.part("equations", |to| equations(to, plan));
+        let errors: Vec<f64> = plan.scenes.iter().map(|scene| brake.error_of_reduction(scene)).collect();
+        identity =
+            identity.part("equations", |to| equations(to, plan)).part("errors", |to| to.list(errors, Written::rounded));
     }
     let (growth, ratio) = (plan.threshold.growth_above(), plan.threshold.damping_ratio_below());
     identity
@@ -34,14 +36,15 @@ pub fn of_study<B: UncertainBrake>(brake: &B) -> Identity {
 }
 
 fn equations(to: &mut Written, Plan { configurations, origins, .. }: &Plan) {
+    // What the contacts are called is for reports alone.
     to.list(configurations, |to, Configuration { brake, naming_point, origin, contacts: _ }| {
         of_brake(to, brake);
-        point(to, naming_point, Written::number);
+        point(to, naming_point);
         to.count(*origin);
     });
     to.list(origins, |to, Origin { brake, naming_point }| {
         of_brake(to, brake);
-        point(to, naming_point, Written::number);
+        point(to, naming_point);
     });
 }
 
@@ -50,6 +53,7 @@ fn of_brake(to: &mut Written, Brake { system, dofs, bodies, sectors }: &Brake) {
         let Term { name, family, .. } = term;
         to.text(name);
         to.text(family);
+        // A term has no internal states.
         let SecondOrder { m, c, k, internal: _ } = term.matrices();
         [m, c, k].into_iter().for_each(|of| matrix(to, of));
     });
@@ -60,6 +64,7 @@ fn of_brake(to: &mut Written, Brake { system, dofs, bodies, sectors }: &Brake) {
         to.text(&body.name);
         to.list(&body.dofs, |to, &dof| to.count(dof));
     });
+    // Which division it is follows from the matrices, and whether it is used changes no eigenvalue.
     to.count(sectors.iter().count());
 }
 
@@ -78,7 +83,7 @@ pub fn channel(to: &mut Written, Channel { name, family, force, reading, is_cont
             to.number(value);
         });
     }
-    // Only of what relaxes, so that other studies stay as they were.
+    // Only of what relaxes, so that folders of other studies, which were made before there was any, are still theirs.
     if !is_contact {
         to.count(0);
     }
@@ -87,7 +92,7 @@ pub fn channel(to: &mut Written, Channel { name, family, force, reading, is_cont
 fn modes(to: &mut Written, plan: &Plan) {
     naming(to, plan.mode_labels, plan.mode_identity);
     to.option(plan.band, |to, band| band.iter().for_each(|&edge| to.number(edge)));
-    // Only where there is one, so that other studies stay as they were.
+    // Only where there is one, so that folders of other studies are still theirs; nothing may be written after it, as it has no length before it.
     plan.least_growth.into_iter().for_each(|least| to.number(least));
 }
 
@@ -123,17 +128,18 @@ fn draws<B: UncertainBrake>(to: &mut Written, brake: &B) {
     for sample in std::iter::once(Some(brake.median())).chain(drawn) {
         to.option(sample, |to, sample| {
             to.list(&plan.scenes, |to, scene| {
-                to.option(brake.operating_point(scene, &sample).ok(), |to, at| point(to, &at, Written::rounded));
+                to.option(brake.operating_point(scene, &sample).ok(), |to, at| point(to, &at));
             });
         });
     }
 }
 
-fn point(to: &mut Written, OperatingPoint { coefficients, channels }: &OperatingPoint, number: fn(&mut Written, f64)) {
-    to.list(coefficients, |to, &coefficient| number(to, coefficient));
+/// Writes out an operating point, which functions of the platform may have made of draws or medians.
+fn point(to: &mut Written, OperatingPoint { coefficients, channels }: &OperatingPoint) {
+    to.list(coefficients, |to, &coefficient| to.rounded(coefficient));
     to.list(channels, |to, &ChannelGain { mu, slope, lag }| {
-        number(to, mu);
-        number(to, slope);
-        to.option(lag, |to, Lag { decay, drive, force }| [decay, drive, force].into_iter().for_each(|x| number(to, x)));
+        to.rounded(mu);
+        to.rounded(slope);
+        to.option(lag, |to, Lag { decay, drive, force }| [decay, drive, force].into_iter().for_each(|x| to.rounded(x)));
     });
 }

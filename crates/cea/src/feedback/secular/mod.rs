@@ -1,4 +1,4 @@
-//! The growing modes of a structure with friction, without its spectrum.
+//! Friction condensed onto its contacts: the growing modes of a structure with friction, without its spectrum.
 //!
 //! Friction acts on a structure through m *ports*, the friction channels of `linsys`, all with the same gain. It changes the dynamic stiffness
 //! `Q_0(lambda) = lambda^2 M + lambda C + K` of the structure by a matrix of rank m at most:
