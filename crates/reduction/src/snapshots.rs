@@ -31,6 +31,8 @@ const MOST_MISSING: f64 = 0.1;
 pub struct Snapshots<'a> {
     system: &'a SparseAffineSystem,
     rectangle: Rectangle,
+    /// Settings of the searches.
+    options: sparse::Options,
     norms: Norms,
     /// Orthonormal directions of all vectors, n x q.
     directions: DMatrix<f64>,
@@ -62,11 +64,11 @@ pub struct SnapshotMode {
 }
 
 impl<'a> Snapshots<'a> {
-    /// No modes yet, of a system in and to the right of a rectangle.
+    /// No modes yet, of a system in and to the right of a rectangle, which is searched by these settings.
     #[must_use]
-    pub fn new(system: &'a SparseAffineSystem, rectangle: Rectangle) -> Self {
-        let empty = || DMatrix::zeros(system.order(), 0);
-        Self { system, rectangle, norms: Norms::new(system), directions: empty(), coordinates: DMatrix::zeros(0, 0) }
+    pub fn new(system: &'a SparseAffineSystem, rectangle: Rectangle, options: sparse::Options) -> Self {
+        let (directions, coordinates) = (DMatrix::zeros(system.order(), 0), DMatrix::zeros(0, 0));
+        Self { system, rectangle, options, norms: Norms::new(system), directions, coordinates }
     }
 
     /// All modes at a point, in and next to the rectangle, but those that grow faster than they oscillate ([`grows_too_fast`]).
@@ -78,7 +80,7 @@ impl<'a> Snapshots<'a> {
         let Rectangle { re: [lowest, highest], im: [from, to] } = self.rectangle;
         let wider =
             Rectangle { re: [lowest - margin, highest], im: [from - margin.min(0.5 * from.abs()), to + margin] };
-        let mut found = eigenpairs_in(&system, &wider, &sparse::Options::default(), &mut |_| ())?.pairs;
+        let mut found = eigenpairs_in(&system, &wider, &self.options, &mut |_| ())?.pairs;
         found.retain(|mode| !grows_too_fast(mode.lambda));
         let mode = |Eigenpair { lambda, right, left, condition, .. }| SnapshotMode { lambda, right, left, condition };
         Ok(self.known(point, found.into_iter().map(mode).collect()))

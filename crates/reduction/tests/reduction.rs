@@ -107,7 +107,7 @@ fn distance(of: Complex<f64>, from: &[Complex<f64>]) -> f64 {
 
 /// A basis of modes at some points, in a rectangle, with its singular values.
 fn basis(system: &SparseAffineSystem, points: &[OperatingPoint], rectangle: Rectangle) -> (DMatrix<f64>, Vec<f64>) {
-    let mut snapshots = Snapshots::new(system, rectangle);
+    let mut snapshots = Snapshots::new(system, rectangle, sparse::Options::default());
     points.iter().for_each(|at| snapshots.add(&snapshots.at(at).unwrap()).unwrap());
     snapshots.basis(1e-7, 200).unwrap()
 }

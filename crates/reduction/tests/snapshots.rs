@@ -113,7 +113,7 @@ fn columns_follow_modes_and_hold_every_friction_and_arrangement_between_the_poin
     let mut columns = Vec::new();
     for n in [15, 30, 60] {
         let system = strings(n);
-        let mut snapshots = Snapshots::new(&system, BAND);
+        let mut snapshots = Snapshots::new(&system, BAND, sparse::Options::default());
         for point in taken(n) {
             let modes = snapshots.at(&point).unwrap();
             snapshots.add(&modes).unwrap();
@@ -144,7 +144,7 @@ fn columns_follow_modes_and_hold_every_friction_and_arrangement_between_the_poin
 fn errors_are_foreseen_from_what_a_basis_misses() {
     let n = 30;
     let system = strings(n);
-    let (mut snapshots, whole) = (Snapshots::new(&system, BAND), dense(&system));
+    let (mut snapshots, whole) = (Snapshots::new(&system, BAND, sparse::Options::default()), dense(&system));
     for (count, point) in taken(n).into_iter().enumerate() {
         let modes = snapshots.at(&point).unwrap();
         snapshots.add(&modes).unwrap();
@@ -168,9 +168,9 @@ fn errors_are_foreseen_from_what_a_basis_misses() {
 #[test]
 fn a_basis_without_points_or_modes_is_refused() {
     let system = strings(15);
-    let none = Snapshots::new(&system, BAND).basis(FLOOR, 300);
+    let none = Snapshots::new(&system, BAND, sparse::Options::default()).basis(FLOOR, 300);
     assert!(matches!(none, Err(ReductionError::NoModes)), "{none:?}");
-    let mut beyond = Snapshots::new(&system, Rectangle { im: [1e-3, 2e-3], ..BAND });
+    let mut beyond = Snapshots::new(&system, Rectangle { im: [1e-3, 2e-3], ..BAND }, sparse::Options::default());
     let modes = beyond.at(&taken(15)[0]).unwrap();
     beyond.add(&modes).unwrap();
     let none = beyond.basis(FLOOR, 300);

@@ -12,9 +12,10 @@ use std::iter::repeat_n;
 use cea::{ROUNDED_DATA, Spectrum, Threshold, Verdict, grows_too_fast, real_count};
 use linsys::OperatingPoint;
 use num_complex::Complex;
-use sparse::{Eigenpair, Rectangle, SparseSecondOrder, eigenpairs_in};
+use sparse::{Eigenpair, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
 use study::{ModeSource, Scene};
 
+use super::together::search_options;
 use super::training::rectangle;
 use super::{Diverging, FiniteElementBrake};
 use crate::Error;
@@ -38,8 +39,12 @@ fn slowest_divergence(case: &FiniteElementCase) -> f64 {
 /// Eigenvalues of a whole brake in a rectangle that surely are beyond a threshold and grow faster than they oscillate, 1/s, Im >= 0, by ascending growth.
 /// `None` where the search does not come to an end, or nothing surely grows and rounding leaves open whether something does; beside one that surely grows
 /// the open ones are left out.
-fn fast_in(system: &SparseSecondOrder, right: &Rectangle, threshold: &Threshold) -> Option<Vec<Complex<f64>>> {
-    let found = eigenpairs_in(system, right, &sparse::Options::default(), &mut |_| {}).ok()?;
+fn fast_in(
+    system: &SparseSecondOrder,
+    right: &Rectangle,
+    (threshold, options): (&Threshold, &Options),
+) -> Option<Vec<Complex<f64>>> {
+    let found = eigenpairs_in(system, right, options, &mut |_| {}).ok()?;
     let is_fast = |pair: &Eigenpair| real_count(pair.lambda) > 0 || grows_too_fast(pair.lambda);
     let fast: Vec<Eigenpair> = found.pairs.into_iter().filter(is_fast).collect();
     let verdict = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound);
@@ -56,11 +61,11 @@ fn fast_in(system: &SparseSecondOrder, right: &Rectangle, threshold: &Threshold)
 
 /// True if something in a whole brake grows faster than it oscillates and than `growth`, 1/s, and surely is beyond a threshold. `None` where it is not found, and
 /// a search does not tell.
-fn diverges_beyond(system: &SparseSecondOrder, growth: f64, threshold: &Threshold) -> Option<bool> {
+fn diverges_beyond(system: &SparseSecondOrder, growth: f64, judged: (&Threshold, &Options)) -> Option<bool> {
     let mut is_open = false;
     for step in 0..BEYOND {
         let [from, to] = [step, step + 1].map(|step| growth * LARGER.powi(step));
-        match fast_in(system, &Rectangle { re: [from, to], im: [0.0, to] }, threshold) {
+        match fast_in(system, &Rectangle { re: [from, to], im: [0.0, to] }, judged) {
             Some(growing) if !growing.is_empty() => return Some(true),
             Some(_) => {}
             None => is_open = true,
@@ -77,17 +82,24 @@ fn highest(case: &FiniteElementCase) -> f64 {
 impl FiniteElementBrake {
     /// Divergence in a scene, at an operating point of the brake: eigenvalues of the whole brake whose growth is above the threshold and above 2 pi times a thousandth
     /// of the lowest frequency of the band (below it are the zeros of a body that is free to move), by at most 2 pi times the highest; and whether there are any that grow
-    /// faster. They are not told where a search does not tell, and where the whole brake has none and the `reduced` one there has.
+    /// faster. They are not told where a search does not tell, and where the whole brake has none and the `reduced` one there has. So many searches are under way
+    /// `together`.
     ///
     /// # Errors
     /// A point that the brake refuses.
-    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint, reduced: &Spectrum) -> Result<Diverging, Error> {
+    pub fn diverging(
+        &self,
+        scene: &Scene,
+        at: &OperatingPoint,
+        reduced: &Spectrum,
+        together: usize,
+    ) -> Result<Diverging, Error> {
         let system = self.sets[self.part(scene).set].system.assemble(at)?.without_structural_damping();
-        let threshold = &self.plan.threshold;
+        let (threshold, options) = (&self.plan.threshold, &search_options(together));
         let from = threshold.growth_above().max(slowest_divergence(&self.case));
         let end = from + highest(&self.case);
-        let whole = fast_in(&system, &Rectangle { re: [from, end], im: [0.0, end] }, threshold);
-        let beyond = diverges_beyond(&system, end, threshold);
+        let whole = fast_in(&system, &Rectangle { re: [from, end], im: [0.0, end] }, (threshold, options));
+        let beyond = diverges_beyond(&system, end, (threshold, options));
         let error = self.relative_error(scene);
         let is_listed = |lambda: &Complex<f64>| {
             lambda.im >= 0.0
@@ -147,7 +159,11 @@ mod tests {
             let expected = all.iter().any(|lambda| lambda.im >= 0.0 && lambda.re > lambda.im && lambda.re >= 1.0);
             let [m, c, k] = [m, c, k].map(|matrix| CscMatrix::from(&matrix));
             let system = SparseSecondOrder::new(m, c, k).unwrap();
-            assert_eq!(diverges_beyond(&system, 1.0, &Threshold::AXIS), Some(expected), "{seed}");
+            assert_eq!(
+                diverges_beyond(&system, 1.0, (&Threshold::AXIS, &Options::default())),
+                Some(expected),
+                "{seed}"
+            );
             diverging += usize::from(expected);
             quiet += usize::from(!expected);
         }

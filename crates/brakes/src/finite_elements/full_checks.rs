@@ -116,9 +116,10 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let (at, part, threshold) = (brake.full_point(scene, &point), brake.part(scene), brake.plan.threshold);
     let reduced = part.reduced.modes(&at)?.lambdas;
     let system = brake.sets[part.set].system.assemble(&at)?;
-    let all = modes_beside(&brake.case, &system, &reduced)?;
+    let together = brake.sets[part.set].together.count();
+    let all = modes_beside(&brake.case, &system, &reduced, together)?;
     let spectrum = QrSolver.eigenvalues(&part.reduced.system().assemble(&at)?, &mut Workspace::default())?;
-    let diverging = brake.diverging(scene, &at, &spectrum)?;
+    let diverging = brake.diverging(scene, &at, &spectrum, together)?;
     let wanted = rectangle(&brake.case);
     let (whole, beside): (Vec<Complex<f64>>, Vec<_>) =
         all.into_iter().partition(|&lambda| wanted.contains_to_the_right(lambda, 0.0));

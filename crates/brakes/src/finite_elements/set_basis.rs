@@ -11,6 +11,7 @@ use reduction::{Losses, ReductionError, Snapshot, Snapshots};
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};
+use super::together::search_options;
 use super::training::{Drawn, draws, rectangle};
 use crate::Error;
 use crate::bits::{Bits as _, bits};
@@ -90,7 +91,7 @@ pub(super) fn basis(
 ) -> Result<SetBasis, Error> {
     let all = all_patches(case);
     let at_median = of_brake(case, &all, &naming_point(case, &all)?);
-    let mut snapshots = Snapshots::new(system, rectangle(case));
+    let mut snapshots = Snapshots::new(system, rectangle(case), search_options(together));
     let mut known = vec![at_median];
     known.extend_from_slice(trained);
     // What a basis was made of, until there is one.

@@ -7,6 +7,12 @@ use rayon::prelude::*;
 
 use crate::Error;
 
+/// Settings of a search of the whole brake, of which so many are under way together: they share the threads.
+pub(super) fn search_options(together: usize) -> sparse::Options {
+    let threads = (rayon::current_num_threads() / together.max(1)).max(1);
+    sparse::Options { threads, ..sparse::Options::default() }
+}
+
 /// Places for solutions of the whole brake.
 #[derive(Debug)]
 pub(super) struct Together {

@@ -11,6 +11,7 @@ use super::FiniteElementBrake;
 use super::points::{naming_point, of_brake};
 use super::reduced_set::{Part, ReducedSet};
 use super::set_basis::HeldOut;
+use super::together::search_options;
 use super::training::{AT_BORDER, Closed, rectangle};
 use crate::Error;
 use crate::case::FiniteElementCase;
@@ -24,23 +25,15 @@ const BESIDE: f64 = 1.05;
 /// looked at; with more, errors that change none ask for more training.
 const NEXT_TO_AXIS: f64 = 0.02;
 
-/// The modes of a whole brake in the rectangle of a case, which is extended to the right beyond the largest growth among the modes `reduced` of the
-/// reduced brake.
-pub(super) fn whole_modes(
-    case: &FiniteElementCase,
-    system: &SparseSecondOrder,
-    reduced: &[Complex<f64>],
-) -> Result<Vec<Complex<f64>>, Error> {
-    Ok(lambdas(pairs_in(system, rectangle(case), reduced)?))
-}
-
-/// Modes of a whole brake as by [`whole_modes`], with those that are next to the band.
+/// Modes of a whole brake in the rectangle of a case, which is extended to the right beyond the largest growth among the modes `reduced` of the reduced
+/// brake, and those that are next to the band, where so many searches are under way `together`.
 pub(super) fn modes_beside(
     case: &FiniteElementCase,
     system: &SparseSecondOrder,
     reduced: &[Complex<f64>],
+    together: usize,
 ) -> Result<Vec<Complex<f64>>, Error> {
-    Ok(lambdas(pairs_in(system, with_beside(rectangle(case)), reduced)?))
+    Ok(lambdas(pairs_in(system, with_beside(rectangle(case)), reduced, together)?))
 }
 
 /// A rectangle with what is next to it in frequency.
@@ -58,10 +51,11 @@ fn pairs_in(
     system: &SparseSecondOrder,
     mut rectangle: Rectangle,
     reduced: &[Complex<f64>],
+    together: usize,
 ) -> Result<Vec<Eigenpair>, Error> {
     let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
     rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
-    let mut found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?.pairs;
+    let mut found = eigenpairs_in(system, &rectangle, &search_options(together), &mut |_| {})?.pairs;
     found.retain(|pair| !grows_too_fast(pair.lambda));
     Ok(found)
 }
@@ -75,7 +69,7 @@ impl FiniteElementBrake {
     pub fn whole_modes(&self, scene: &Scene, at: &OperatingPoint) -> Result<(Vec<BandMode>, Vec<f64>), Error> {
         let (part, wanted) = (self.part(scene), rectangle(&self.case));
         let system = self.sets[part.set].system.assemble(at)?;
-        let pairs = pairs_in(&system, with_beside(wanted), &part.reduced.modes(at)?.lambdas)?;
+        let pairs = pairs_in(&system, with_beside(wanted), &part.reduced.modes(at)?.lambdas, 1)?;
         let is_wanted = |pair: &Eigenpair| wanted.contains_to_the_right(pair.lambda, 0.0);
         let (mut pairs, beside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(is_wanted);
         pairs.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
@@ -95,7 +89,7 @@ impl FiniteElementBrake {
     }
 }
 
-/// The modes of the whole brake at the naming point of the configuration with the patches `closed` in contact.
+/// The modes of the whole brake in the rectangle of a case, as by [`modes_beside`], at the naming point of the configuration with the patches `closed` in contact.
 pub(super) fn modes_at_medians(
     case: &FiniteElementCase,
     set: &ReducedSet,
@@ -103,7 +97,7 @@ pub(super) fn modes_at_medians(
     reduced: &[Complex<f64>],
 ) -> Result<Vec<Complex<f64>>, Error> {
     let at = of_brake(case, closed, &naming_point(case, closed)?);
-    whole_modes(case, &set.system.assemble(&at)?, reduced)
+    Ok(lambdas(pairs_in(&set.system.assemble(&at)?, rectangle(case), reduced, set.together.count())?))
 }
 
 /// True of an eigenvalue so near the imaginary axis that an error may change its verdict.

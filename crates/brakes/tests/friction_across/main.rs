@@ -424,7 +424,7 @@ fn divergence_of_the_whole_brake_is_found_whatever_the_band() {
                 let point = brake.full_point(scene, &brake.operating_point(scene, &sample).unwrap());
                 let reduced = brake.part(scene).reduced.system().assemble(&point).unwrap();
                 let reduced = QrSolver.eigenvalues(&reduced, &mut Workspace::default()).unwrap();
-                let found = brake.diverging(scene, &point, &reduced).unwrap();
+                let found = brake.diverging(scene, &point, &reduced, 1).unwrap();
                 let Some(found) = found.whole else {
                     assert_eq!(weaker, 2e4, "only a body that is free to move may leave it open");
                     continue;
@@ -486,7 +486,7 @@ fn pairs_that_grow_faster_than_they_oscillate_diverge_whatever_the_band() {
             let point = brake.full_point(scene, &brake.operating_point(scene, &sample).unwrap());
             let reduced = brake.part(scene).reduced.system().assemble(&point).unwrap();
             let reduced = QrSolver.eigenvalues(&reduced, &mut Workspace::default()).unwrap();
-            let found = brake.diverging(scene, &point, &reduced).unwrap();
+            let found = brake.diverging(scene, &point, &reduced, 1).unwrap();
             assert!(!found.beyond);
             assert_same(&found.whole.unwrap(), &expected);
         }
@@ -531,7 +531,7 @@ fn growth_rates_of_divergence_are_those_of_the_whole_brake() {
             let point = brake.full_point(scene, &brake.operating_point(scene, &sample).unwrap());
             let reduced = brake.part(scene).reduced.system().assemble(&point).unwrap();
             let reduced = QrSolver.eigenvalues(&reduced, &mut Workspace::default()).unwrap();
-            let found = brake.diverging(scene, &point, &reduced).unwrap();
+            let found = brake.diverging(scene, &point, &reduced, 1).unwrap();
             assert!(!found.beyond || !beyond.is_empty(), "{at} {found:?} {beyond:?}");
             assert!(
                 found.any() != Some(false) || beyond.is_empty() && expected.is_empty(),

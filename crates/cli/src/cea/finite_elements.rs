@@ -34,7 +34,7 @@ impl CeaArgs {
         let whys = if self.why { whys(brake, scene, Some(&modes.lambdas))? } else { Whys::default() };
         let shapes = if self.modes { on_rows(brake, scene, &at, &modes)? } else { Vec::new() };
         let spectrum = QrSolver.eigenvalues(&reduced.system().assemble(&full)?, &mut Workspace::default())?;
-        let diverging = brake.diverging(scene, &full, &spectrum)?;
+        let diverging = brake.diverging(scene, &full, &spectrum, 1)?;
         if self.json {
             let list: Vec<Value> = rows
                 .enumerate()

@@ -109,7 +109,8 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
 pub fn search_options(is_counted: bool, budget: u64) -> Options {
     let counted = if is_counted { usize::MAX } else { MOST_DOFS_COUNTED };
     let bytes = (PART_OF_VECTORS * budget as f64) as usize;
-    Options { certified: MOST_DOFS_CERTIFIED, counted, bytes, ..Options::default() }
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    Options { certified: MOST_DOFS_CERTIFIED, counted, bytes, threads, ..Options::default() }
 }
 
 /// The eigenpairs that a search of the rectangle finds, with a bar of its progress in percent of the area.

@@ -39,7 +39,7 @@ impl Kernel for Removal<'_> {
     #[inline(always)]
     fn run<S: Simd, const N: usize>(self, simd: S) {
         let starts = (0..self.x.ncols()).step_by(columns::<S, N>());
-        let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
+        let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from)).collect();
         let mut dots = vec![vec![[zero::<S, N>(simd); 2]; self.columns.len()]; groups.len()];
         for from in (0..self.x.nrows()).step_by(CHUNK) {
             let chunk = from..self.x.nrows().min(from + CHUNK);
@@ -58,14 +58,14 @@ impl Kernel for Removal<'_> {
             for halves in dots {
                 rows.push(joined_conjugate(simd, halves));
             }
-            scatter::<S, N>(&rows, self.product, from, |i| i);
+            scatter::<S, N>(&rows, self.product, from);
             for row in &mut rows {
                 *row = negative(simd, *row);
             }
             factors.push(rows);
         }
         add_all(simd, self.columns, &factors, &mut groups);
-        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from, |i| i));
+        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from));
     }
 }
 
@@ -108,10 +108,10 @@ impl Kernel for Sums<'_> {
     #[inline(always)]
     fn run<S: Simd, const N: usize>(self, simd: S) {
         let starts = (0..self.x.ncols()).step_by(columns::<S, N>());
-        let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
-        let factors: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.c, from, |i| i)).collect();
+        let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from)).collect();
+        let factors: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.c, from)).collect();
         add_all(simd, self.columns, &factors, &mut groups);
-        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from, |i| i));
+        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from));
     }
 }
 

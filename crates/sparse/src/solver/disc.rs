@@ -77,6 +77,14 @@ impl Problem {
         Ok(Self { pencil, symbolic })
     }
 
+    /// The same problem, whose factors and solutions are made by so many threads: those of large systems that fall into parts, of which the results do not
+    /// depend on the number.
+    #[must_use]
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        self.symbolic.threads = threads;
+        self
+    }
+
     /// Solution `Q(lambda)^-1 F`, n x m, for a real n x m block F.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! A sparse LU of Q(sigma), on one thread, whose every solution is checked in the true matrix.
+//! A sparse LU of Q(sigma), whose every solution is checked in the true matrix.
 
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -12,10 +12,9 @@ use num_complex::Complex;
 
 use super::blocks::{PAR, length, starting_block};
 use super::fronts::{Eliminated, Elimination, Factors, factorised};
-use super::lanes::compute;
 use super::pencil::Pencil;
 use super::products::Side;
-use super::substitution::Substitution;
+use super::substitution::substitute;
 use crate::SparseError;
 
 /// Largest backward error of a first solution whose pivots, in the symmetric order, were large enough; chosen: with a larger one Q is factorised again with any
@@ -36,12 +35,14 @@ const REFINEMENTS: usize = 4;
 pub(crate) struct Symbolic {
     symmetric: Elimination,
     pivoted: OnceLock<SymbolicLu<usize>>,
+    /// Number of threads for factors and solutions, which do not depend on it; those with any pivots have one.
+    pub(super) threads: usize,
 }
 
 impl Symbolic {
     pub(crate) fn new(pencil: &Pencil) -> Result<Self, SparseError> {
         let symmetric = Elimination::new(pencil).ok_or(SparseError::Memory { order: pencil.order() })?;
-        Ok(Self { symmetric, pivoted: OnceLock::new() })
+        Ok(Self { symmetric, pivoted: OnceLock::new(), threads: 1 })
     }
 
     fn pivoted(&self, pencil: &Pencil) -> Result<&SymbolicLu<usize>, SparseError> {
@@ -75,6 +76,7 @@ pub(crate) struct Factor<'a> {
     left: Vec<Complex<f64>>,
     sigma: Complex<f64>,
     size: f64,
+    threads: usize,
 }
 
 impl<'a> Factor<'a> {
@@ -84,11 +86,12 @@ impl<'a> Factor<'a> {
     /// [`SparseError::Singular`] where a pivot is zero for every value of the entries, [`SparseError::Memory`].
     pub(crate) fn new(symbolic: &'a Symbolic, pencil: &'a Pencil, sigma: Complex<f64>) -> Result<Self, SparseError> {
         let values = pencil.values(&pencil.weights(sigma));
-        let factors =
-            factorised(&symbolic.symmetric, pencil, &values).ok_or(SparseError::Memory { order: pencil.order() })?;
+        let threads = symbolic.threads;
+        let factors = factorised(&symbolic.symmetric, pencil, &values, threads)
+            .ok_or(SparseError::Memory { order: pencil.order() })?;
         let numeric = Numeric::Symmetric(&symbolic.symmetric, factors);
         let [right, left] = [Side::Right, Side::Left].map(|side| pencil.by_rows(&values, side));
-        let mut factor = Self { pencil, numeric, right, left, sigma, size: pencil.size(sigma) };
+        let mut factor = Self { pencil, numeric, right, left, sigma, size: pencil.size(sigma), threads };
         let b = factor.product(Side::Right, &starting_block(pencil.order(), 1));
         let mut x = b.clone();
         factor.substitute(Side::Right, &mut x);
@@ -114,7 +117,7 @@ impl<'a> Factor<'a> {
         let Numeric::Symmetric(_, factors) = &self.numeric else { return None };
         let of_group =
             |group: &Eliminated| sign(&group.pivots) - group.inverses.iter().map(|d| d.ln()).sum::<Complex<f64>>();
-        let logarithm: Complex<f64> = factors.groups.iter().map(of_group).sum();
+        let logarithm: Complex<f64> = factors.iter().flat_map(|part| &part.groups).map(of_group).sum();
         logarithm.is_finite().then_some(logarithm)
     }
 
@@ -198,7 +201,7 @@ impl<'a> Factor<'a> {
     fn substitute(&self, side: Side, x: &mut Mat<Complex<f64>>) {
         match &self.numeric {
             Numeric::Symmetric(elimination, factors) => {
-                compute(Substitution { factors, order: elimination.order(), side, x });
+                substitute(elimination, factors, side, x, self.threads);
             }
             Numeric::Pivoted(symbolic, numeric) => {
                 let lu = LuRef::new_unchecked(symbolic, numeric);
@@ -252,7 +255,7 @@ pub(super) fn sign(permutation: &[usize]) -> Complex<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use nalgebra::DMatrix;
-    use nalgebra_sparse::CscMatrix;
+    use nalgebra_sparse::{CooMatrix, CscMatrix};
 
     use super::*;
     use crate::SparseSecondOrder;
@@ -276,6 +279,47 @@ mod tests {
         }
         let c = DMatrix::from_fn(n, n, |i, j| if i.max(j) < coupled { 0.1 * value(j, i) } else { 0.0 });
         SparseSecondOrder::new(CscMatrix::from(&m), CscMatrix::from(&c), CscMatrix::from(&k)).unwrap()
+    }
+
+    /// Masses on a square grid, coupled to their neighbours, one way more than the other.
+    fn grid(side: usize) -> SparseSecondOrder {
+        let n = side * side;
+        let [mut m, mut c, mut k] = [(); 3].map(|()| CooMatrix::new(n, n));
+        for i in 0..n {
+            m.push(i, i, 1.0 + 0.1 * unpatterned(i as f64));
+            c.push(i, i, 0.02);
+            k.push(i, i, 4.0 + unpatterned((n + i) as f64));
+            for other in
+                [(i % side + 1 < side).then_some(i + 1), (i + side < n).then_some(i + side)].into_iter().flatten()
+            {
+                k.push(i, other, -1.1);
+                k.push(other, i, -0.9);
+            }
+        }
+        SparseSecondOrder::new((&m).into(), (&c).into(), (&k).into()).unwrap()
+    }
+
+    #[test]
+    fn parts_of_a_large_matrix_give_the_same_with_any_number_of_threads() {
+        let pencil = Pencil::new(&grid(90));
+        let mut symbolic = Symbolic::new(&pencil).unwrap();
+        let parts = symbolic.symmetric.parts();
+        assert!(parts.len() > 4, "{}", parts.len());
+        let mut rows: Vec<usize> = parts.iter().flat_map(|part| part.rows.iter().copied()).collect();
+        rows.sort_unstable();
+        assert!(rows.into_iter().eq(0..pencil.order()));
+        let known = starting_block(pencil.order(), 5);
+        let mut solved = |threads: usize| {
+            symbolic.threads = threads;
+            let factor = Factor::new(&symbolic, &pencil, Complex::new(-0.1, 1.3)).unwrap();
+            assert!(matches!(factor.numeric, Numeric::Symmetric(..)));
+            [Side::Right, Side::Left].map(|side| factor.solve(side, &factor.product(side, &known)).unwrap())
+        };
+        let one = solved(1);
+        assert!(one.iter().all(|solved| (solved - &known).norm_l2() < 1e-11 * known.norm_l2()));
+        for threads in [2, 3, 16] {
+            assert!(solved(threads) == one, "{threads}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! Pivots are sought within a group only, so the elimination order of a symmetric matrix serves, which fills much less than an order that leaves room
 //! for any pivot. Where the pivots of a group are too small the factors are useless, which a solution shows.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -18,6 +19,8 @@ use faer::{Accum, Mat, MatMut, Spec};
 use num_complex::Complex;
 
 use super::blocks::PAR;
+use super::branches::{Part, PartGroup, parts};
+use super::in_threads::in_threads;
 use super::pencil::Pencil;
 use crate::ordering;
 
@@ -26,20 +29,23 @@ use crate::ordering;
 const JOINED: &[(usize, f64)] = &[(4, 0.5), (16, 0.1)];
 
 /// Rows that are eliminated together, and the rows that they change.
-struct Group {
-    from: usize,
-    to: usize,
+pub(super) struct Group {
+    pub(super) from: usize,
+    pub(super) to: usize,
     /// Rows that they change, ascending, all after `to`.
-    below: Vec<usize>,
+    pub(super) below: Vec<usize>,
     /// The group that comes next: of the first row below.
-    next: Option<usize>,
+    pub(super) next: Option<usize>,
 }
 
 impl Group {
+    pub(super) fn width(&self) -> usize {
+        self.to - self.from
+    }
+
     /// Entries of a factor.
     fn size(&self) -> usize {
-        let width = self.to - self.from;
-        triangle(width) + width * self.below.len()
+        triangle(self.width()) + self.width() * self.below.len()
     }
 }
 
@@ -49,6 +55,8 @@ pub(super) struct Elimination {
     order: Vec<usize>,
     place: Vec<usize>,
     groups: Vec<Group>,
+    /// Parts of the groups that do not change each other, and last the part that all of them change.
+    parts: Vec<Part>,
 }
 
 impl Elimination {
@@ -68,19 +76,27 @@ impl Elimination {
             let next = below.first().map(|&row| group_of[row]);
             Group { from, to, below, next }
         };
-        let groups = (0..groups.n_supernodes()).map(group).collect();
+        let groups: Vec<Group> = (0..groups.n_supernodes()).map(group).collect();
         let (order, place) = symbolic.perm()?.arrays();
-        Some(Self { order: order.to_vec(), place: place.to_vec(), groups })
+        let parts = parts(&groups);
+        Some(Self { order: order.to_vec(), place: place.to_vec(), groups, parts })
     }
 
     pub(super) fn order(&self) -> &[usize] {
         &self.order
     }
+
+    pub(super) fn parts(&self) -> &[Part] {
+        &self.parts
+    }
 }
 
-/// The factors of a matrix whose groups are eliminated one after the other: of each, `P A11 = T D U11`, `L21 = A21 U11^-1 D^-1` and
+/// The factors of a matrix, part by part.
+pub(super) type Factors = Vec<PartFactors>;
+
+/// The factors of a part of a matrix whose groups are eliminated one after the other: of each, `P A11 = T D U11`, `L21 = A21 U11^-1 D^-1` and
 /// `U12 = T^-1 P A12`, with ones on the diagonals of T and U11.
-pub(super) struct Factors {
+pub(super) struct PartFactors {
     pub(super) groups: Vec<Eliminated>,
     /// T without its diagonal and L21 of all groups, by rows.
     pub(super) lower: Vec<Complex<f64>>,
@@ -88,7 +104,7 @@ pub(super) struct Factors {
     pub(super) upper: Vec<Complex<f64>>,
 }
 
-/// Group that was eliminated, and where it stands in both factors.
+/// Group that was eliminated, and where it stands in both factors. Its rows are counted as those of its part.
 pub(super) struct Eliminated {
     pub(super) from: usize,
     /// Row of A11 at each row of `P A11`.
@@ -124,22 +140,49 @@ fn triangle(k: usize) -> usize {
     k * k.saturating_sub(1) / 2
 }
 
-/// The factors of a matrix given on the pattern of `pencil`. A pivot of zero leaves entries that are not finite. `None` where they do
-/// not fit into memory.
-pub(super) fn factorised(elimination: &Elimination, pencil: &Pencil, values: &[Complex<f64>]) -> Option<Factors> {
-    let Elimination { order, place, groups } = elimination;
+/// Changes that eliminated groups make to groups that come later, by these: each with the group that makes it.
+type Changes = BTreeMap<usize, Vec<(usize, Mat<Complex<f64>>)>>;
+
+/// The factors of a matrix given on the pattern of `pencil`, the same with any number of threads. A pivot of zero leaves entries that are not finite.
+/// `None` where they do not fit into memory.
+pub(super) fn factorised(
+    elimination: &Elimination,
+    pencil: &Pencil,
+    values: &[Complex<f64>],
+    threads: usize,
+) -> Option<Factors> {
+    let (last, branches) = elimination.parts.split_last()?;
+    let branch = |part: &Part| part_factorised(elimination, part, (pencil, values), Changes::new());
+    let (mut factors, mut waiting) = (Factors::with_capacity(elimination.parts.len()), Changes::new());
+    for made in in_threads(threads, branches.iter().collect(), branch) {
+        let (part, changes) = made?;
+        factors.push(part);
+        changes.into_iter().for_each(|(group, more)| waiting.entry(group).or_default().extend(more));
+    }
+    factors.push(part_factorised(elimination, last, (pencil, values), waiting)?.0);
+    Some(factors)
+}
+
+/// The factors of a part, and the changes that it makes to others; `waiting` are changes that others make to it.
+fn part_factorised(
+    Elimination { order, place, groups, .. }: &Elimination,
+    part: &Part,
+    (pencil, values): (&Pencil, &[Complex<f64>]),
+    mut waiting: Changes,
+) -> Option<(PartFactors, Changes)> {
     let ((starts, rows), mirror) = (pencil.pattern(), pencil.mirror());
     let mut local = vec![0; order.len()];
-    let mut waiting: Vec<Vec<(usize, Mat<Complex<f64>>)>> = groups.iter().map(|_| Vec::new()).collect();
-    let mut factors = Factors { groups: Vec::with_capacity(groups.len()), lower: Vec::new(), upper: Vec::new() };
-    let size: usize = groups.iter().map(Group::size).sum();
+    let mut factors =
+        PartFactors { groups: Vec::with_capacity(part.groups.len()), lower: Vec::new(), upper: Vec::new() };
+    let size: usize = part.groups.iter().map(|of_part| groups[of_part.group].size()).sum();
     factors.lower.try_reserve_exact(size).ok()?;
     factors.upper.try_reserve_exact(size).ok()?;
     // One for all fronts: memory that the system gives anew has to be cleared by it.
     let mut entries = Vec::new();
-    for (s, group) in groups.iter().enumerate() {
+    for of_part in &part.groups {
+        let (s, group) = (of_part.group, &groups[of_part.group]);
         let (from, to) = (group.from, group.to);
-        let height = to - from + group.below.len();
+        let height = group.width() + group.below.len();
         (from..to).chain(group.below.iter().copied()).enumerate().for_each(|(at, row)| local[row] = at);
         entries.clear();
         entries.try_reserve_exact(height * height).ok()?;
@@ -156,24 +199,28 @@ pub(super) fn factorised(elimination: &Elimination, pencil: &Pencil, values: &[C
                 }
             }
         }
-        for (child, change) in std::mem::take(&mut waiting[s]) {
+        let mut changes = waiting.remove(&s).unwrap_or_default();
+        // In one order, whatever the parts are.
+        changes.sort_by_key(|(child, _)| *child);
+        for (child, change) in changes {
             let below = &groups[child].below;
             for (j, &column) in below.iter().enumerate() {
                 let mut target = front.rb_mut().col_mut(local[column]);
                 below.iter().zip(change.col_as_slice(j)).for_each(|(&row, value)| target[local[row]] += value);
             }
         }
-        let change = eliminate(front, group, &mut factors);
+        let change = eliminate(front, of_part, &mut factors);
         if let Some(next) = group.next {
-            waiting[next].push((s, change));
+            waiting.entry(next).or_default().push((s, change));
         }
     }
-    Some(factors)
+    Some((factors, waiting))
 }
 
 /// Appends the factors of a group: what its elimination leaves of the rows below.
-fn eliminate(mut front: MatMut<'_, Complex<f64>>, group: &Group, factors: &mut Factors) -> Mat<Complex<f64>> {
-    let (width, count) = (group.to - group.from, group.below.len());
+fn eliminate(mut front: MatMut<'_, Complex<f64>>, group: &PartGroup, factors: &mut PartFactors) -> Mat<Complex<f64>> {
+    let count = group.below.len();
+    let width = front.ncols() - count;
     let (mut pivots, mut inverse) = (vec![0; width], vec![0; width]);
     let mut buffer = MemBuffer::new(lu_in_place_scratch::<usize, Complex<f64>>(width, width, PAR, Spec::default()));
     let block = front.rb_mut().submatrix_mut(0, 0, width, width);

@@ -140,21 +140,16 @@ pub(super) fn bring<'a>(values: impl Iterator<Item = &'a Complex<f64>>) {
     std::hint::black_box(values.step_by(LINE).fold(0, |bits, value| bits ^ value.re.to_bits()));
 }
 
-/// Rows of the columns of a block from `from` on, as many as a row holds or are left; row i is row `order(i)` of the block.
+/// Rows of the columns of a block from `from` on, as many as a row holds or are left.
 #[inline(always)]
-pub(super) fn gathered<S: Simd, const N: usize>(
-    simd: S,
-    block: &Block,
-    from: usize,
-    order: impl Fn(usize) -> usize,
-) -> Vec<Row<S, N>> {
+pub(super) fn gathered<S: Simd, const N: usize>(simd: S, block: &Block, from: usize) -> Vec<Row<S, N>> {
     let mut rows = vec![zero::<S, N>(simd); block.nrows()];
     let numbers: &mut [Complex<f64>] = cast_slice_mut(rows.as_flattened_mut());
     let width = columns::<S, N>();
     for (lane, j) in (from..block.ncols().min(from + width)).enumerate() {
         let column = block.col_as_slice(j);
-        for (i, row) in numbers.chunks_exact_mut(width).enumerate() {
-            row[lane] = column[order(i)];
+        for (row, value) in numbers.chunks_exact_mut(width).zip(column) {
+            row[lane] = *value;
         }
     }
     rows
@@ -162,18 +157,13 @@ pub(super) fn gathered<S: Simd, const N: usize>(
 
 /// Puts rows back into the columns of a block, the reverse of [`gathered`].
 #[inline(always)]
-pub(super) fn scatter<S: Simd, const N: usize>(
-    rows: &[Row<S, N>],
-    block: &mut Block,
-    from: usize,
-    order: impl Fn(usize) -> usize,
-) {
+pub(super) fn scatter<S: Simd, const N: usize>(rows: &[Row<S, N>], block: &mut Block, from: usize) {
     let numbers: &[Complex<f64>] = cast_slice(rows.as_flattened());
     let width = columns::<S, N>();
     for (lane, j) in (from..block.ncols().min(from + width)).enumerate() {
         let column = block.col_as_slice_mut(j);
-        for (i, row) in numbers.chunks_exact(width).enumerate() {
-            column[order(i)] = row[lane];
+        for (row, value) in numbers.chunks_exact(width).zip(column) {
+            *value = row[lane];
         }
     }
 }

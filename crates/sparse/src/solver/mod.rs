@@ -2,6 +2,7 @@
 
 mod argument;
 mod blocks;
+mod branches;
 mod certified;
 mod combinations;
 mod counted;
@@ -10,6 +11,7 @@ mod errors;
 mod factor;
 mod fronts;
 mod groups;
+mod in_threads;
 mod krylov;
 mod lanes;
 mod left;

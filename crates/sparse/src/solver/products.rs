@@ -90,7 +90,7 @@ impl<const TERMS: usize> Kernel for PartProducts<'_, TERMS> {
     fn run<S: Simd, const N: usize>(mut self, simd: S) {
         let rows = self.rows;
         for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
-            let x: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| i);
+            let x: Vec<Row<S, N>> = gathered(simd, self.x, from);
             for (row, entries) in rows.starts.windows(2).enumerate() {
                 let mut sums = [zero::<S, N>(simd); TERMS];
                 for at in entries[0]..entries[1] {
@@ -120,7 +120,7 @@ impl Kernel for Product<'_> {
     fn run<S: Simd, const N: usize>(self, simd: S) {
         let rows = self.rows;
         for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
-            let x: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| i);
+            let x: Vec<Row<S, N>> = gathered(simd, self.x, from);
             for (row, entries) in rows.starts.windows(2).enumerate() {
                 let entries = entries[0]..entries[1];
                 let mut sum = [zero::<S, N>(simd); 2];
@@ -145,7 +145,7 @@ impl Kernel for SumOfProducts<'_> {
     fn run<S: Simd, const N: usize>(self, simd: S) {
         let rows = self.rows;
         for from in (0..self.sum.ncols()).step_by(columns::<S, N>()) {
-            let [(a, x), (b, y)] = self.terms.map(|(values, x)| (values, gathered::<S, N>(simd, x, from, |i| i)));
+            let [(a, x), (b, y)] = self.terms.map(|(values, x)| (values, gathered::<S, N>(simd, x, from)));
             for (row, entries) in rows.starts.windows(2).enumerate() {
                 let entries = entries[0]..entries[1];
                 let mut sums = [zero::<S, N>(simd); 2];

@@ -90,7 +90,7 @@ fn search(
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Found, SparseError> {
-    let problem = Problem::new(system)?;
+    let problem = Problem::new(system)?.with_threads(options.threads);
     let mut search = Search::new(&problem, options);
     let most = 2 * system.order() + system.states.len();
     let upper = wide_enough(&problem, upper_part(rectangle));

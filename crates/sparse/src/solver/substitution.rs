@@ -6,34 +6,88 @@ use faer::Mat;
 use num_complex::Complex;
 use pulp::Simd;
 
-use super::fronts::{Eliminated, Factors};
+use super::branches::Part;
+use super::fronts::{Eliminated, Elimination, Factors, PartFactors};
+use super::in_threads::in_threads;
 use super::lanes::{
-    GROUP, Kernel, Row, add, bring, columns, gathered, joined, minus, negative, plus, scatter, times, turned, zero,
+    GROUP, Kernel, Row, add, bring, columns, compute, gathered, joined, minus, negative, plus, scatter, times, turned,
+    zero,
 };
 use super::products::Side;
 
 /// Coefficients that are brought near at once: many, so that memory is waited for rarely, and a small part of the second cache. Measured.
 const PIECE: usize = 2048;
 
-/// `A^-1 x`, or `A^-T x`, in place, of the columns of a block.
-pub(super) struct Substitution<'a> {
-    pub(super) factors: &'a Factors,
-    /// Row at each position of the order.
-    pub(super) order: &'a [usize],
-    pub(super) side: Side,
-    pub(super) x: &'a mut Mat<Complex<f64>>,
+type Block = Mat<Complex<f64>>;
+
+/// `A^-1 x`, or `A^-T x`, in place, of the columns of a block; the same with any number of threads.
+pub(super) fn substitute(elimination: &Elimination, factors: &Factors, side: Side, x: &mut Block, threads: usize) {
+    let (parts, order) = (elimination.parts(), elimination.order());
+    let (Some((last, branches)), Some((of_last, of_branches))) = (parts.split_last(), factors.split_last()) else {
+        return;
+    };
+    let begin = |part: &Part, x: &Block| {
+        Mat::from_fn(part.rows.len() + part.border.len(), x.ncols(), |i, j| {
+            part.rows.get(i).map_or(Complex::default(), |&place| x[(order[place], j)])
+        })
+    };
+    let forward = |(part, factors): (&Part, &PartFactors)| {
+        let mut own = begin(part, x);
+        compute(Pass { factors, side, way: Way::Forward, x: &mut own });
+        own
+    };
+    let with_factors = branches.iter().zip(of_branches);
+    let begun = in_threads(threads, with_factors.clone().collect(), forward);
+    let mut whole = begin(last, x);
+    for (part, own) in branches.iter().zip(&begun) {
+        for j in 0..x.ncols() {
+            let change = &own.col_as_slice(j)[part.rows.len()..];
+            part.border.iter().zip(change).for_each(|(&row, value)| whole[(row, j)] += value);
+        }
+    }
+    compute(Pass { factors: of_last, side, way: Way::Both, x: &mut whole });
+    let backward = |((part, factors), mut own): ((&Part, &PartFactors), Block)| {
+        for j in 0..own.ncols() {
+            let border = &mut own.col_as_slice_mut(j)[part.rows.len()..];
+            part.border.iter().zip(border).for_each(|(&row, value)| *value = whole[(row, j)]);
+        }
+        compute(Pass { factors, side, way: Way::Backward, x: &mut own });
+        own
+    };
+    let done = in_threads(threads, with_factors.zip(begun).collect(), backward);
+    for (part, own) in branches.iter().zip(&done).chain([(last, &whole)]) {
+        for j in 0..x.ncols() {
+            part.rows.iter().zip(own.col_as_slice(j)).for_each(|(&place, value)| x[(order[place], j)] = *value);
+        }
+    }
 }
 
-impl Kernel for Substitution<'_> {
+/// Which factor a pass goes through.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Forward,
+    Backward,
+    Both,
+}
+
+/// Pass through the factors of a part, in place, of the columns of a block of its rows.
+struct Pass<'a> {
+    factors: &'a PartFactors,
+    side: Side,
+    way: Way,
+    x: &'a mut Block,
+}
+
+impl Kernel for Pass<'_> {
     #[inline(always)]
     fn run<S: Simd, const N: usize>(self, simd: S) {
-        let Factors { groups, lower, upper } = self.factors;
+        let PartFactors { groups, lower, upper } = self.factors;
         let (first, last) = if self.side == Side::Right { (lower, upper) } else { (upper, lower) };
         let mut permuted = Vec::new();
         for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
-            let mut x: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| self.order[i]);
+            let mut x: Vec<Row<S, N>> = gathered(simd, self.x, from);
             let mut near = Near { factor: first, border: 0 };
-            for group in groups {
+            for group in groups.iter().filter(|_| self.way != Way::Backward) {
                 let own = &mut x[group.from..group.from + group.width()];
                 if self.side == Side::Right {
                     permuted.clear();
@@ -43,7 +97,7 @@ impl Kernel for Substitution<'_> {
                 forward(simd, group, &mut near, &mut x[group.from..]);
             }
             let mut near = Near { factor: last, border: last.len() };
-            for group in groups.iter().rev() {
+            for group in groups.iter().rev().filter(|_| self.way != Way::Forward) {
                 backward(simd, group, &mut near, &mut x[group.from..]);
                 let own = &mut x[group.from..group.from + group.width()];
                 if self.side == Side::Left {
@@ -52,7 +106,7 @@ impl Kernel for Substitution<'_> {
                     group.pivots.iter().zip(&permuted).for_each(|(&pivot, value)| own[pivot] = *value);
                 }
             }
-            scatter::<S, N>(&x, self.x, from, |i| self.order[i]);
+            scatter::<S, N>(&x, self.x, from);
         }
     }
 }

@@ -103,6 +103,8 @@ pub struct Options {
     /// Most degrees of freedom of a system whose list from a search is counted again by the argument principle, for the price of some ten factorisations a
     /// disc. 0, the default, for a second block of vectors alone, which is also all with structural damping.
     pub counted: usize,
+    /// Threads for factors and solutions ([`Problem::with_threads`](crate::Problem::with_threads)); what is found does not depend on them.
+    pub threads: usize,
 }
 
 impl Default for Options {
@@ -116,6 +118,7 @@ impl Default for Options {
             bytes: 2_000_000_000,
             certified: 0,
             counted: 0,
+            threads: 1,
         }
     }
 }

@@ -115,7 +115,7 @@ fn a_basis_of_disk_brake4669_holds_the_speeds_between_its_points() {
         OperatingPoint { coefficients: vec![1.0, w, 1.0 / w - 1.0, w * w], channels: Vec::new() }
     };
     let band = Rectangle { re: [-50.0, 1000.0], im: [100.0, 42_000.0] };
-    let mut snapshots = Snapshots::new(&system, band);
+    let mut snapshots = Snapshots::new(&system, band, sparse::Options::default());
     for turns in [2.0, 3.0, 4.0] {
         let found = snapshots.at(&at(turns)).unwrap();
         snapshots.add(&found).unwrap();
