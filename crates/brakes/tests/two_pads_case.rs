@@ -55,3 +55,20 @@ fn modes_are_those_of_scipy_at_two_frictions() {
         }
     }
 }
+
+/// Pads that are pressed on with kN in the place of N: what is unstable changes, and nothing else would tell.
+#[test]
+fn a_load_of_which_no_brake_has_the_pressure_is_asked_about() {
+    let text = std::fs::read_to_string(folder().join("two-pads.toml")).unwrap();
+    let asked = |pressure: &str| {
+        let changed = text.replacen("pressure = 1.0 ", &format!("pressure = {pressure} "), 1).replacen(
+            "pressure = 1.0\n",
+            &format!("pressure = {pressure}\n"),
+            1,
+        );
+        assert_eq!(changed == text, pressure == "1.0");
+        let case = CaseFile::parse(&folder().join("two-pads.toml"), changed).unwrap();
+        case.header().notes.iter().filter(|note| note.contains("is the load in N?")).count()
+    };
+    assert_eq!([asked("1.0"), asked("1e-3"), asked("1e3")], [0, 2, 2]);
+}

@@ -3,6 +3,7 @@
 //! | where | what |
 //! | --- | --- |
 //! | [`Interface`], [`Pairing`] | contact points: where the slave's faces are integrated, with normal, sliding, gap and area of each |
+//! | [`OppositeFaces`] | the faces of a body that look at the other side |
 //! | [`ContactPoint`], [`Row`] | rows of gap and slip over the degrees of freedom of a model |
 //! | [`Interface::channels`] and others | friction channels, springs and damping, in the signs of `linsys` |
 //! | [`Stiffness`] | by area, in all, or growing with the pressure |
@@ -20,6 +21,7 @@ mod error;
 mod grid;
 mod law;
 mod load;
+mod opposite_faces;
 mod pairing;
 mod patches;
 mod point;
@@ -36,6 +38,7 @@ pub use nalgebra;
 pub use condensed::Condensed;
 pub use equilibrium::{Balance, Equilibrium};
 pub use error::{ContactError, Side};
+pub use opposite_faces::OppositeFaces;
 pub use pairing::{Integration, Interface, Pairing};
 pub use point::ContactPoint;
 pub use rows::Row;

@@ -1,6 +1,6 @@
 //! Two sides of a contact whose meshes do not match, and the points between them.
 
-use elements::{Face, FaceId, FaceShape, Mesh};
+use elements::{Face, FaceId, FacePoint, FaceShape, Mesh};
 use nalgebra::Vector3;
 
 use crate::grid::Grid;
@@ -59,7 +59,7 @@ impl Pairing {
         }
     }
 
-    fn check(&self) -> Result<(), ContactError> {
+    pub(crate) fn check(&self) -> Result<(), ContactError> {
         if !(self.reach.is_finite() && self.reach > 0.0) {
             return Err(value("the reach of a contact", self.reach, "a finite distance > 0"));
         }
@@ -91,14 +91,14 @@ impl Interface {
         pairing.check()?;
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
         pairing.sliding.check(mesh, &slave)?;
-        let mut search = Search { grid: Grid::new(&master, pairing.reach), master: &master, pairing, projections: 0 };
+        let mut search = Search::new(&master, pairing);
         let mut points: Vec<ContactPoint> = Vec::new();
         // Points without a face opposite, with what each has of the area.
         let mut beside = Vec::new();
         for face in &slave {
             let rule = match pairing.integration {
                 Integration::GaussPoints if search.is_over_corners(face) => face.kind.rule(),
-                _ => segments(face, &master, &search.grid, pairing.largest_cosine),
+                _ => search.segments(face),
             };
             for (own, weight) in rule {
                 let at = face.at(own);
@@ -146,29 +146,6 @@ impl Interface {
         })
     }
 
-    /// Faces of `slave` that face a face of `master` within reach at any of their Gauss points. Where a whole body is named as the slave, these are
-    /// the outer faces of it that are meant.
-    ///
-    /// # Errors
-    /// A setting that is not allowed, a side without faces, a face without area. The sliding is not looked at.
-    pub fn facing(
-        mesh: &Mesh,
-        slave: &[FaceId],
-        master: &[FaceId],
-        pairing: &Pairing,
-    ) -> Result<Vec<FaceId>, ContactError> {
-        pairing.check()?;
-        let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
-        let mut search = Search { grid: Grid::new(&master, pairing.reach), master: &master, pairing, projections: 0 };
-        let mut looks = |face: &Face| {
-            face.kind.rule().into_iter().any(|(own, _)| {
-                let at = face.at(own);
-                matches!(search.opposite(&at.position, &at.area.normalize(), 0), Ok(Some(_)))
-            })
-        };
-        Ok(slave.iter().filter(|face| looks(face)).map(|face| face.id).collect())
-    }
-
     /// The points.
     #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
@@ -212,7 +189,7 @@ fn largest(shape: &FaceShape) -> usize {
 }
 
 /// The faces of the master, searched for what is opposite to a point.
-struct Search<'a> {
+pub(crate) struct Search<'a> {
     grid: Grid,
     master: &'a [Face],
     pairing: &'a Pairing,
@@ -220,9 +197,18 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
+    pub(crate) fn new(master: &'a [Face], pairing: &'a Pairing) -> Self {
+        Self { grid: Grid::new(master, pairing.reach), master, pairing, projections: 0 }
+    }
+
+    /// Points and weights on a face that is cut along the edges of the master's.
+    pub(crate) fn segments(&self, face: &Face) -> Vec<FacePoint> {
+        segments(face, self.master, &self.grid, self.pairing.largest_cosine)
+    }
+
     /// The face opposite to a point, whose own face looks `outwards`: among the faces within reach the face that the point is over, and of two
     /// such faces the nearer one.
-    fn opposite(
+    pub(crate) fn opposite(
         &mut self,
         at: &Vector3<f64>,
         outwards: &Vector3<f64>,

@@ -197,7 +197,7 @@ fn of_faces(
     let solids = Solids::new(model, "[[contact]]")?;
     let in_equilibrium = |contacts: &[SurfaceContact<'_>]| balanced(&solids, contacts, structure, &pressing);
     let Surfaces { patches, mean_speed, balance } =
-        Surfaces::new(&solids, tables, [is_lateral, has_spring_channels], &in_equilibrium)?;
+        Surfaces::new(&solids, (tables, load), [is_lateral, has_spring_channels], &in_equilibrium)?;
     let in_contact = match (all.in_contact.is_empty(), all.arrangements.is_empty()) {
         (true, true) => vec![patches.patches.len()],
         _ => all.in_contact,

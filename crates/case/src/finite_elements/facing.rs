@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use contact::{Interface, Pairing, Sliding};
+use contact::{OppositeFaces, Pairing, Sliding};
 use elements::FaceId;
 
 use super::entries::Nodes;
@@ -113,8 +113,8 @@ fn is_near(slave: &Candidate, master: &Candidate) -> bool {
 fn faces_wholly(solids: &Solids<'_>, slave: &Candidate, master: &Candidate) -> bool {
     // Any direction of sliding will do: which faces face each other does not depend on it.
     let pairing = Pairing::new(Sliding::Along([1.0, 0.0, 0.0]), slave.reach);
-    let facing = Interface::facing(&solids.mesh, &slave.faces, &master.faces, &pairing);
-    facing.is_ok_and(|facing| facing.len() == slave.faces.len())
+    let facing = OppositeFaces::new(&solids.mesh, &slave.faces, &master.faces, &pairing);
+    facing.is_ok_and(|facing| facing.faces.len() == slave.faces.len())
 }
 
 /// Names of all node sets that consist of some, not all, nodes of the slave's faces, if each of these nodes is in exactly one of the sets; else empty.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use contact::{ContactError, Integration, Interface, Pairing, Sliding, Stiffness};
+use contact::{ContactError, Integration, Interface, OppositeFaces, Pairing, Sliding, Stiffness};
 use elements::{Axis, FaceId};
 
 use super::entries::{Nodes, SlidingEntry};
@@ -61,15 +61,18 @@ impl<'t> SurfaceContact<'t> {
         let (mut slave, master) =
             (solids.faces(&key("slave"), &table.slave)?, solids.faces(&key("master"), &table.master)?);
         let of_contact = check.contact::<ContactError>(&format!("contact {:?}", table.name));
+        // Area over the edge of the master.
+        let mut hanging = 0.0;
         if solids.are_bodies(&table.slave) {
-            let facing = Interface::facing(&solids.mesh, &slave, &master, &pairing).map_err(&of_contact)?;
-            if !facing.is_empty() {
-                slave = facing;
+            let opposite = OppositeFaces::new(&solids.mesh, &slave, &master, &pairing).map_err(&of_contact)?;
+            if !opposite.faces.is_empty() {
+                (slave, hanging) = (opposite.faces, opposite.beyond);
             }
         }
         let interface = Interface::new(&solids.mesh, &slave, &master, &pairing).map_err(&of_contact)?;
-        if interface.overhang() > 0.0 {
-            let share = interface.overhang() / (interface.overhang() + interface.area());
+        hanging += interface.overhang();
+        if hanging > 0.0 {
+            let share = hanging / (hanging + interface.area());
             check.note(format!(
                 "contact {:?}: {:.1} % of the slave's area has no master opposite and carries nothing",
                 table.name,

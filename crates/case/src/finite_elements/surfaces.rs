@@ -29,10 +29,11 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    /// The patches of all contacts, with the forces that are given or in equilibrium, which `balanced` finds.
+    /// The patches of all contacts, with the forces that are given or in equilibrium, which `balanced` finds. At the medians given forces have this factor of the
+    /// `load`.
     pub fn new(
         solids: &Solids<'_>,
-        tables: &[FacesTable],
+        (tables, load): (&[FacesTable], f64),
         [is_lateral, has_springs]: [bool; 2],
         balanced: &dyn Fn(&[SurfaceContact<'_>]) -> Result<Balanced, CaseError>,
     ) -> Result<Self, CaseError> {
@@ -69,6 +70,7 @@ impl Surfaces {
             let of_contact = check.contact::<ContactError>(&contact.field());
             let stiffness = contact.interface.tangents(&contact.law, forces).map_err(&of_contact)?;
             report_gaps(solids, contact);
+            report_pressure(solids, contact, forces.iter().sum::<f64>() * if balance.is_some() { 1.0 } else { load });
             for (at, name) in names.iter().enumerate() {
                 let mut own: Vec<usize> = (0..of.len()).filter(|&point| of[point] == at).collect();
                 let is_pressed = own.iter().any(|&point| forces[point] > 0.0);
@@ -148,6 +150,20 @@ fn report_gaps(solids: &Solids<'_>, contact: &SurfaceContact<'_>) {
         let node = solids.mesh.labels()[point.node()];
         let size = point.gap.abs();
         let text = format!("{}: the faces {what} by up to {size:.3e}, at node {node}; as if they met", contact.field());
+        solids.model.check.note(text);
+    }
+}
+
+/// Asks for the units of a load whose mean pressure no brake has.
+fn report_pressure(solids: &Solids<'_>, contact: &SurfaceContact<'_>, force: f64) {
+    /// Plausible mean pressures, Pa; chosen: pads are pressed on with 0.1 to 10 MPa, and a load in kN in the place of N is a thousandth of that.
+    const PLAUSIBLE: [f64; 2] = [1e4, 1e8];
+    let units = solids.model.check.units;
+    let pressure = force / contact.interface.area();
+    let in_pascal = pressure / units.length().powi(2);
+    if force > 0.0 && !(PLAUSIBLE[0]..=PLAUSIBLE[1]).contains(&in_pascal) {
+        let unit = units.of("Pa");
+        let text = format!("{}: its mean pressure is {pressure:.1e} {unit}; is the load in N?", contact.field());
         solids.model.check.note(text);
     }
 }

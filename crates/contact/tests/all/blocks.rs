@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lint does not recognise outside test functions.
 
 use contact::{
-    Balance, Condensed, ContactError, Integration, Interface, Pairing, Side, Sliding, Stiffness, Uniqueness,
+    Balance, Condensed, ContactError, Integration, Interface, OppositeFaces, Pairing, Side, Sliding, Stiffness,
+    Uniqueness,
 };
 use elements::{Axis, Body, FaceId, Kind, Material, Mesh, Rows};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -344,9 +345,15 @@ fn what_is_no_contact_is_refused_by_name() {
     assert!(matches!(error, ContactError::Normals { .. }), "{error}");
     // Of all outer faces of the upper block those that look at it.
     let outer = mesh.outer_faces(&[0, 1, 2, 3]).unwrap();
-    let mut facing = Interface::facing(&mesh, &outer, &master, &pairing).unwrap();
-    facing.sort();
-    assert_eq!(facing, slave);
+    let mut facing = OppositeFaces::new(&mesh, &outer, &master, &pairing).unwrap();
+    facing.faces.sort();
+    assert_eq!(facing, OppositeFaces { faces: slave.clone(), beyond: 0.0 });
+    // Over the first third of the lower block along y, of which each of the upper faces has a half: the others go on flat with them.
+    let mut facing = OppositeFaces::new(&mesh, &outer, &master[..3], &pairing).unwrap();
+    facing.faces.sort();
+    let first = |id: &FaceId| mesh.face(*id).unwrap().positions.iter().all(|p| p.y < 0.5 + 1e-12);
+    assert_eq!(facing.faces, slave.iter().copied().filter(first).collect::<Vec<_>>());
+    assert!((facing.beyond - 0.5).abs() < 1e-12, "{}", facing.beyond);
     // Itself.
     let error = of(&slave, &slave, &pairing).unwrap_err();
     assert!(matches!(error, ContactError::Normals { cosine, .. } if (cosine - 1.0).abs() < 1e-12), "{error}");
