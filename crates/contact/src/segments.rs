@@ -11,34 +11,45 @@ const NO_PIECE: f64 = 1e-13;
 
 type Polygon = Vec<Vector2<f64>>;
 
-/// Fraction of the area of a face up to which what the master leaves uncovered is rounding; chosen: above that of sums of areas, and below any slit that
-/// counts.
-const UNCOVERED: f64 = 1e-6;
+/// Length of a side of a piece, in own coordinates, up to which its direction is rounding; chosen.
+const NO_SIDE: f64 = 1e-9;
+
+/// Fraction of the area of a face up to which what the master leaves uncovered, or covers twice, is rounding; chosen: above that of sums of areas, and below any
+/// slit that counts.
+const ROUNDED: f64 = 1e-6;
 
 /// Points and weights on a face of the slave, in its own coordinates: seven on each triangle of each piece that a face of the master cuts out of it, and as
-/// many of each piece that no face of the master covers, in a slit or beyond an edge.
+/// many of each piece that no face of the master covers, in a slit or beyond an edge. Where faces of the master lie one behind the other, what is cut out by one is not
+/// cut out again: which of them is opposite is asked of each point.
 pub(crate) fn segments(face: &Face, master: &[Face], grid: &Grid, largest_cosine: f64) -> Vec<FacePoint> {
     let outwards = face.area().normalize();
     let domain: Polygon = face.kind.places()[..face.kind.corners()].iter().map(|place| Vector2::from(*place)).collect();
     let whole = area(&domain);
-    let (mut points, mut covered, mut outlines) = (Vec::new(), 0.0, Vec::new());
-    for place in grid.near_face(face) {
-        let opposite = &master[place];
-        if opposite.area().normalize().dot(&outwards) > largest_cosine {
-            continue;
-        }
-        let Some(outline) = outline(face, opposite) else { continue };
-        let piece = clip(outline.clone(), &domain);
-        let size = area(&piece);
-        if size > NO_PIECE * whole {
-            covered += size;
-            triangles(&piece, &mut points);
-            outlines.push(outline);
+    let least = NO_PIECE * whole;
+    let sum = |pieces: &[Polygon]| pieces.iter().map(|piece| area(piece)).sum::<f64>();
+    let looks = |place: &usize| master[*place].area().normalize().dot(&outwards) <= largest_cosine;
+    let near = grid.near_face(face).into_iter().filter(looks).filter_map(|place| outline(face, &master[place]));
+    let of_domain = |outline: Polygon| (clip(outline.clone(), &domain), outline);
+    let cut = near.map(of_domain).filter(|(piece, _)| area(piece) > least);
+    let (mut pieces, outlines): (Vec<Polygon>, Vec<Polygon>) = cut.unzip();
+    let mut left = vec![domain.clone()];
+    for outline in &outlines {
+        left = without(left, outline, least);
+    }
+    let uncovered = sum(&left);
+    if sum(&pieces) + uncovered > (1.0 + ROUNDED) * whole {
+        (pieces, left) = (Vec::new(), vec![domain]);
+        for outline in &outlines {
+            let cut = left.iter().map(|of| clip(outline.clone(), of)).filter(|piece| area(piece) > least);
+            pieces.extend(cut);
+            left = without(left, outline, least);
         }
     }
-    if covered < (1.0 - UNCOVERED) * whole {
-        without(domain, &outlines, NO_PIECE * whole).iter().for_each(|piece| triangles(piece, &mut points));
+    if uncovered > ROUNDED * whole {
+        pieces.extend(left);
     }
+    let mut points = Vec::new();
+    pieces.iter().for_each(|piece| triangles(piece, &mut points));
     points
 }
 
@@ -71,7 +82,8 @@ fn area(polygon: &[Vector2<f64>]) -> f64 {
 /// Intersection of a polygon with a convex one (Sutherland and Hodgman).
 fn clip(polygon: Polygon, within: &[Vector2<f64>]) -> Polygon {
     let sides = within.iter().zip(within.iter().cycle().skip(1));
-    sides.fold(polygon, |polygon, (from, to)| left_of(&polygon, *from, *to))
+    let has_direction = |(from, to): &(&Vector2<f64>, &Vector2<f64>)| (*to - *from).norm() > NO_SIDE;
+    sides.filter(has_direction).fold(polygon, |polygon, (from, to)| left_of(&polygon, *from, *to))
 }
 
 /// The part of a polygon on the left of a line, with the line.
@@ -90,32 +102,34 @@ fn left_of(polygon: &[Vector2<f64>], from: Vector2<f64>, to: Vector2<f64>) -> Po
     kept
 }
 
-/// Convex pieces of a convex polygon that none of some outlines covers, larger than `least`. Of an outline the triangles between its middle and its sides are
-/// taken away one after another; what is left beyond each side of a triangle is a piece.
-fn without(polygon: Polygon, outlines: &[Polygon], least: f64) -> Vec<Polygon> {
-    let mut left = vec![polygon];
-    for outline in outlines {
-        let middle = outline.iter().sum::<Vector2<f64>>() / outline.len() as f64;
-        for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
-            let triangle = [middle, *a, *b];
-            // Of an outline that bends inwards a side may see its middle from outside.
-            if area(&triangle) <= 0.0 {
+/// What an outline leaves of convex polygons: convex pieces larger than `least`. The triangles between the middle of the outline and its sides are taken away one
+/// after another, and what is left beyond each side of a triangle is a piece.
+fn without(mut polygons: Vec<Polygon>, outline: &[Vector2<f64>], least: f64) -> Vec<Polygon> {
+    let middle = outline.iter().sum::<Vector2<f64>>() / outline.len() as f64;
+    for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+        let sides = [(middle, *a), (*a, *b), (*b, middle)];
+        // Of an outline that bends inwards a side may see its middle from outside.
+        if area(&[middle, *a, *b]) <= 0.0 {
+            continue;
+        }
+        let mut left = Vec::new();
+        for polygon in polygons {
+            if area(&sides.iter().fold(polygon.clone(), |inside, (from, to)| left_of(&inside, *from, *to))) <= least {
+                left.push(polygon);
                 continue;
             }
-            let mut beyond = Vec::new();
-            for mut inside in left {
-                for (from, to) in [(middle, *a), (*a, *b), (*b, middle)] {
-                    let outside = left_of(&inside, to, from);
-                    inside = left_of(&inside, from, to);
-                    if area(&outside) > least {
-                        beyond.push(outside);
-                    }
+            let mut inside = polygon;
+            for (from, to) in sides {
+                let outside = left_of(&inside, to, from);
+                inside = left_of(&inside, from, to);
+                if area(&outside) > least {
+                    left.push(outside);
                 }
             }
-            left = beyond;
         }
+        polygons = left;
     }
-    left
+    polygons
 }
 
 /// Adds seven points for each triangle between the middle of a polygon and its sides.
@@ -160,7 +174,8 @@ mod tests {
         let corner = vec![at(0.0, 0.0), at(3.0, 0.0), at(3.0, 3.0), at(0.0, 3.0)];
         let arrow = vec![at(-3.0, -1.0), at(-0.7, -1.0), at(-0.9, 0.0), at(-0.7, 1.0), at(-3.0, 1.0)];
         let sum = |outlines: &[Polygon]| -> f64 {
-            without(square.clone(), outlines, 1e-12).iter().map(|piece| area(piece)).sum()
+            let left = outlines.iter().fold(vec![square.clone()], |left, outline| without(left, outline, 1e-12));
+            left.iter().map(|piece| area(piece)).sum()
         };
         for (outlines, left) in [
             (vec![], 4.0),
@@ -171,6 +186,33 @@ mod tests {
             (vec![square.clone(), window], 0.0),
         ] {
             assert!((sum(&outlines) - left).abs() < 1e-12, "{left}: {}", sum(&outlines));
+        }
+    }
+
+    #[test]
+    fn what_is_cut_out_by_two_layers_is_cut_out_once() {
+        let at = |x: f64, y: f64| Vector2::new(x, y);
+        let domain = vec![at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)];
+        for step in 0..200 {
+            let (sin, cos) = (0.031 * f64::from(step)).sin_cos();
+            let turned = |x: f64, y: f64| at(x * cos - y * sin, x * sin + y * cos);
+            let rectangle = |[a, c]: [f64; 2], [b, d]: [f64; 2]| -> Polygon {
+                vec![turned(a, b), turned(c, b), turned(c, d), turned(a, d)]
+            };
+            let layer = |from: [f64; 2], size: [f64; 2], count: [usize; 2]| -> Vec<Polygon> {
+                let side = |axis: usize, i: usize| [0, 1].map(|end| from[axis] + (i + end) as f64 * size[axis]);
+                (0..count[0] * count[1]).map(|i| rectangle(side(0, i % count[0]), side(1, i / count[0]))).collect()
+            };
+            let first = layer([-3.0, -0.7], [1.0, 1.0], [4, 2]);
+            let outlines = [first, layer([-2.9, -0.6], [1.9, 0.45], [2, 4])].concat();
+            let (mut pieces, mut left) = (Vec::new(), vec![domain.clone()]);
+            for outline in &outlines {
+                pieces.extend(left.iter().map(|of| clip(outline.clone(), of)));
+                left = without(left, outline, 1e-13);
+            }
+            let common = area(&clip(rectangle([-3.0, 1.0], [-0.7, 1.3]), &domain));
+            let [cut, left] = [&pieces, &left].map(|of| of.iter().map(|piece| area(piece)).sum::<f64>());
+            assert!((cut - common).abs() < 1e-10 && (cut + left - 4.0).abs() < 1e-10, "{step}: {cut} of {common}");
         }
     }
 }

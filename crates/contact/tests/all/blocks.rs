@@ -282,13 +282,13 @@ fn what_hangs_over_the_edge_of_the_master_carries_nothing() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// A pad that is turned and moved over the edges of a disc carries on the area that both have in common, whatever the meshes and the rule of integration
-    /// are, the rest hangs over; and without an overhang it is refused.
+    /// A pad that is turned and moved over the edges of a disc carries on the area that both have in common, whatever the meshes, the rule of integration and what
+    /// lies behind the face of the disc are, as in a ventilated one; the rest hangs over, and without an overhang it is refused.
     #[test]
     fn a_pad_carries_where_it_is_over_the_disc(
         (turn, x, y) in (0.0..1.5_f64, -0.6..0.6_f64, -0.6..0.6_f64),
         (upper, lower) in ([1..5_usize, 1..5], [1..5_usize, 1..5]),
-        (is_quadratic, is_cut) in (any::<bool>(), any::<bool>()),
+        (is_quadratic, is_cut, has_second) in any::<(bool, bool, bool)>(),
     ) {
         let kind = if is_quadratic { Kind::Hexahedron20 } else { Kind::Hexahedron8 };
         let (sin, cos) = turn.sin_cos();
@@ -299,9 +299,12 @@ proptest! {
         let mut making = Making::default();
         making.block(kind, [upper[0], upper[1], 1], [[0.0, 0.0, 0.0], [1.0, 1.0, 0.4]], placed);
         let of_upper = making.elements.len();
-        making.block(kind, [lower[0], lower[1], 1], [[0.0, 0.0, -0.5], [1.0, 1.0, 0.0]], |p| p);
+        making.block(kind, [lower[0], lower[1], 1], [[0.0, 0.0, -0.02], [1.0, 1.0, 0.0]], |p| p);
+        if has_second {
+            making.block(kind, [lower[1], lower[0], 1], [[0.1, 0.1, -0.5], [0.9, 0.9, -0.05]], |p| p);
+        }
         let mesh = making.mesh();
-        let on = faces(&mesh, |p| p.z.abs() < 1e-12);
+        let on = faces(&mesh, |p| p.z.abs() < 1e-12 || (p.z + 0.05).abs() < 1e-12);
         let (slave, master): (Vec<_>, Vec<_>) = on.into_iter().partition(|id: &FaceId| id.element < of_upper);
         // By counting.
         let fine = 300;
@@ -317,7 +320,7 @@ proptest! {
         // What is within a slit of the edge carries, too.
         let slit = 4.0 * 0.5 * pairing.slit / lower[0].min(lower[1]) as f64;
         prop_assert!(found.area() > common - 3e-3 && found.area() < common + 3e-3 + slit, "{} {common}", found.area());
-        prop_assert!((found.area() + found.overhang() - 1.0).abs() < 1e-9);
+        prop_assert!((found.area() + found.overhang() - 1.0).abs() < 1e-5, "{} and {}", found.area(), found.overhang());
         if common < 1.0 - 3e-3 - slit {
             let refused = Interface::new(&mesh, &slave, &master, &pairing).unwrap_err();
             prop_assert!(matches!(refused, ContactError::MasterSmaller { .. }), "{}", refused);
