@@ -226,6 +226,10 @@ impl<'a> Search<'a> {
             }
             let cosine = found.normal.dot(outwards);
             if cosine > self.pairing.largest_cosine {
+                // Beside the edge of a whole body is its rim, which looks aside.
+                if self.pairing.overhang && cosine < -self.pairing.largest_cosine {
+                    continue;
+                }
                 contradicting = Some(contradicting.map_or(cosine, |least| least.min(cosine)));
                 continue;
             }

@@ -106,6 +106,10 @@ impl<B: UncertainBrake> Tracer<'_, B> {
         let mut last = f64::INFINITY;
         let mut near = from.clone();
         let mut guess = from.value() + from.change(at - from.at);
+        // Where the growth does not change with either parameter there is no direction to go.
+        if at.iter().any(|part| part.is_nan()) {
+            return Ok(None);
+        }
         for _ in 0..MOST_CORRECTIONS {
             self.continued += 1;
             let Some(point) = near.moved(self.part, at, guess)? else { return Ok(None) };

@@ -63,8 +63,8 @@ pub(super) fn given_forces(solids: &Solids<'_>, contact: &SurfaceContact<'_>) ->
 /// The number, from 1, and the beginning of a line that begins with a digit and is not a node with its pressure.
 fn pressures(text: &str) -> Result<Vec<(i64, f64)>, (usize, String)> {
     let mut all = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let plain = line.trim();
+    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+        let plain = line.trim().replace('"', "");
         if !plain.starts_with(|c: char| c.is_ascii_digit()) {
             continue;
         }
@@ -217,6 +217,8 @@ mod tests {
         assert_eq!(pressures(text), Ok(vec![(12, 1.5e6), (13, 2e6), (14, 0.0)]));
         let report = "   Node Label          CPRESS\n         @Loc 1\n-----\n     12   1.5E+06\n     13   0.\n\n  Minimum   0.\n  At Node  13\n";
         assert_eq!(pressures(report), Ok(vec![(12, 1.5e6), (13, 0.0)]));
+        assert_eq!(pressures("\u{feff}12,1e5\n"), Ok(vec![(12, 1e5)]));
+        assert_eq!(pressures("\"12\",\"1e5\"\n"), Ok(vec![(12, 1e5)]));
         assert_eq!(pressures("12, 1\n13, x\n"), Err((2, "13, x".to_owned())));
         assert_eq!(pressures("12, 1\n13, 1, 2\n"), Err((2, "13, 1, 2".to_owned())));
     }
