@@ -115,7 +115,7 @@ fn friction_across_the_sliding_is_refused() {
     let text =
         std::fs::read_to_string(case("paper.toml")).unwrap().replace("lateral = \"none\"", "lateral = \"vector\"");
     let brake = LatticeBrake::new(LatticeCase::parse(&case("paper.toml"), text).unwrap()).unwrap();
-    let error = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap_err().to_string();
+    let error = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap_err().to_string();
     assert_eq!(
         error,
         "friction across the sliding has no motion here, only a tangent; allowed: readings.lateral = \"none\""
@@ -130,7 +130,7 @@ fn hoffmann(change: impl Fn(String) -> String) -> MatricesBrake {
 /// The motions of Hoffmann's oscillator with a line of its contact changed.
 fn answer(change: impl Fn(String) -> String, options: &CycleOptions) -> Result<squeal::cycles::Cycles, String> {
     let brake = hoffmann(change);
-    cycles(&brake, &brake.plan.scenes[0], options, &()).map_err(|error| error.to_string())
+    cycles(&brake, &brake.plan.scenes[0], options, None, &()).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -149,7 +149,8 @@ fn a_case_of_matrices_has_the_cycle_of_its_equations() {
 #[test]
 fn a_cycle_of_rotations_alone_has_its_harmonics() {
     let mut brake = hoffmann(|text| text);
-    let found = |brake: &MatricesBrake| cycles(brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let found =
+        |brake: &MatricesBrake| cycles(brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap();
     let column = |table: &output::Table, name: &str| table.column(name).unwrap().map(str::to_owned).collect::<Vec<_>>();
     let of_mass = found(&brake).spectrum_table();
     brake.plan.labels.moves = vec![Moves::Turns; 2];
@@ -227,6 +228,6 @@ impl Progress for Counts {
 #[test]
 fn periods_are_told_as_they_pass_and_all_of_them_are_at_the_end() {
     let (brake, counts) = (hoffmann(|text| text), Counts::default());
-    cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &counts).unwrap();
+    cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &counts).unwrap();
     assert_eq!([&counts.total, &counts.done].map(|count| count.load(Ordering::Relaxed)), [1000, 1000]);
 }

@@ -189,7 +189,7 @@ fn motions_grow_with_loads_and_speeds() {
 #[test]
 fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     let mut brake = FiniteElementBrake::new(at_friction("[5800.0, 6300.0]", 0.45), &()).unwrap();
-    let found = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let found = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap();
     assert!(found.tangent_deviation < 1e-13);
     let [motion] = &found.motions[..] else { panic!() };
     let Motion::Cycle(cycle) = &motion.motion else { panic!("{:?}", motion.motion) };
@@ -224,7 +224,7 @@ fn the_disc_and_the_pad_have_the_cycle_that_another_program_integrated() {
     let far = [[9.0, 0.0, 0.0], [9.1, 0.0, 0.0], [9.0, 0.1, 0.0], [9.0, 0.0, 0.1]];
     mesh.nodes.extend(far.into_iter().zip(1_000_000..).map(|(position, label)| Node { label, position }));
     mesh.cells.push(Cell { kind: CellKind::Tetrahedron, nodes: body });
-    let in_mm = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let in_mm = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap();
     let of_mm = in_mm.motions[0].measures.as_ref().unwrap();
     let of_first = |motion: &MotionOfMode| motion.harmonics.as_ref().unwrap().rms_of(1, &all);
     let pairs = [
@@ -266,7 +266,7 @@ fn branches_over(band: &str, over: &Over) -> (FiniteElementBrake, Result<Branche
     let case = at_friction(band, over.to);
     let brake = FiniteElementBrake::for_sweep(case, std::slice::from_ref(over), &()).unwrap();
     let options = CycleOptions { harmonics: 3, samples: 64, ..CycleOptions::default() };
-    let found = branches(&Study::new(&brake, &QrSolver).unwrap(), 0, over, &options, [&(), &()]);
+    let found = branches(&Study::new(&brake, &QrSolver).unwrap(), 0, over, &options, None, [&(), &()]);
     (brake, found)
 }
 
@@ -282,7 +282,7 @@ fn a_branch_over_friction_ends_in_the_motion_that_the_mode_grows_to() {
     assert_eq!(branch.end, BranchEnd::Range);
     let (first, last) = (&branch.cycles[0], branch.cycles.last().unwrap());
     assert!((first.at - branch.onset).abs() < 1e-7 && (first.balanced_hz - branch.onset_hz).abs() < 1e-3, "{first:?}");
-    let in_motion = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let in_motion = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap();
     let [motion] = &in_motion.motions[..] else { panic!() };
     let (Motion::Cycle(followed), Some((cycle, measures))) = (&motion.motion, &last.in_time) else {
         panic!("{:?} {last:?}", motion.motion)
@@ -383,7 +383,7 @@ fn screened(band: &str, mu: f64) -> (FiniteElementBrake, Screen) {
 #[test]
 fn a_screen_by_loudness_ranks_by_the_motions_of_the_changed_brake() {
     let (brake, screen) = screened("[5900.0, 6100.0]", 0.45);
-    let followed = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+    let followed = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap();
     let loudness = followed.motions[0].loudness.unwrap();
     let unchanged = screen.unchanged.loudness_quantile.unwrap();
     println!("{unchanged} {loudness}");
@@ -477,7 +477,7 @@ fn points_that_are_open_in_equilibrium_have_their_gaps() {
     let open = motion.contacts().iter().filter(|of| of.load < 0.0).count();
     assert!(deviation < 1e-12 && motion.contacts().len() == 144 && open > 0, "{deviation} {open}");
     // It flutters far above the band, which a motion in time would follow.
-    let error = cycles(&brake, scene, &CycleOptions::default(), &()).unwrap_err().to_string();
+    let error = cycles(&brake, scene, &CycleOptions::default(), None, &()).unwrap_err().to_string();
     assert!(error.contains("grows outside its band too") && !error.contains('\n'), "{error}");
 }
 

@@ -7,6 +7,7 @@ use std::time::Instant;
 use brakes::case::{CaseFile, ChosenSpeed};
 use brakes::{CaseBrake, Purpose};
 use cea::QrSolver;
+use montecarlo::Progress;
 use output::{Table, printable};
 use report::{branches_figure, cycle_figures, write_branches_page, write_cycle_page};
 use serde_json::json;
@@ -26,9 +27,13 @@ use crate::Error;
 use crate::bar::{Bar, PREPARED};
 use crate::case_file::CaseArgs;
 
+/// Name of the file in which motions are kept until the results are there.
+const KEPT: &str = "cycle_motions.json";
+
 /// Follow unstable modes into the motion that they grow to: contacts open, slide and stick, and mostly a limit cycle is reached.
 ///
-/// At median parameters, from each unstable mode; over a parameter, the branches of cycles from each onset.
+/// At median parameters, from each unstable mode; over a parameter, the branches of cycles from each onset. A run with --out that was stopped is continued by the same
+/// command.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: squeal cycle brake.toml --over mu=0.5:1.1")]
 pub struct CycleArgs {
@@ -167,30 +172,26 @@ impl CycleArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let found = match &self.over {
-            None => Found::Cycles(
-                cycles(brake, &plan.scenes[0], &options, &Bar::of("periods of the modes at most"))?.into(),
-            ),
-            Some(over) => workers(None)?.install(|| -> Result<_, Error> {
-                let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
-                let branches = branches(
-                    &study,
-                    0,
-                    over,
-                    &options,
-                    [&Bar::of("steps of the sweep"), &Bar::of("steps of the branches")],
-                )?;
-                Ok(Found::Branches(branches.into()))
-            })?,
+        let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
+        let kept = self.out.as_ref().map(|dir| dir.join(KEPT));
+        let kept = kept.as_deref();
+        let find = || -> Result<Found, squeal::Error> {
+            let Some(over) = &self.over else {
+                let bar = Bar::of("periods of the modes at most");
+                return Ok(Found::Cycles(cycles(brake, &plan.scenes[0], &options, kept, &bar)?.into()));
+            };
+            let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
+            let bars: [&dyn Progress; 2] = [&Bar::of("steps of the sweep"), &Bar::of("steps of the branches")];
+            Ok(Found::Branches(branches(&study, 0, over, &options, kept, bars)?.into()))
         };
+        let (found, folder) = results_folder::or_given_back(workers(None)?.install(find), folder, KEPT)?;
         let heading = match &self.over {
             None => brake.medians_in_words() + &counts_from(&plan.threshold),
             Some(over) => swept_in_words(plan, std::slice::from_ref(over)),
         };
         let tables = found.tables();
         let seconds = begin.elapsed().as_secs_f64();
-        if let Some(dir) = &self.out {
-            let folder = RunFolder::take(dir, &identity)?;
+        if let Some(folder) = folder {
             folder.publish(|stage| -> Result<(), Error> {
                 tables.iter().try_for_each(|table| table.write(stage))?;
                 found.draw(brake, &heading, stage)
@@ -208,6 +209,7 @@ impl CycleArgs {
                 "stick": self.stick,
             });
             results_folder::write_manifest(&folder, plan, None, seconds, own)?;
+            folder.remove(KEPT)?;
         }
         if self.json {
             return Ok(format!("{:#}\n", json!({ "scene": plan.describe(&plan.scenes[0]), "rows": tables[0].json() })));

@@ -99,15 +99,7 @@ impl RareArgs {
         let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
         let kept = self.out.as_ref().map(|dir| dir.join(KEPT));
         let found = workers.install(|| rare(&study, 0, &options, &BatchSolver, kept.as_deref(), &Bar::of("spectra")));
-        let found = match found {
-            Ok(found) => found,
-            Err(error) => {
-                if let Some(folder) = folder.filter(|_| is_final(&error)) {
-                    folder.give_back(KEPT);
-                }
-                return Err(error.into());
-            }
-        };
+        let (found, folder) = results_folder::or_given_back(found, folder, KEPT)?;
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];
         let heading = format!("{}: {}; seed {}", plan.name, plan.describe(scene), plan.seed);
@@ -178,10 +170,4 @@ impl RareArgs {
             path.display()
         )))
     }
-}
-
-/// True of an error that the same command ends with whenever it is given: none of work that was cancelled, or of a file.
-fn is_final(error: &squeal::Error) -> bool {
-    use squeal::Error::{FolderLost, Output, Read};
-    !(error.is_cancelled() || matches!(error, Output(_) | Read { .. } | FolderLost { .. }))
 }

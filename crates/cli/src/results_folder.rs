@@ -31,6 +31,32 @@ pub(super) fn write_manifest(
     Ok(folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?)
 }
 
+/// The answer with its folder; of a question without an answer the folder is given back, which holds nothing but the file `kept` of what was found on the way.
+///
+/// # Errors
+/// That there is no answer.
+pub(super) fn or_given_back<T>(
+    found: Result<T, squeal::Error>,
+    folder: Option<RunFolder>,
+    kept: &str,
+) -> Result<(T, Option<RunFolder>), Error> {
+    match found {
+        Ok(found) => Ok((found, folder)),
+        Err(error) => {
+            if let Some(folder) = folder.filter(|_| is_final(&error)) {
+                folder.give_back(kept);
+            }
+            Err(error.into())
+        }
+    }
+}
+
+/// True of an error that the same command ends with whenever it is given: none of work that was cancelled, or of a file.
+fn is_final(error: &squeal::Error) -> bool {
+    use squeal::Error::{FolderLost, Output, Read};
+    !(error.is_cancelled() || matches!(error, Output(_) | Read { .. } | FolderLost { .. }))
+}
+
 /// Words on where the results are, to end a line with; empty where there is no folder.
 pub(super) fn place(dir: Option<&Path>) -> String {
     dir.map_or_else(String::new, |dir| format!("; results in {}", printable(&dir.display().to_string())))

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use serde::{Deserialize, Serialize};
 
 use crate::factor::Factor;
 use crate::harmonic_balance::{Condition, Equations, solve};
@@ -25,7 +26,7 @@ pub struct Reach {
 }
 
 /// A point of a branch.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BranchPoint {
     /// The balanced cycle.
     pub cycle: BalancedCycle,
@@ -36,7 +37,7 @@ pub struct BranchPoint {
 }
 
 /// Why a branch ends.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum BranchEnd {
     /// End of the range of the parameter.
     Range,

@@ -9,6 +9,7 @@ mod solve;
 
 use nalgebra::{DMatrix, DVector, DVectorView};
 use num_complex::Complex;
+use serde::{Deserialize, Serialize};
 
 pub(crate) use self::equations::Equations;
 pub(crate) use self::solve::{Condition, solve};
@@ -41,9 +42,10 @@ pub struct Balance {
 }
 
 /// A periodic motion as a balance knows it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BalancedCycle {
     /// Series of the outputs, each divided by its scale, one after the other: the gaps of all contacts, then their slips, then bristles.
+    #[serde(with = "numbers")]
     pub series: DVector<f64>,
     /// Angular frequency, rad/s.
     pub omega: f64,
@@ -52,6 +54,20 @@ pub struct BalancedCycle {
     /// Residual of the balance, relative to the scales.
     pub residual: f64,
 }
+/// A vector as its numbers.
+mod numbers {
+    use nalgebra::DVector;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(of: &DVector<f64>, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(of.as_slice())
+    }
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<DVector<f64>, D::Error> {
+        Vec::deserialize(from).map(DVector::from_vec)
+    }
+}
+
 impl Balance {
     /// Series with `harmonics` above the mean, and forces at `samples` equal steps.
     ///

@@ -1,11 +1,13 @@
 //! What a cycle does: amplitudes, shares of its period open and stuck, power by family of forces.
 
+use serde::{Deserialize, Serialize};
+
 use crate::moments::rule;
 use crate::path::Path;
 use crate::{ContactSystem, Cycle, Error, SlidingContact};
 
 /// Measures of a motion, over a period or a stretch of it.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Measures {
     /// Root mean square of each velocity, m/s.
     pub rms_velocity: Vec<f64>,
@@ -20,7 +22,7 @@ pub struct Measures {
 }
 
 /// Shares of the period in which a contact is open, and in which it is closed and sticks.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Shares {
     /// Share of the period in which the contact is open, 0 to 1.
     pub open: f64,

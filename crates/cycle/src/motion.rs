@@ -1,6 +1,7 @@
 //! Motion in time, and when it is periodic.
 
 use num_complex::Complex;
+use serde::{Deserialize, Serialize};
 
 use crate::measure::Meter;
 use crate::path::Path;
@@ -29,7 +30,7 @@ impl Default for Settings {
 }
 
 /// Fate of a motion.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Motion {
     /// A stable limit cycle: the motion repeats itself, and neighbouring motions come to it.
     Cycle(Cycle),

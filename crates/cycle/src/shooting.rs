@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
+use serde::{Deserialize, Serialize};
 
 use crate::factor::Factor;
 use crate::path::Path;
@@ -18,7 +19,7 @@ const USEFUL: f64 = 0.1;
 const ON_THE_CIRCLE: f64 = 1e-5;
 
 /// A periodic motion.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
     /// State of motion at its begin.
     pub start: Vec<f64>,

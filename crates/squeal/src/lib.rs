@@ -43,6 +43,7 @@ mod error;
 mod every_mode;
 pub mod folder;
 pub mod influence;
+mod kept;
 mod part_manifest;
 pub mod parts;
 pub mod rare;

@@ -1,10 +1,13 @@
 //! Cycles over a parameter, from each onset that a sweep finds.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use cea::{EigenSolver as _, QrSolver, Workspace, right_vector};
-use cycle::{Balance, BranchEnd, ContactSystem, Cycle, Harmonics, Measures, NearMode, Reach, measure, states};
+use cycle::{
+    Balance, BranchEnd, BranchPoint, ContactSystem, Cycle, Harmonics, Measures, NearMode, Reach, measure, states,
+};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -12,9 +15,10 @@ use study::{Study, UncertainBrake};
 
 use super::{
     CycleOptions, STEPS, TOLERANCE, checked, contacts_of, displacements, grows_in_band, harmonics_in_si, in_si,
-    when_cancelled,
+    open_kept, when_cancelled,
 };
 use crate::Error;
+use crate::kept::Question;
 use crate::sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
 
 /// Longest step along a branch, in amplitudes of the first kink; chosen: some 20 points between an onset and the end of a range.
@@ -78,7 +82,7 @@ pub struct BranchCycle {
 }
 
 /// Branches of cycles of a scene over one parameter, from each onset of an oscillating mode in its range. The progress of the sweep counts its
-/// parts, that of the cycles two for each branch: its balance, and its motions in time.
+/// parts, that of the cycles two for each branch: its balance, and its motions in time. These are kept in the file `kept`, as [`cycles`](super::cycles()) does it.
 ///
 /// # Errors
 /// As [`cycles`](super::cycles()) and [`sweep`](fn@sweep); a range without an onset; a reduced brake that grows outside its band at an onset or at a point of a
@@ -88,11 +92,13 @@ pub fn branches<B: UncertainBrake>(
     scene: usize,
     over: &Over,
     options: &CycleOptions,
+    kept: Option<&Path>,
     [of_sweep, progress]: [&dyn Progress; 2],
 ) -> Result<Branches, Error> {
     let brake = study.brake();
     let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
     let key = &plan.scenes[scene];
+    let kept = open_kept(kept, brake, key, options, over)?;
     let found = sweep(study, scene, over, &QrSolver, of_sweep)?;
     let parameter = &found.parameter;
     let of_cea = |at: f64| match brake.parametrised() {
@@ -130,12 +136,21 @@ pub fn branches<B: UncertainBrake>(
         let shape = right_vector(&of_cea, lambda, &mut Workspace::default()).map_err(study::Error::from)?;
         let mode: NearMode<'_> = (onset.omega, shape.as_slice());
         let reach = Reach { range: [over.from, over.to], longest_step: LONGEST_STEP, most_points: MOST_POINTS };
-        let (points, end) = balance.branch_from_onset(&system_at, mode, onset.at, &reach)?;
-        let cycle = |point: &cycle::BranchPoint| -> Result<BranchCycle, Error> {
+        let (points, end) = kept.answer(Question::Balances, &[onset.at, onset.growth, onset.omega], || {
+            let found: (Vec<BranchPoint>, BranchEnd) = balance.branch_from_onset(&system_at, mode, onset.at, &reach)?;
+            // What was stopped may look as if it had failed by itself.
+            progress.go_on()?;
+            Ok(found)
+        })?;
+        let cycle = |point: &BranchPoint| -> Result<BranchCycle, Error> {
             let at = point.cycle.parameter;
             check_band(at)?;
-            let in_time = in_time(&balance, &system_at(at)?, &point.cycle, mode)
-                .map(|(cycle, measures)| (cycle, in_si(measures, plan.units)));
+            let asked = [point.cycle.series.as_slice(), &[point.cycle.omega, at]].concat();
+            let in_time = kept.answer(Question::InTime, &asked, || {
+                let found = in_time(&balance, &system_at(at)?, &point.cycle, mode);
+                progress.go_on()?;
+                Ok(found.map(|(cycle, measures)| (cycle, in_si(measures, plan.units))))
+            })?;
             Ok(BranchCycle {
                 at,
                 balanced_hz: point.cycle.omega / std::f64::consts::TAU,

@@ -22,6 +22,9 @@ pub(crate) use of_draws::drawn_contacts_of;
 pub use of_draws::{CyclesOfDraws, DrawOfScene, DrawnMotion, SceneDraws, check_contacts_of_draws};
 pub(crate) use stopped::{UntilStopped, when_cancelled};
 
+use std::fmt::Display;
+use std::path::Path;
+
 use cycle::{
     Balance, ContactMoment, ContactSystem, Cycle, Harmonics, Measures, Motion, Settings, follow_telling, harmonics,
     history, measure, states,
@@ -33,6 +36,7 @@ use sound::Sound;
 use study::{Scene, SlidingContacts, UncertainBrake, Units};
 
 use crate::Error;
+use crate::kept::{Kept, Question};
 
 /// Options of the motion of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,6 +145,21 @@ pub fn contacts_digest<B: UncertainBrake>(brake: &B, scene: &Scene, options: &Cy
     Ok(digest(&format!("{:?}", system.contacts()), brake.plan().units))
 }
 
+/// The answers that a file has for a question about the contacts of a scene.
+///
+/// # Errors
+/// As [`contacts_digest`]; a file that cannot be read or written.
+fn open_kept<B: UncertainBrake>(
+    kept: Option<&Path>,
+    brake: &B,
+    scene: &Scene,
+    options: &CycleOptions,
+    over: impl Display,
+) -> Result<Kept, Error> {
+    let contacts = contacts_digest(brake, scene, options)?;
+    Kept::open(kept, brake, format!("motions over {over} with {options:?}, contacts {contacts}, {scene:?}"))
+}
+
 /// Refuses options that no scene could take, and gives the balance.
 pub(crate) fn checked(options: &CycleOptions) -> Result<Balance, Error> {
     if !(options.stick > 0.0 && options.stick < 1.0) {
@@ -150,16 +169,18 @@ pub(crate) fn checked(options: &CycleOptions) -> Result<Balance, Error> {
     Ok(Balance::new(options.harmonics, options.samples)?)
 }
 
-/// The motions after the onset in a scene at its medians. Progress counts periods of the modes that are followed, up to those after which a
+/// The motions after the onset in a scene at its medians. What becomes of each is kept in the file `kept`, and taken from there where an earlier call has come so far: the
+/// results are the same. A file of another brake, scene, question, program or kind of processor is begun anew. Progress counts periods of the modes that are followed, up to those after which a
 /// motion is not periodic; what ends earlier has them all.
 ///
 /// # Errors
 /// A brake that does not give its contacts, options that are not allowed, a tangent that is not that of the analysis, a scene without an
-/// unstable mode, a mode that is not unstable; work that is cancelled.
+/// unstable mode, a mode that is not unstable; work that is cancelled; a file that cannot be read or written.
 pub fn cycles<B: UncertainBrake>(
     brake: &B,
     scene: &Scene,
     options: &CycleOptions,
+    kept: Option<&Path>,
     progress: &dyn Progress,
 ) -> Result<Cycles, Error> {
     let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
@@ -188,13 +209,14 @@ pub fn cycles<B: UncertainBrake>(
             .collect(),
     };
     let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
+    let kept = open_kept(kept, brake, scene, options, "medians")?;
     let of_scene = plan.brake(scene);
     let displacements = displacements(plan, of_scene);
     let of_plan = (plan.units, &displacements[..]);
     progress.begin(starts.len() as u64 * settings.most_periods as u64, 0);
     let found = when_cancelled(progress, |stop| {
         let (system, sound) = (system.clone().until(stop), Sound::of(brake, scene, progress)?);
-        let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, sound.as_ref(), progress);
+        let motion = |start| motion_of(&system, &balance, &settings, start, of_plan, sound.as_ref(), (progress, &kept));
         Ok((starts.into_par_iter().map(motion).collect::<Result<Vec<_>, Error>>()?, sound))
     });
     progress.end();
@@ -250,7 +272,7 @@ fn motion_of(
     (name, mode, start): (String, &GrowingMode, Vec<f64>),
     (units, displacements): (Units, &[usize]),
     sound: Option<&Sound>,
-    progress: &dyn Progress,
+    (progress, kept): (&dyn Progress, &Kept),
 ) -> Result<MotionOfMode, Error> {
     let (omega, shape) = (mode.lambda.im, &mode.shape[..]);
     let mut periods = 0;
@@ -261,7 +283,13 @@ fn motion_of(
             progress.advance(1);
         }
     };
-    let motion = follow_telling(system, start, omega, shape, settings, &mut tell)?;
+    let asked = [&start[..], &[omega]].concat();
+    let motion = kept.answer(Question::Motion, &asked, || {
+        let motion = follow_telling(system, start, omega, shape, settings, &mut tell)?;
+        // A step that was stopped may look as if it had failed by itself.
+        progress.go_on()?;
+        Ok(motion)
+    })?;
     let cycle: Option<&Cycle> = match &motion {
         Motion::Cycle(cycle) => Some(cycle),
         _ => None,

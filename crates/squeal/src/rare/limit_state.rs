@@ -11,8 +11,8 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use study::{DrawnInputs, Plan, Scene, Study, UncertainBrake};
 
-use super::kept::{Kept, Question};
 use crate::Error;
+use crate::kept::{Kept, Question};
 
 /// Half of the difference in standard deviations from which the change of a system with an input is taken; chosen: its square is far below what
 /// a gradient must be right to, and quantiles at 7 deviations keep enough digits. Eigenvalues are never differenced.
@@ -168,7 +168,6 @@ impl<B: UncertainBrake> LimitState for SceneState<'_, B> {
 
     fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {
         let asked = [u, &[mode.growth, mode.omega]].concat();
-        let find = |_: &[&[f64]]| Ok(vec![self.rates(u, Complex::new(mode.growth, mode.omega))?]);
-        Ok(self.kept.answers(Question::Gradient, &[&asked], find)?.into_iter().flatten().collect())
+        self.kept.answer(Question::Gradient, &asked, || self.rates(u, Complex::new(mode.growth, mode.omega)))
     }
 }

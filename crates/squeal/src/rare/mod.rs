@@ -5,7 +5,6 @@
 //! docs/rare.md.
 
 mod bound;
-mod kept;
 mod limit_state;
 mod modes;
 mod report;
@@ -16,13 +15,11 @@ use ::rare::{DesignPoint, Estimate, Probability, estimate};
 use cea::{EigenSolver, WholeSpectra};
 use montecarlo::Progress;
 use num_complex::Complex;
-use study::identity::{of_study, rounding_class};
 use study::{Input, ModeLabel, Scene, Study, UncertainBrake};
 
 use crate::Error;
+use crate::kept::{Kept, Question};
 use crate::real_system::check_real;
-use crate::results::VERSION;
-use kept::{Kept, Question};
 use limit_state::SceneState;
 use modes::{by_mode, named};
 
@@ -128,7 +125,7 @@ pub fn rare<B: UncertainBrake>(
         return Err(Error::Input { input: discrete.name.clone(), value, allowed });
     }
     let solver = WholeSpectra(solver);
-    let kept = kept.map_or_else(|| Ok(Kept::default()), |path| Kept::open(path, &identity(brake, scene)))?;
+    let kept = Kept::open(kept, brake, format!("rare squeal of scene {scene}"))?;
     let mut state = SceneState::new(study, of_scene, drawn, &solver, (progress, &kept));
     progress.begin(options.budget, kept.spectra());
     let bound = bound::certified(brake, of_scene, drawn, &study.certificates()[of_scene.configuration]);
@@ -181,12 +178,6 @@ pub fn rare<B: UncertainBrake>(
     })
 }
 
-/// What answers at points depend on: the program, how the processor rounds, the brake and the scene, in a line.
-fn identity<B: UncertainBrake>(brake: &B, scene: usize) -> String {
-    let commit = brake.plan().commit.unwrap_or("unknown commit");
-    format!("{VERSION} ({commit}) on {}: {}", rounding_class(), of_study(brake).given("scene", scene).into_line())
-}
-
 fn wider(probability: Probability, factor: f64) -> Probability {
     let (lower, upper) = (probability.lower / factor, (probability.upper * factor).min(1.0));
     Probability { lower, upper, ..probability }
@@ -226,8 +217,7 @@ fn kept_moved<B: UncertainBrake>(
     point: &DesignPoint,
 ) -> Result<Option<f64>, Error> {
     let asked = [&point.point[..], &[point.slope, point.mode.growth, point.mode.omega]].concat();
-    let find = |_: &[&[f64]]| Ok(vec![moved(state, state.scene, inputs, values, point)?]);
-    Ok(state.kept.answers(Question::Moved, &[&asked], find)?.into_iter().flatten().next())
+    state.kept.answer(Question::Moved, &asked, || moved(state, state.scene, inputs, values, point))
 }
 
 /// Distance of the onset of the full model from the onset of a reduced brake, in standard deviations to first order.

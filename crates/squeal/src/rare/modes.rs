@@ -7,9 +7,9 @@ use montecarlo::{Confidence, Experiment as _};
 use rayon::prelude::*;
 use study::{KeptSample, ModeLabel, Scratch, UncertainBrake};
 
-use super::kept::Question;
 use super::limit_state::SceneState;
 use crate::Error;
+use crate::kept::Question;
 
 /// Number of samples evaluated together; chosen.
 const AT_ONCE: usize = 32;

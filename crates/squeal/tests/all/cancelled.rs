@@ -5,16 +5,16 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
-use brakes::LatticeBrake;
-use brakes::case::LatticeCase;
+use brakes::case::{LatticeCase, MatricesCase};
+use brakes::{LatticeBrake, MatricesBrake};
 use cea::{BatchSolver, QrSolver};
 use montecarlo::Progress;
-use squeal::cycles::{CycleOptions, cycles};
+use squeal::cycles::{CycleOptions, Start, branches, cycles};
 use squeal::influence::influence;
 use squeal::screen::{ChangeKind, Confirmation, Criterion, ScreenOptions, confirm, rank};
 use squeal::study::Study;
 use squeal::sweep::{Over, stability_map, sweep};
-use squeal::{RunOptions, RunProgress, run_study_with};
+use squeal::{RunOptions, RunProgress, run_study_with, workers};
 
 /// Steps that were foreseen and that were made.
 #[derive(Default)]
@@ -128,7 +128,7 @@ fn whatever_takes_long_can_be_cancelled() {
             ("an influence", influence(&study, 0, 5000, None, &after(evaluations)).map(drop)),
             (
                 "a motion",
-                cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &after(evaluations)).map(drop),
+                cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &after(evaluations)).map(drop),
             ),
             ("a ranking", rank(&brake, &options, &after(evaluations)).map(drop)),
         ];
@@ -137,6 +137,55 @@ fn whatever_takes_long_can_be_cancelled() {
             assert!(answer.as_ref().is_err_and(squeal::Error::is_cancelled), "{what} after {evaluations}: {answer:?}");
         }
     }
+}
+
+/// Number of times that somebody was told of progress.
+#[derive(Default)]
+struct Told(AtomicU64);
+
+impl Progress for Told {
+    fn begin(&self, _: u64, _: u64) {}
+    fn advance(&self, _: u64) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+}
+
+#[test]
+fn motions_go_on_where_they_were_cancelled() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml");
+    let brake = MatricesBrake::new(MatricesCase::read(&path).unwrap()).unwrap();
+    let (folder, one) = (tempfile::tempdir().unwrap(), workers(Some(1)).unwrap());
+    let options = CycleOptions { from: Start::Noise, ..CycleOptions::default() };
+    let kept = folder.path().join("motions.json");
+    let ask = |options: &CycleOptions, kept: Option<&Path>, progress: &dyn Progress| {
+        one.install(|| cycles(&brake, &brake.plan.scenes[0], options, kept, progress))
+    };
+    let whole = Told::default();
+    let expected = ask(&options, None, &whole).unwrap();
+    // A motion has 1,000 periods, whether it needs them or not.
+    assert!(ask(&options, Some(&kept), &after(1500)).unwrap_err().is_cancelled());
+    let resumed = Told::default();
+    assert_eq!(format!("{:?}", ask(&options, Some(&kept), &resumed).unwrap()), format!("{expected:?}"));
+    let [whole, resumed] = [whole, resumed].map(|told| told.0.into_inner());
+    assert!(resumed > 100 && resumed < whole - 100, "{resumed} of {whole}");
+    // Another question is none of those that are known.
+    let other = CycleOptions { stick: 0.02, ..options };
+    ask(&other, Some(&kept), &()).unwrap();
+    let first = |path: &Path| std::fs::read_to_string(path).unwrap().lines().nth(1).unwrap().to_owned();
+    assert!(first(&kept).contains("stick: 0.02"));
+
+    let (study, over) = (Study::new(&brake, &QrSolver).unwrap(), Over { name: "mu".into(), from: 0.5, to: 1.1 });
+    let ask = |progress: &dyn Progress| {
+        one.install(|| branches(&study, 0, &over, &CycleOptions::default(), Some(&kept), [&(), progress]))
+    };
+    let expected = branches(&study, 0, &over, &CycleOptions::default(), None, [&(), &()]).unwrap();
+    assert!(ask(&after(1)).unwrap_err().is_cancelled());
+    let length = std::fs::metadata(&kept).unwrap().len();
+    assert_eq!(format!("{:?}", ask(&()).unwrap()), format!("{expected:?}"));
+    let all = std::fs::read_to_string(&kept).unwrap();
+    assert!(first(&kept).contains("over mu=0.5:1.1") && length > 1000 && all.len() as u64 > length);
+    assert_eq!(all.matches("\"Balances\"").count(), 1);
 }
 
 /// Whoever has enough as soon as they hear of work, and counts what is done of it.

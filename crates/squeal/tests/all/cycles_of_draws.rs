@@ -74,7 +74,7 @@ fn a_draw_has_the_motion_that_its_values_have_as_medians() {
     for draw in &found.scenes[0].draws {
         let mu = brake.draw(&mut stream(brake.plan.seed, draw.sample)).unwrap()[0];
         let frozen = hoffmann(&format!("\"constant\"\nvalue = {mu:?}"), 20);
-        let at_medians = cycles(&frozen, &frozen.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+        let at_medians = cycles(&frozen, &frozen.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap();
         let (expected, measures) = match &at_medians.motions[0] {
             motion @ squeal::cycles::MotionOfMode { motion: squeal::cycle::Motion::Cycle(cycle), .. } => {
                 (cycle.frequency_hz(), motion.measures.as_ref().unwrap())

@@ -155,7 +155,7 @@ fn the_loudness_that_95_percent_of_the_draws_do_not_exceed_is_that_of_the_change
         let frozen = format!("distribution = \"constant\"\nvalue = {mu:?}\n");
         let text = text.replace("distribution = \"uniform\"\nfrom = 0.5\nto = 1.1\n", &frozen).replace(given, changed);
         let brake = MatricesBrake::new(MatricesCase::parse(&path, text).unwrap()).unwrap();
-        let found = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), &()).unwrap();
+        let found = cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &()).unwrap();
         found.motions[0].measures.as_ref().unwrap().rms_of(&[0, 1])
     };
     // Ranks from 0 of which the quantile is a mean.

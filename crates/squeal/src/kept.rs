@@ -1,12 +1,12 @@
-//! What is known of points, kept in a file as soon as it is, so that a run that was killed does not solve for it again.
+//! Answers at points, of `squeal rare` and of `squeal cycle`, kept in a file as soon as they are known, so that a run that was killed does not solve for them again.
 //!
 //! All that is asked of a point is a function of the point alone. So a run that asks again the same questions, in whatever order its threads do, gets
 //! from the file what an earlier run appended to it, solves for the rest, and has the same results.
 //!
 //! ```text
-//! squeal-rare-points 1 <bytes below> <their CRC-32, hexadecimal>
-//! "<program, processor, brake and scene>"
-//! squeal-rare-points 1 <bytes below> <their CRC-32, hexadecimal>
+//! squeal-answers 1 <bytes below> <their CRC-32, hexadecimal>
+//! "<program, processor, brake and what is asked>"
+//! squeal-answers 1 <bytes below> <their CRC-32, hexadecimal>
 //! [["Worst",[<u>, ...],{"margin":...}], ...]
 //! ...
 //! ```
@@ -14,6 +14,7 @@
 //! The file ends at its first record that is not whole: one that was being written when the process or the machine stopped.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -24,15 +25,18 @@ use output::OutputError;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use study::UncertainBrake;
+use study::identity::{of_study, rounding_class};
 
 use crate::Error;
+use crate::results::VERSION;
 
 /// Format of a record; the version changes when the answers of an older program can no longer be taken.
-const FORMAT: Sealed = Sealed { kind: "squeal-rare-points", version: 1 };
+const FORMAT: Sealed = Sealed { kind: "squeal-answers", version: 1 };
 
 /// What is asked of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub(super) enum Question {
+pub(crate) enum Question {
     /// The mode of the largest margin.
     Worst,
     /// The gradient of the margin of a mode, whose growth and angular frequency are appended to the point.
@@ -41,6 +45,12 @@ pub(super) enum Question {
     Names,
     /// The distance of the onset of the full model, of the design point with these coordinates, slope, growth and angular frequency.
     Moved,
+    /// The motion from a state, with the angular frequency of its mode.
+    Motion,
+    /// The branch of balanced cycles from an onset, by its eigenvalue and the parameter.
+    Balances,
+    /// The motion in time of a balanced cycle, by its series, angular frequency and parameter.
+    InTime,
 }
 
 /// A question and the bits of the point.
@@ -48,17 +58,22 @@ type Asked = (Question, Vec<u64>);
 
 /// Answers of an earlier run, and the file to which new ones are appended; nothing of either by default.
 #[derive(Debug, Default)]
-pub(super) struct Kept {
+pub(crate) struct Kept {
     known: HashMap<Asked, Box<str>>,
     file: Option<(PathBuf, Mutex<File>)>,
 }
 
 impl Kept {
-    /// The answers in a file, which is made where it is not there. One that begins with another identity is begun anew.
+    /// The answers in a file for what is `asked` of a brake; without a file, none. The file is made where it is not there; one of another brake, question, program or
+    /// kind of processor, by which numbers are rounded otherwise, is begun anew.
     ///
     /// # Errors
     /// A file that cannot be read or written; something else in its place.
-    pub fn open(path: &Path, identity: &str) -> Result<Self, Error> {
+    pub fn open<B: UncertainBrake>(path: Option<&Path>, brake: &B, asked: impl Display) -> Result<Self, Error> {
+        let Some(path) = path else { return Ok(Self::default()) };
+        let commit = brake.plan().commit.unwrap_or("unknown commit");
+        let identity =
+            &*format!("{VERSION} ({commit}) on {}: {asked}; {}", rounding_class(), of_study(brake).into_line());
         let failed = |source| Error::Read { path: path.to_owned(), source };
         let mut kept = Self::default();
         let mut file = open(path).map_err(failed)?;
@@ -107,8 +122,7 @@ impl Kept {
         points: &[&[f64]],
         find: impl FnOnce(&[&[f64]]) -> Result<Vec<T>, Error>,
     ) -> Result<Vec<T>, Error> {
-        let read = |at: &&[f64]| serde_json::from_str(self.known.get(&asked(question, at))?).ok();
-        let known: Vec<Option<T>> = points.iter().map(read).collect();
+        let known: Vec<Option<T>> = points.iter().map(|at| self.known(question, at)).collect();
         let open = points.iter().zip(&known).filter(|(_, known)| known.is_none());
         let open: Vec<&[f64]> = open.map(|(at, _)| *at).collect();
         if open.is_empty() {
@@ -118,6 +132,29 @@ impl Kept {
         self.keep(question, &open, &found)?;
         let mut found = found.into_iter();
         Ok(known.into_iter().filter_map(|known| known.or_else(|| found.next())).collect())
+    }
+
+    /// The answer at one point, as [`Kept::answers`].
+    ///
+    /// # Errors
+    /// As [`Kept::answers`].
+    pub fn answer<T: Serialize + DeserializeOwned + PartialEq>(
+        &self,
+        question: Question,
+        at: &[f64],
+        find: impl FnOnce() -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        if let Some(known) = self.known(question, at) {
+            return Ok(known);
+        }
+        let found = find()?;
+        self.keep(question, &[at], std::slice::from_ref(&found))?;
+        Ok(found)
+    }
+
+    /// The answer at a point as far as it is known.
+    fn known<T: DeserializeOwned>(&self, question: Question, at: &[f64]) -> Option<T> {
+        serde_json::from_str(self.known.get(&asked(question, at))?).ok()
     }
 
     /// Appends answers to the file, but for answers that cannot be read back as they are, with NaN or an infinite number.
