@@ -55,7 +55,7 @@ pub struct CycleArgs {
     /// Equal steps of a period at which the balance evaluates the contacts
     #[arg(long, value_name = "N", default_value_t = CycleOptions::default().samples)]
     pub time_samples: usize,
-    /// Part of the sliding speed below which a contact sticks, above 0 and below 1
+    /// Part of the sliding speed below which the friction of the balance is smoothed, and a LuGre contact said to stick, above 0 and below 1
     #[arg(long, value_name = "EPS", default_value_t = CycleOptions::default().stick, allow_negative_numbers = true, value_parser = number)]
     pub stick: f64,
     /// Folder for tables, figures and a page: new, empty, or that of the same motion

@@ -16,6 +16,12 @@ pub trait ContactFriction: Debug + Send + Sync {
 
     /// Speed below which a contact is said to stick, m/s; of [`Smoothed`] friction the width of the smoothing too, on which its force depends.
     fn stick_speed(&self) -> f64;
+
+    /// The coefficient where it slides forwards, or backwards, at a speed, m/s, of friction that jumps where the sliding turns: [`ContactFriction::at`] smooths it. `None` of friction
+    /// that does not jump.
+    fn sliding(&self, _speed: f64, _is_forwards: bool) -> Option<BristleMotion> {
+        None
+    }
 }
 
 /// A law of the speed alone, smoothed where the sliding turns: `mu(w) = mu(|w|) s(w / eps)`. A law with an internal state is not for this: its state would
@@ -33,15 +39,12 @@ pub struct Smoothed<L> {
 
 impl<L: FrictionLaw + Debug + Send + Sync> ContactFriction for Smoothed<L> {
     fn at(&self, velocity: f64, _: f64) -> BristleMotion {
-        let speed = velocity.abs().max(f64::MIN_POSITIVE);
-        // Where a law has no coefficient, integration fails, as nothing goes on from what is not a number.
-        let tangent = self.law.tangent_at(speed);
-        let (mu, slope) = tangent.map_or((f64::NAN, f64::NAN), |tangent| (tangent.mu, tangent.slope));
         let x = velocity / self.stick_speed;
+        let beyond = self.beyond(velocity.abs(), velocity.is_sign_positive());
         if x.abs() >= 1.0 {
-            let sign = velocity.signum();
-            return BristleMotion { mu: sign * mu, mu_by_velocity: slope, ..BristleMotion::default() };
+            return beyond;
         }
+        let (mu, slope) = (beyond.mu.abs(), beyond.mu_by_velocity);
         let square = x * x;
         let sign = x * (15.0 - square * (10.0 - 3.0 * square)) / 8.0;
         let sign_slope = 15.0 * (1.0 - square) * (1.0 - square) / (8.0 * self.stick_speed);
@@ -58,6 +61,21 @@ impl<L: FrictionLaw + Debug + Send + Sync> ContactFriction for Smoothed<L> {
 
     fn stick_speed(&self) -> f64 {
         self.stick_speed
+    }
+
+    fn sliding(&self, speed: f64, is_forwards: bool) -> Option<BristleMotion> {
+        Some(self.beyond(speed, is_forwards))
+    }
+}
+
+impl<L: FrictionLaw> Smoothed<L> {
+    /// The law itself, without smoothing.
+    fn beyond(&self, speed: f64, is_forwards: bool) -> BristleMotion {
+        // Where a law has no coefficient, integration fails, as nothing goes on from what is not a number.
+        let tangent = self.law.tangent_at(speed.max(f64::MIN_POSITIVE));
+        let (mu, slope) = tangent.map_or((f64::NAN, f64::NAN), |tangent| (tangent.mu, tangent.slope));
+        let sign = if is_forwards { 1.0 } else { -1.0 };
+        BristleMotion { mu: sign * mu, mu_by_velocity: slope, ..BristleMotion::default() }
     }
 }
 

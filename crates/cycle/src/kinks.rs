@@ -1,4 +1,4 @@
-//! The next kink of a motion: where a contact opens or closes, its sliding velocity passes -eps, 0 or eps, or the motion a plane.
+//! The next kink of a motion: where a contact opens or closes, sticks or begins to slide, its sliding velocity passes -eps, 0 or eps, or the motion a plane.
 
 use nalgebra::DMatrix;
 
@@ -18,7 +18,7 @@ impl Path<'_> {
             // Others are too far away for a change, or for a dip between two moments.
             if side { least + offset <= step } else { greatest + offset >= -step }
         };
-        let changes = (0..self.kinks.len()).filter(is_near);
+        let changes = (0..self.kinks.len()).filter(|kink| self.is_active(*kink)).filter(is_near);
         let changes = changes.filter_map(|kink| Some((self.first_change(kink, reach, values)?, kink)));
         let mut changes: Vec<([f64; 2], usize)> = changes.collect();
         changes.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));

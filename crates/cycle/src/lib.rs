@@ -28,7 +28,7 @@ mod powers;
 mod series;
 mod shooting;
 mod size;
-mod slow;
+mod stick;
 mod system;
 mod tangent;
 mod variation;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::moments::rule;
 use crate::path::Path;
+use crate::stick::AT_REST;
 use crate::{ContactSystem, Cycle, Error, SlidingContact};
 
 /// Measures of a motion, over a period or a stretch of it.
@@ -113,7 +114,7 @@ impl Measures {
 /// A motion that cannot be followed.
 pub fn measure(system: &ContactSystem, cycle: &Cycle, tolerance: f64) -> Result<Measures, Error> {
     let scales = system.scales(std::f64::consts::TAU / cycle.period);
-    let mut motion = Path::new(system, cycle.start.clone(), &scales, tolerance, 0.1 * cycle.period, &[]);
+    let mut motion = Path::new(system, cycle.start.clone(), &scales, tolerance, 0.1 * cycle.period, &[])?;
     let mut meter = Meter::new(system, &cycle.start, system.families());
     while motion.time < cycle.period {
         motion.step(cycle.period)?;
@@ -173,7 +174,7 @@ impl<'a> Meter<'a> {
                 self.squares.iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square += weight * duration * v * v);
                 self.energy += weight * duration * self.system.kinetic_energy(x);
                 if !self.families.is_empty() {
-                    self.system.powers(&self.families, x, &mut self.powers);
+                    self.system.powers(&self.families, (motion, x), &mut self.powers);
                 }
                 self.works.iter_mut().zip(&self.powers).for_each(|(work, power)| *work += weight * duration * power);
             }
@@ -206,17 +207,21 @@ impl<'a> Meter<'a> {
 
 /// The contacts in each of some states of motion, rows by contact.
 pub fn history<'s>(system: &ContactSystem, states: impl IntoIterator<Item = &'s Vec<f64>>) -> Vec<Vec<ContactMoment>> {
-    let of_contact = |contact: &SlidingContact, x: &[f64]| {
+    let slowest = |at: usize, contact: &SlidingContact| {
+        if system.can_stick(at) { AT_REST * contact.speed } else { contact.friction.stick_speed() }
+    };
+    let of_contact = |(at, contact): (usize, &SlidingContact), x: &[f64]| {
         let (u, velocity) = x.split_at(system.order());
         let (normal_force, sliding_velocity) = (contact.load + contact.approach(u), contact.slip(velocity));
         let state = match normal_force > 0.0 {
             false => ContactState::Open,
-            true if sliding_velocity.abs() < contact.friction.stick_speed() => ContactState::Stuck,
+            true if sliding_velocity.abs() < slowest(at, contact) => ContactState::Stuck,
             true => ContactState::Sliding,
         };
         ContactMoment { normal_force: normal_force.max(0.0), sliding_velocity, state }
     };
-    let of_contacts = |x: &Vec<f64>| system.contacts().iter().map(|contact| of_contact(contact, x)).collect();
+    let of_contacts =
+        |x: &Vec<f64>| system.contacts().iter().enumerate().map(|contact| of_contact(contact, x)).collect();
     states.into_iter().map(of_contacts).collect()
 }
 
@@ -226,7 +231,7 @@ pub fn history<'s>(system: &ContactSystem, states: impl IntoIterator<Item = &'s 
 /// A motion that cannot be followed.
 pub fn states(system: &ContactSystem, cycle: &Cycle, steps: usize, tolerance: f64) -> Result<Vec<Vec<f64>>, Error> {
     let scales = system.scales(std::f64::consts::TAU / cycle.period);
-    let mut motion = Path::new(system, cycle.start.clone(), &scales, tolerance, 0.1 * cycle.period, &[]);
+    let mut motion = Path::new(system, cycle.start.clone(), &scales, tolerance, 0.1 * cycle.period, &[])?;
     let mut states = Vec::with_capacity(steps);
     for step in 0..steps {
         let time = cycle.period * step as f64 / steps as f64;

@@ -108,7 +108,7 @@ pub fn follow_telling(
     let period = std::f64::consts::TAU / omega;
     let mut meter = settings.settled.map(|_| Meter::new(system, &start, Vec::new()));
     let mut blocks = Blocks::default();
-    let mut motion = Path::new(system, start, &scales, settings.tolerance, 0.1 * period, &section);
+    let mut motion = Path::new(system, start, &scales, settings.tolerance, 0.1 * period, &section)?;
     let until = settings.most_periods as f64 * period;
     let end_of_block = |blocks: &Blocks| ((blocks.measured.len() + 1) * BLOCK) as f64 * period;
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
@@ -267,7 +267,7 @@ pub fn state_after(
     let settings = Settings { tolerance, ..Settings::default() };
     check(system, &start, omega, &settings)?;
     let scales = system.scales(omega);
-    let mut motion = Path::new(system, start, &scales, tolerance, 0.1 / omega, &[]);
+    let mut motion = Path::new(system, start, &scales, tolerance, 0.1 / omega, &[])?;
     while motion.time < time {
         motion.step(time)?;
     }

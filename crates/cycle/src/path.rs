@@ -3,8 +3,7 @@
 //! A piece ends where the force of a contact has a kink, so that within it all forces are smooth. There `x' = x_0' + J (x - x_0) + B r`, with the
 //! Jacobian J at the begin of the piece and r, what friction has beyond its tangent there. A constant coefficient has no r: each term of
 //! the series follows from the one before by a product with J, whatever is open. Else r is a polynomial of time through its values at some
-//! moments of the piece, found by repeated substitution. Of a contact that slides slower than its stick speed the coefficient is a polynomial of the velocity, and so
-//! r a product of series that is known term by term: there friction is stiff, and repeated substitution would need many short pieces.
+//! moments of the piece, found by repeated substitution. A contact that sticks has the friction that keeps it from sliding, term by term (`stick.rs`).
 //!
 //! A. Jorba, M. Zou, A software package for the numerical integration of ODEs by means of high-order Taylor methods, Experiment. Math. 14 (2005)
 //! 99-117.
@@ -16,7 +15,7 @@ use crate::contact::along;
 use crate::moments::{FITTED, LEADING, MOMENTS, fit, moment};
 use crate::series::{MOST_TERMS, root, value_and_slope};
 use crate::size::{amplitude, largest};
-use crate::slow::Slow;
+use crate::stick::{Sliding, Stuck, TURNED};
 use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Error};
 
@@ -51,10 +50,16 @@ pub(crate) struct Path<'a> {
     allowed: f64,
     /// 1 over the scales.
     per_scale: Vec<f64>,
-    /// Functions whose changes of sign end a piece, by contact N, w + eps, w and w - eps, and at last the section: rows of `seen` and what is added.
+    /// Functions whose changes of sign end a piece, by contact N, w + eps, w and w - eps, and at last the section: rows of `seen` and what is added. Of a contact that may stick
+    /// they are N, `mu N - f`, w and `mu N + f`.
     pub kinks: Vec<(usize, f64)>,
     /// Sides of the kinks on which the motion is in the piece, true where they are above 0.
     pub sides: Vec<bool>,
+    /// Ways in which contacts slide in the piece, and those that stick.
+    sliding: Vec<Sliding>,
+    stuck: Option<Stuck>,
+    /// The row of `reads` whose change of sign began the piece with a jump of the rate, and the rates before and after it.
+    pub jump: Option<(usize, [Vec<f64>; 2])>,
     /// Kink at the end of the piece.
     kink: Option<usize>,
     /// Time at the end of the piece, s.
@@ -70,18 +75,18 @@ pub(crate) struct Path<'a> {
     terms: DMatrix<f64>,
     pub degree: usize,
     /// Matrix of the readings of a state by contacts, and that times the terms: by rows changes of the normal force, N, sliding velocities without v, m/s,
-    /// bristles; and the section.
+    /// bristles; and the section; of `seen` also what stuck contacts hold back from `mu N` without N0 either way, N.
     reads: DMatrix<f64>,
     /// Entries of `reads` that are not 0, by rows, where most are 0.
     sparse_reads: Option<Vec<Vec<(usize, f64)>>>,
     pub seen: DMatrix<f64>,
+    /// Forces of the contacts that stick, N, by terms.
+    held: DMatrix<f64>,
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
     pub forces: Vec<ContactForces>,
     pub below: DMatrix<f64>,
     /// Powers from the first on of the remainder of friction of each contact, and then of the rates of their bristles.
     remainder: DMatrix<f64>,
-    /// The friction of each contact in the piece where that is known term by term.
-    pub slow: Vec<Option<Slow<'a>>>,
     /// Change of the state in the time 1 s by a remainder of 1, in scales.
     pub weights: Vec<f64>,
     /// Unit of the next series.
@@ -91,6 +96,9 @@ pub(crate) struct Path<'a> {
 
 impl<'a> Path<'a> {
     /// The motion from a state at time 0, with a first unit of time, s. `section` is a plane of velocities, whose crossings end a piece; empty without.
+    ///
+    /// # Errors
+    /// A start of which it cannot be told which contacts stick.
     pub fn new(
         system: &'a ContactSystem,
         start: Vec<f64>,
@@ -98,21 +106,31 @@ impl<'a> Path<'a> {
         tolerance: f64,
         first: f64,
         section: &[f64],
-    ) -> Self {
+    ) -> Result<Self, Error> {
         let (d, n, contacts) = (system.dimension(), system.order(), system.contacts().len());
-        let mut kinks = Vec::with_capacity(4 * contacts + 1);
-        for (at, contact) in system.contacts().iter().enumerate() {
-            let (slip, stick) = (contacts + at, contact.friction.stick_speed());
-            kinks.extend([(at, contact.load), (slip, contact.speed + stick)]);
-            kinks.extend([(slip, contact.speed), (slip, contact.speed - stick)]);
-        }
         let rows = 2 * contacts + d - 2 * n;
         let mut reads = system.reads.clone();
         if !section.is_empty() {
             reads = reads.insert_row(rows, 0.0);
             reads.view_mut((rows, n), (1, n)).copy_from_slice(section);
+        }
+        let mut kinks = Vec::with_capacity(4 * contacts + 1);
+        for (at, contact) in system.contacts().iter().enumerate() {
+            let (slip, held, eps) = (contacts + at, reads.nrows() + 2 * at, contact.friction.stick_speed());
+            kinks.extend([
+                (at, contact.load),
+                (slip, contact.speed + eps),
+                (slip, contact.speed),
+                (slip, contact.speed - eps),
+            ]);
+            if let Some(mu) = system.static_friction[at] {
+                (kinks[4 * at + 1], kinks[4 * at + 3]) = ((held, mu * contact.load), (held + 1, mu * contact.load));
+            }
+        }
+        if !section.is_empty() {
             kinks.push((rows, 0.0));
         }
+        let held = if (0..contacts).any(|contact| system.can_stick(contact)) { 2 * contacts } else { 0 };
         let filled = reads.iter().filter(|entry| **entry != 0.0).count();
         let row = |row: usize| {
             let entries = reads.row(row).iter().copied().enumerate().collect::<Vec<_>>();
@@ -137,13 +155,16 @@ impl<'a> Path<'a> {
             length: 0.0,
             terms: DMatrix::zeros(d, MOST_TERMS + 1),
             degree: 0,
-            seen: DMatrix::zeros(reads.nrows(), MOST_TERMS + 1),
+            seen: DMatrix::zeros(reads.nrows() + held, MOST_TERMS + 1),
             reads,
             sparse_reads,
             forces: Vec::new(),
             below: DMatrix::zeros(0, 0),
             remainder: DMatrix::zeros(2 * contacts, FITTED),
-            slow: vec![None; contacts],
+            held: DMatrix::zeros(contacts, MOST_TERMS),
+            sliding: vec![Sliding::Smooth; contacts],
+            stuck: None,
+            jump: None,
             weights: (0..contacts).map(weight).chain((0..contacts).map(of_rate)).collect(),
             next: first,
             kinks,
@@ -153,7 +174,71 @@ impl<'a> Path<'a> {
         path.terms.column_mut(0).copy_from_slice(&path.x);
         path.see();
         path.sides = path.kinks.iter().map(|&(row, offset)| path.seen[(row, 0)] + offset > 0.0).collect();
-        path
+        path.sliding = system.sliding_in(&path.x, &path.all_closed())?;
+        path.take_sides();
+        Ok(path)
+    }
+
+    /// Which contacts are closed in the piece.
+    fn all_closed(&self) -> Vec<bool> {
+        (0..self.sliding.len()).map(|contact| self.is_closed(contact)).collect()
+    }
+
+    /// Takes the sides of what slides and of what is held back, and the contacts that stick.
+    fn take_sides(&mut self) {
+        for (contact, sliding) in self.sliding.iter().enumerate().filter(|(_, sliding)| **sliding != Sliding::Smooth) {
+            let is_forwards = *sliding == Sliding::Forwards;
+            self.sides[4 * contact + 1..4 * contact + 4].copy_from_slice(&[true, is_forwards, true]);
+            // What just begins to slide is not said to turn by a rounding.
+            let speed = self.system.contacts()[contact].speed;
+            self.kinks[4 * contact + 2].1 = speed * (1.0 + if is_forwards { TURNED } else { -TURNED });
+        }
+        self.stuck = Stuck::new(self.system, &self.sliding);
+    }
+
+    /// True of a kink that the piece may come to.
+    pub fn is_active(&self, kink: usize) -> bool {
+        match self.sliding.get(kink / 4) {
+            None | Some(Sliding::Smooth) => true,
+            Some(sliding) => match kink % 4 {
+                0 => true,
+                2 => *sliding != Sliding::Stuck && self.is_closed(kink / 4),
+                _ => *sliding == Sliding::Stuck,
+            },
+        }
+    }
+
+    /// Goes over to the other side of a kink.
+    fn cross(&mut self, kink: usize) -> Result<(), Error> {
+        self.sides[kink] = !self.sides[kink];
+        let contact = kink / 4;
+        if self.sliding.get(contact).is_none_or(|sliding| *sliding == Sliding::Smooth) {
+            return Ok(());
+        }
+        let (system, was_stuck) = (self.system, self.sliding[contact] == Sliding::Stuck);
+        match kink % 4 {
+            0 if was_stuck || self.is_closed(contact) => {
+                self.sliding[contact] = Sliding::of(system.contacts()[contact].slip(&self.x[system.order()..]));
+            }
+            0 => return Ok(()),
+            1 => self.sliding[contact] = Sliding::Forwards,
+            3 => self.sliding[contact] = Sliding::Backwards,
+            _ => {
+                let is_closed = self.all_closed();
+                let mut rates = [vec![0.0; system.dimension()], vec![0.0; system.dimension()]];
+                system.rate_of(&self.x, &is_closed, &self.sliding, &mut rates[0], |_, _| ());
+                let is_open = |at: &usize| *at == contact || self.sliding[*at] == Sliding::Stuck;
+                let open: Vec<usize> = (0..is_closed.len()).filter(is_open).collect();
+                system.settle(&self.x, &is_closed, &mut self.sliding, &open)?;
+                if let Some(stuck) = Stuck::new(system, &self.sliding) {
+                    stuck.stop(system, &mut self.x);
+                }
+                system.rate_of(&self.x, &is_closed, &self.sliding, &mut rates[1], |_, _| ());
+                self.jump = Some((is_closed.len() + contact, rates));
+            }
+        }
+        self.take_sides();
+        Ok(())
     }
 
     /// True of a contact that is closed in the piece.
@@ -161,9 +246,24 @@ impl<'a> Path<'a> {
         self.sides[4 * contact]
     }
 
-    /// True of a contact that slides slower than its stick speed in the piece.
+    /// True of a contact that sticks in the piece, or slides slower than its stick speed under friction that does not jump.
     pub fn is_slow(&self, contact: usize) -> bool {
-        self.sides[4 * contact + 1] && !self.sides[4 * contact + 3]
+        match self.sliding[contact] {
+            Sliding::Smooth => self.sides[4 * contact + 1] && !self.sides[4 * contact + 3],
+            sliding => sliding == Sliding::Stuck,
+        }
+    }
+
+    /// Whether a contact is closed in the piece, and how it slides.
+    pub fn phase(&self, contact: usize) -> (bool, Sliding) {
+        (self.is_closed(contact), self.sliding[contact])
+    }
+
+    /// Adds to accelerations what stuck contacts do to them, and gives their forces, N.
+    pub fn hold(&self, acceleration: &mut [f64], force: impl FnMut(usize, f64)) {
+        if let Some(stuck) = &self.stuck {
+            stuck.hold(self.system, acceleration, force);
+        }
     }
 
     /// Powers of time that the series needs as far as the piece goes, about: it may go on beyond its end.
@@ -183,8 +283,9 @@ impl<'a> Path<'a> {
     pub fn step(&mut self, until: f64) -> Result<bool, Error> {
         self.system.go_on()?;
         let failed = |time, reason| Error::Motion { time, reason };
+        self.jump = None;
         if let Some(kink) = self.kink.take() {
-            self.sides[kink] = !self.sides[kink];
+            self.cross(kink)?;
         }
         self.begin = self.time;
         self.allowed = self.tolerance * amplitude(&self.x, self.scales).max(1.0);
@@ -274,7 +375,7 @@ impl<'a> Path<'a> {
         let is_first = forces.is_empty();
         let mut is_other = is_first;
         for contact in 0..self.system.contacts().len() {
-            let found = self.system.forces_in_phase(contact, &self.x, self.is_closed(contact));
+            let found = self.system.forces_in_phase(contact, &self.x, self.phase(contact));
             match forces.get_mut(contact) {
                 Some(before) => {
                     is_other |= !before.has_slopes_of(&found);
@@ -287,13 +388,6 @@ impl<'a> Path<'a> {
             self.system.take_below(&forces, &mut self.below);
         }
         self.forces = forces;
-        for contact in 0..self.slow.len() {
-            let of = &self.forces[contact];
-            let slow = self.system.slow_friction(contact, self.sides[4 * contact + 2]);
-            let slow = slow.filter(|_| self.is_slow(contact) && self.is_closed(contact));
-            let slopes = [of.friction_by_gap, of.friction_by_velocity];
-            self.slow[contact] = slow.map(|slow| Slow::new(&self.system.contacts()[contact], slow, slopes));
-        }
     }
 
     /// Fills in the terms of the series in a unit of time. Returns the part of the unit, up to 1, over which it holds; fails with the part of the unit
@@ -311,14 +405,6 @@ impl<'a> Path<'a> {
                 to[..n].copy_from_slice(&from[n..2 * n]);
                 product(&self.below, from, &mut to[n..]);
             }
-            for (contact, slow) in self.slow.iter_mut().enumerate() {
-                let Some(slow) = slow else { continue };
-                let friction = slow.remainder(k, &from[..n], &from[n..]);
-                if k > 0 {
-                    let column = self.system.sliding.column(contact);
-                    to[n..2 * n].iter_mut().zip(&column).for_each(|(to, b)| *to += b * friction);
-                }
-            }
             if is_curved && (1..=FITTED).contains(&k) {
                 for contact in 0..contacts {
                     let friction = self.remainder[(contact, k - 1)];
@@ -328,6 +414,9 @@ impl<'a> Path<'a> {
                         to[place] += self.remainder[(contacts + contact, k - 1)];
                     }
                 }
+            }
+            if let Some(stuck) = &self.stuck {
+                stuck.hold(self.system, &mut to[n..2 * n], |contact, force| self.held[(contact, k)] = force);
             }
             let factor = unit / (k + 1) as f64;
             to.iter_mut().for_each(|x| *x *= factor);
@@ -351,13 +440,28 @@ impl<'a> Path<'a> {
 
     /// Takes what contacts and section see of the terms.
     fn see(&mut self) {
-        let terms = self.degree + 1;
-        let Some(rows) = &self.sparse_reads else {
-            self.seen.columns_mut(0, terms).gemm(1.0, &self.reads, &self.terms.columns(0, terms), 0.0);
-            return;
-        };
-        for (mut seen, term) in self.seen.column_iter_mut().zip(self.terms.column_iter()).take(terms) {
-            seen.iter_mut().zip(rows).for_each(|(seen, row)| *seen = along(row, term.as_slice()));
+        let (terms, rows) = (self.degree + 1, self.reads.nrows());
+        match &self.sparse_reads {
+            None => {
+                let mut seen = self.seen.view_mut((0, 0), (rows, terms));
+                seen.gemm(1.0, &self.reads, &self.terms.columns(0, terms), 0.0);
+            }
+            Some(entries) => {
+                for (mut seen, term) in self.seen.column_iter_mut().zip(self.terms.column_iter()).take(terms) {
+                    seen.iter_mut().zip(entries).for_each(|(seen, row)| *seen = along(row, term.as_slice()));
+                }
+            }
+        }
+        let stuck = (0..self.sliding.len()).filter(|contact| self.sliding[*contact] == Sliding::Stuck);
+        for contact in stuck {
+            let mu = self.system.static_friction[contact].unwrap_or(0.0);
+            for k in 0..terms {
+                // The force has one term less than the motion.
+                let force = if k < self.degree { self.held[(contact, k)] } else { 0.0 };
+                let most = mu * self.seen[(contact, k)];
+                self.seen[(rows + 2 * contact, k)] = most - force;
+                self.seen[(rows + 2 * contact + 1, k)] = most + force;
+            }
         }
     }
 
@@ -372,7 +476,9 @@ impl<'a> Path<'a> {
                 power *= part;
             }
         }
-        self.seen.columns(0, terms) * powers
+        // What stuck contacts hold back is of no use where there are none.
+        let rows = if self.stuck.is_some() { self.seen.nrows() } else { self.reads.nrows() };
+        self.seen.view((0, 0), (rows, terms)) * powers
     }
 
     /// Takes the remainder over the first part of the unit. Returns how much it changes the end of the piece against the remainder so far, and how much its
@@ -380,7 +486,7 @@ impl<'a> Path<'a> {
     fn take_remainder(&mut self, unit: f64, length: f64, is_curved: bool, values: &DMatrix<f64>) -> [f64; 2] {
         let contacts = self.system.contacts().len();
         let (mut change, mut last) = (0.0_f64, 0.0_f64);
-        for contact in (0..contacts).filter(|contact| self.slow[*contact].is_none()) {
+        for contact in (0..contacts).filter(|contact| self.sliding[*contact] != Sliding::Stuck) {
             let at_begin = &self.forces[contact];
             let bristle = self.system.bristle(contact).map(|place| 2 * contacts + place - 2 * self.system.order());
             let state = |values: &DMatrix<f64>, moment: usize| bristle.map_or(0.0, |row| values[(row, moment)]);
@@ -392,7 +498,7 @@ impl<'a> Path<'a> {
                 let [gap, slip] = [values[(contact, moment)], values[(contacts + contact, moment)]];
                 let of_state = state(values, moment);
                 let velocity = self.system.contacts()[contact].speed + slip;
-                let found = self.system.forces(contact, self.is_closed(contact), gap, velocity, of_state);
+                let found = self.system.forces(contact, self.phase(contact), [gap, velocity, of_state]);
                 let moved = [
                     gap - self.seen[(contact, 0)],
                     slip - self.seen[(contacts + contact, 0)],

@@ -3,11 +3,13 @@
 use nalgebra::DMatrix;
 
 use crate::contact::along;
+use crate::path::Path;
+use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Part};
 
 impl ContactSystem {
-    /// Power of each family of forces on the structure, W, in the order of [`ContactSystem::families`].
-    pub(crate) fn powers(&self, families: &[String], x: &[f64], out: &mut [f64]) {
+    /// Power of each family of forces on the structure in a state of motion of a piece, W, in the order of [`ContactSystem::families`].
+    pub(crate) fn powers(&self, families: &[String], (motion, x): (&Path<'_>, &[f64]), out: &mut [f64]) {
         let n = self.order();
         let (u, velocity) = (&x[..n], &x[n..2 * n]);
         out.fill(0.0);
@@ -19,8 +21,15 @@ impl ContactSystem {
             };
             out[place] -= product(&matrices.c, velocity) + product(&matrices.k, u);
         }
+        let mut held = vec![0.0; self.contacts.len()];
+        let mut forces: Vec<ContactForces> =
+            (0..held.len()).map(|contact| self.forces_in_phase(contact, x, motion.phase(contact))).collect();
+        let mut rate = vec![0.0; self.dimension()];
+        self.rate_with(&forces, x, &mut rate);
+        motion.hold(&mut rate[n..2 * n], |contact, force| held[contact] = force);
+        forces.iter_mut().zip(&held).for_each(|(forces, held)| forces.friction += held);
         for (contact, of) in self.contacts.iter().enumerate() {
-            let forces = self.forces_in(contact, x);
+            let forces = &forces[contact];
             if let Some(place) = place(&of.family) {
                 out[place] += forces.friction * along(&of.sliding, velocity);
             }
@@ -48,8 +57,9 @@ impl ContactSystem {
     #[must_use]
     pub fn kinetic_energy(&self, x: &[f64]) -> f64 {
         let velocity = &x[self.order()..2 * self.order()];
-        let columns = self.structure.m.column_iter().zip(velocity);
-        0.5 * columns.map(|(column, v)| v * along_column(column.as_slice(), velocity)).sum::<f64>()
+        let mut momentum = vec![0.0; velocity.len()];
+        product(&self.structure.m, velocity, &mut momentum);
+        0.5 * along_column(&momentum, velocity)
     }
 }
 

@@ -61,7 +61,7 @@ fn monodromy(
     tolerance: f64,
 ) -> Result<DMatrix<f64>, Error> {
     let mut matrix = DMatrix::from_diagonal(&DVector::from_column_slice(scales));
-    let mut motion = Path::new(system, start.to_vec(), scales, tolerance, 0.1 * period, &[]);
+    let mut motion = Path::new(system, start.to_vec(), scales, tolerance, 0.1 * period, &[])?;
     while motion.time < period {
         motion.step(period)?;
         motion.carry(&mut matrix)?;
@@ -88,7 +88,7 @@ pub fn shoot(
     let wanted = (1e3 * tolerance).min(1e-6);
     let mut kept = None;
     for _ in 0..MOST_CORRECTIONS {
-        let mut motion = Path::new(system, x.clone(), scales, tolerance, 0.1 * period, &[]);
+        let mut motion = Path::new(system, x.clone(), scales, tolerance, 0.1 * period, &[])?;
         while motion.time < period {
             motion.step(period)?;
         }

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use friction::BristleMotion;
 use linsys::{AffineSystem, SecondOrder, Term};
 use nalgebra::{DMatrix, DVectorView};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::slow::SlowFriction;
+use crate::stick::Sliding;
 use crate::{Error, SlidingContact};
 
 /// A part of a structure whose forces are one family: M, C and K.
@@ -46,8 +47,8 @@ pub struct ContactSystem {
     pub(crate) contacts: Vec<SlidingContact>,
     /// z and mu of steady sliding, by contact.
     steady: Vec<(f64, f64)>,
-    /// Friction of each contact below its stick speed, forwards and backwards, where that is a polynomial of the velocity.
-    slow: Vec<[Option<SlowFriction>; 2]>,
+    /// Coefficient up to which each contact sticks, where its friction jumps.
+    pub(crate) static_friction: Vec<Option<f64>>,
     /// Place of the bristle of each contact in a state of motion.
     pub(crate) bristles: Vec<Option<usize>>,
     pub(crate) dimension: usize,
@@ -167,10 +168,8 @@ impl ContactSystem {
             .view_mut((2 * contacts.len(), 2 * order), (dimension - 2 * order, dimension - 2 * order))
             .fill_with_identity();
         let steady = contacts.iter().map(SlidingContact::steady).collect();
-        let slow = |contact: &SlidingContact| {
-            [true, false].map(|is_forward| SlowFriction::new(&*contact.friction, contact.speed, is_forward))
-        };
-        let slow = contacts.iter().map(slow).collect();
+        let sticks = |contact: &SlidingContact| contact.friction.sliding(0.0, true).map(|at| at.mu);
+        let static_friction = contacts.iter().map(sticks).collect();
         let at_rest = (Vec::new(), DMatrix::zeros(dimension - order, dimension));
         let stop = None;
         let mut system = Self {
@@ -178,7 +177,7 @@ impl ContactSystem {
             structure,
             contacts,
             steady,
-            slow,
+            static_friction,
             bristles,
             dimension,
             free,
@@ -246,21 +245,26 @@ impl ContactSystem {
         self.bristles[contact]
     }
 
-    /// Friction of a contact below its stick speed on one side of rest, where that is a polynomial of the velocity.
-    pub(crate) fn slow_friction(&self, contact: usize, is_forward: bool) -> Option<&SlowFriction> {
-        self.slow[contact][usize::from(!is_forward)].as_ref()
-    }
-
     /// Bristle state of a contact in steady sliding.
     pub(crate) fn steady_bristle(&self, contact: usize) -> f64 {
         self.steady[contact].0
     }
 
-    /// Forces of a contact at a change `gap` of its normal force, N, a sliding velocity, m/s, and the deviation of its bristle. `is_closed` says on which side
-    /// of its kink they are, and continues them beyond it.
-    pub(crate) fn forces(&self, contact: usize, is_closed: bool, gap: f64, velocity: f64, state: f64) -> ContactForces {
+    /// Forces of a contact at a change `gap` of its normal force, N, a sliding velocity, m/s, and the deviation of its bristle. Whether it is closed and how it slides say on which
+    /// sides of its kinks they are, and continue them beyond; of a stuck one they are those without friction.
+    pub(crate) fn forces(
+        &self,
+        contact: usize,
+        (is_closed, sliding): (bool, Sliding),
+        [gap, velocity, state]: [f64; 3],
+    ) -> ContactForces {
         let (of, (steady, mu0)) = (&self.contacts[contact], self.steady[contact]);
-        let friction = of.friction.at(velocity, steady + state);
+        let sign = if sliding == Sliding::Forwards { 1.0 } else { -1.0 };
+        let friction = match sliding {
+            Sliding::Smooth => of.friction.at(velocity, steady + state),
+            Sliding::Stuck => BristleMotion::default(),
+            _ => of.friction.sliding(sign * velocity, sign > 0.0).unwrap_or_default(),
+        };
         let (normal, by_gap) = if is_closed { (of.load + gap, 1.0) } else { (0.0, 0.0) };
         // K holds the spring of a contact that is closed in steady sliding.
         let (excess, held_by_gap) = if of.is_closed() { (normal - of.load - gap, 1.0) } else { (normal, 0.0) };
@@ -280,20 +284,23 @@ impl ContactSystem {
     /// Forces of a contact in a state of motion.
     pub(crate) fn forces_in(&self, contact: usize, x: &[f64]) -> ContactForces {
         let of = &self.contacts[contact];
-        self.forces_in_phase(contact, x, of.load + of.approach(x) > 0.0)
+        self.forces_in_phase(contact, x, (of.load + of.approach(x) > 0.0, Sliding::Smooth))
     }
 
-    /// Forces of a contact in a state of motion, on one side of its kink.
-    pub(crate) fn forces_in_phase(&self, contact: usize, x: &[f64], is_closed: bool) -> ContactForces {
+    /// Forces of a contact in a state of motion, on one side of its kinks.
+    pub(crate) fn forces_in_phase(&self, contact: usize, x: &[f64], phase: (bool, Sliding)) -> ContactForces {
         let of = &self.contacts[contact];
         let state = self.bristles[contact].map_or(0.0, |place| x[place]);
-        self.forces(contact, is_closed, of.approach(x), of.slip(&x[self.order()..]), state)
+        self.forces(contact, phase, [of.approach(x), of.slip(&x[self.order()..]), state])
     }
 
-    /// The rate x' of a state of motion x.
+    /// The rate x' of a state of motion x; NaN where it cannot be told which contacts stick.
     pub fn rate(&self, x: &[f64], out: &mut [f64]) {
-        let forces: Vec<_> = (0..self.contacts.len()).map(|contact| self.forces_in(contact, x)).collect();
-        self.rate_with(&forces, x, out);
+        let is_closed: Vec<bool> = self.contacts.iter().map(|of| of.load + of.approach(x) > 0.0).collect();
+        match self.sliding_in(x, &is_closed) {
+            Ok(sliding) => self.rate_of(x, &is_closed, &sliding, out, |_, _| ()),
+            Err(_) => out.fill(f64::NAN),
+        }
     }
 
     /// The rate x' of a state of motion x under the forces of its contacts.

@@ -1,9 +1,9 @@
 //! Small deviations from a motion: the variational equation, over the pieces of the motion.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
-use crate::moments::{FITTED, LEADING, fit, moment};
+use crate::moments::{FITTED, fit, moment};
 use crate::path::Path;
 use crate::size::{amplitude, largest};
 
@@ -15,9 +15,6 @@ const LAST_TERMS: f64 = 1e-11;
 
 /// Part of the largest deviation above which terms that cancel each other cost too many digits; chosen.
 const CANCELLING: f64 = 1e4;
-
-/// Part of a deviation that may be missed where a slope of friction is no polynomial of time; chosen, far below what a multiplier is known to.
-const MISSED: f64 = 1e-9;
 
 /// Parts of a piece over which deviations have a series, at most; more, and numbers are not finite.
 const MOST_PARTS: usize = 1 << 16;
@@ -35,6 +32,14 @@ impl Path<'_> {
     /// # Errors
     /// Numbers that are not finite.
     pub fn carry(&self, deviations: &mut DMatrix<f64>) -> Result<(), Error> {
+        if let Some((row, [before, after])) = &self.jump {
+            // A deviation comes to the jump at another time.
+            let along_jump: f64 = self.system.reads.row(*row).iter().zip(before).map(|(read, rate)| read * rate).sum();
+            let times = self.system.reads.row(*row) * &*deviations / along_jump;
+            let jump =
+                DVector::from_iterator(before.len(), after.iter().zip(before).map(|(after, before)| after - before));
+            *deviations += jump * times;
+        }
         let mut parts = 1;
         while parts <= MOST_PARTS {
             let border = |at: usize| at as f64 / parts as f64;
@@ -53,37 +58,43 @@ impl Path<'_> {
     fn carry_over(&self, deviations: &DMatrix<f64>, [from, to]: [f64; 2]) -> Option<DMatrix<f64>> {
         let (system, below) = (self.system, &self.below);
         let (d, n, contacts) = (system.dimension(), system.order(), system.contacts().len());
-        let slopes = self.slopes([from, to])?;
+        let slopes = self.slopes([from, to]);
         let size = |of: &DMatrix<f64>| {
             of.column_iter().fold(0.0, |size, column| largest(size, amplitude(column.as_slice(), self.scales)))
         };
         let most = size(deviations);
         let (mut sum, mut term, mut before) = (deviations.clone(), deviations.clone(), f64::INFINITY);
+        // What contacts see of the terms, a reading a column.
         let mut seen: Vec<DMatrix<f64>> = Vec::new();
         for k in 0..MOST_TERMS {
             let mut next = DMatrix::zeros(d, term.ncols());
             next.rows_mut(0, n).copy_from(&term.rows(n, n));
             next.rows_mut(n, d - n).gemm(1.0, below, &term, 0.0);
             if !slopes.is_empty() {
-                seen.push(&system.reads * &term);
-                let mut friction = DMatrix::zeros(contacts, term.ncols());
+                seen.push((&system.reads * &term).transpose());
+                let mut friction = DMatrix::zeros(term.ncols(), contacts);
+                let mut rates = DMatrix::zeros(term.ncols(), d - 2 * n);
                 for Slopes { contact, powers } in &slopes {
-                    let place = system.bristle(*contact);
-                    let rows =
-                        [Some(*contact), Some(contacts + contact), place.map(|place| 2 * contacts + place - 2 * n)];
+                    let bristle = system.bristle(*contact).map(|place| place - 2 * n);
                     for (power, of_term) in (0..=FITTED).zip(seen.iter().rev()) {
-                        for (row, slope) in rows.into_iter().zip(0..3) {
-                            let Some(row) = row else { continue };
-                            let mut to = friction.row_mut(*contact);
-                            to += of_term.row(row) * powers[slope][power];
-                        }
-                        let Some(place) = place else { continue };
-                        let mut to = next.row_mut(place);
-                        to += of_term.row(contacts + contact) * powers[3][power];
-                        to += of_term.row(2 * contacts + place - 2 * n) * powers[4][power];
+                        let [gap, slip] = [*contact, contacts + contact].map(|reading| of_term.column(reading));
+                        let mut to = friction.column_mut(*contact);
+                        to.axpy(powers[0][power], &gap, 1.0);
+                        to.axpy(powers[1][power], &slip, 1.0);
+                        let Some(bristle) = bristle else { continue };
+                        let state = of_term.column(2 * contacts + bristle);
+                        to.axpy(powers[2][power], &state, 1.0);
+                        let mut to = rates.column_mut(bristle);
+                        to.axpy(powers[3][power], &slip, 1.0);
+                        to.axpy(powers[4][power], &state, 1.0);
                     }
                 }
-                next.rows_mut(n, n).gemm(1.0, &system.sliding, &friction, 1.0);
+                next.rows_mut(n, n).gemm(1.0, &system.sliding, &friction.transpose(), 1.0);
+                let mut of_bristles = next.rows_mut(2 * n, d - 2 * n);
+                of_bristles += rates.transpose();
+            }
+            for mut column in next.column_iter_mut() {
+                self.hold(&mut column.as_mut_slice()[n..2 * n], |_, _| ());
             }
             next *= (to - from) * self.duration() / (k + 1) as f64;
             sum += &next;
@@ -99,21 +110,17 @@ impl Path<'_> {
         None
     }
 
-    /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some; `None` where the part is too long
-    /// for their polynomials.
-    fn slopes(&self, [from, to]: [f64; 2]) -> Option<Vec<Slopes>> {
-        let (system, contacts) = (self.system, self.system.contacts().len());
-        let duration = (to - from) * self.duration();
+    /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some.
+    fn slopes(&self, [from, to]: [f64; 2]) -> Vec<Slopes> {
+        let system = self.system;
         let mut x = vec![0.0; system.dimension()];
         let mut found: Vec<Vec<[f64; 5]>> = vec![Vec::with_capacity(FITTED + 1); system.contacts().len()];
         for at in 0..=FITTED {
             let moment = if at == 0 { 0.0 } else { moment(2 * at - 1) };
             self.at_part(from + (to - from) * moment, &mut x);
             for (contact, changes) in found.iter_mut().enumerate() {
-                let (now, begin) = (
-                    system.forces_in_phase(contact, &x, self.is_closed(contact)).slopes(),
-                    self.forces[contact].slopes(),
-                );
+                let (now, begin) =
+                    (system.forces_in_phase(contact, &x, self.phase(contact)).slopes(), self.forces[contact].slopes());
                 // What differs by rounding alone does not.
                 let change = |slope: usize| {
                     let (now, begin) = (now[slope], begin[slope]);
@@ -128,18 +135,7 @@ impl Path<'_> {
                 let others = fit(&std::array::from_fn(|at| changes[at + 1][slope] - first));
                 std::array::from_fn(|power| if power == 0 { first } else { others[power - 1] })
             });
-            // What a deviation of one scale does by what is missed; other pieces are no longer than polynomials hold.
-            let missed = |slope: usize| {
-                let bristle = system.bristle(contact).map(|place| 2 * contacts + place - 2 * system.order());
-                let row = [Some(contact), Some(contacts + contact), bristle, Some(contacts + contact), bristle][slope];
-                let read = row.map_or(0.0, |row| {
-                    system.reads.row(row).iter().zip(self.scales).map(|(read, scale)| (read * scale).abs()).sum()
-                });
-                let weight = self.weights[if slope < 3 { contact } else { contacts + contact }];
-                (powers[slope][FITTED] / LEADING).abs() * read * weight * duration
-            };
-            let is_long = self.slow[contact].is_some();
-            (!is_long || (0..5).all(|slope| missed(slope) <= MISSED)).then_some(Slopes { contact, powers })
+            Slopes { contact, powers }
         };
         let changed =
             found.into_iter().enumerate().filter(|(_, changes)| changes.iter().flatten().any(|change| *change != 0.0));

@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt, part};
 use cycle::{
-    Bristled, ContactState, ContactSystem, Cycle, Measures, Motion, Part, Settings, SlidingContact, Smoothed, follow,
-    harmonics, history, measure, state_after, states,
+    Bristled, ContactFriction, ContactState, ContactSystem, Cycle, Measures, Motion, Part, Settings, SlidingContact,
+    Smoothed, follow, harmonics, history, measure, state_after, states,
 };
 use friction::{
-    BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent, VelocityDependentParameters,
+    BristleDamping, BristleMotion, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent,
+    VelocityDependentParameters,
 };
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, dmatrix, dvector};
@@ -264,8 +265,28 @@ fn stick_slip(stick_speed: f64) -> (ContactSystem, Cycle, Measures) {
     (system, found, measures)
 }
 
+/// Friction of 0.3 with 0.3 more at rest, which falls with the speed, at a belt of 0.2. The two phases: SciPy's DOP853 from the release to where the mass is as fast as the belt,
+/// and the belt's way back to the release.
 #[test]
-fn stick_slip_tends_to_coulombs_as_the_smoothing_narrows() {
+fn a_cycle_of_stick_and_slip_is_that_of_its_two_phases() {
+    let law = VelocityDependent::new(VelocityDependentParameters { mu_s: 0.6, mu_k: 0.3, alpha: 2.0 }).unwrap();
+    for stick_speed in [2e-3, 0.1] {
+        let system = mass_on_belt(0.2, 0.02, Arc::new(Smoothed { law, stick_speed }));
+        let found = cycle(&system, vec![0.45, 0.0], 1.0, &ONE, 1e-11);
+        let measures = measure(&system, &found, 1e-11).unwrap();
+        // A stuck mass creeps by a part of 1e-9.
+        assert!((found.period - 7.376242207939).abs() < 1e-8, "{}", found.period);
+        assert!((measures.contacts[0].stuck - 0.327819709338).abs() < 1e-8, "{measures:?}");
+        assert!((measures.peak[0] - 0.4313198632).abs() < 1e-8, "{measures:?}");
+        // Friction works on the stuck mass too.
+        assert!(measures.imbalance() < 1e-9, "{measures:?}");
+        // Whatever it was before, it sticks.
+        assert!(found.largest_multiplier() < 1e-9, "{found:?}");
+    }
+}
+
+#[test]
+fn stick_slip_tends_to_coulombs_as_its_curve_narrows() {
     let (period, stuck) = (7.095261538, 2.0 * 0.4 / 0.3 / 7.095261538);
     let mut last = f64::INFINITY;
     for stick_speed in [1e-3, 4e-4, 1e-4] {
@@ -337,7 +358,7 @@ fn jacobians_are_limits_of_differences() {
         bristle_damping: BristleDamping::Decaying,
     })
     .unwrap();
-    let smoothed = Smoothed { law: law_of_speed(), stick_speed: 0.1 };
+    let smoothed = Smooth(Smoothed { law: law_of_speed(), stick_speed: 0.1 });
     let systems = [
         (
             mass_on_belt(0.7, 0.1, Arc::new(Bristled { law, stick_speed: 1e-3 })),
@@ -363,6 +384,24 @@ fn jacobians_are_limits_of_differences() {
                 }
             }
         }
+    }
+}
+
+/// Friction that stays smooth where the sliding turns.
+#[derive(Debug)]
+struct Smooth(Smoothed<VelocityDependent>);
+
+impl ContactFriction for Smooth {
+    fn at(&self, velocity: f64, state: f64) -> BristleMotion {
+        self.0.at(velocity, state)
+    }
+
+    fn steady_state(&self, speed: f64) -> Option<f64> {
+        self.0.steady_state(speed)
+    }
+
+    fn stick_speed(&self) -> f64 {
+        self.0.stick_speed()
     }
 }
 

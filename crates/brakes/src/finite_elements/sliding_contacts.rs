@@ -168,13 +168,22 @@ struct Times {
     law: Arc<dyn ContactFriction>,
 }
 
-impl ContactFriction for Times {
-    fn at(&self, velocity: f64, state: f64) -> BristleMotion {
-        let mut motion = self.law.at(velocity, state);
+impl Times {
+    fn times(&self, mut motion: BristleMotion) -> BristleMotion {
         for value in [&mut motion.mu, &mut motion.mu_by_velocity, &mut motion.mu_by_state] {
             *value *= self.factor;
         }
         motion
+    }
+}
+
+impl ContactFriction for Times {
+    fn at(&self, velocity: f64, state: f64) -> BristleMotion {
+        self.times(self.law.at(velocity, state))
+    }
+
+    fn sliding(&self, speed: f64, is_forwards: bool) -> Option<BristleMotion> {
+        self.law.sliding(speed, is_forwards).map(|motion| self.times(motion))
     }
 
     fn steady_state(&self, speed: f64) -> Option<f64> {

@@ -81,7 +81,11 @@ impl Equations<'_> {
                 let [load, speed] = [self.system.contacts()[contact].load, self.system.contacts()[contact].speed];
                 let at = |sample: usize| {
                     let state = state.as_ref().map_or(0.0, |state| state[sample]);
-                    self.system.forces(contact, load + gap[sample] > 0.0, gap[sample], speed - slip_rate[sample], state)
+                    self.system.forces(
+                        contact,
+                        (load + gap[sample] > 0.0, crate::stick::Sliding::Smooth),
+                        [gap[sample], speed - slip_rate[sample], state],
+                    )
                 };
                 (0..gap.len()).map(at).collect()
             })

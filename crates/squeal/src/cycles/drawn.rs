@@ -19,7 +19,7 @@ const SETTLED: f64 = 0.01;
 pub(crate) struct Following {
     /// Settings of the integration.
     pub settings: Settings,
-    /// A contact sticks where it slides with less than this part of its steady speed.
+    /// Part of the steady speed of a contact below which one with a bristle is said to stick.
     pub stick: f64,
 }
 

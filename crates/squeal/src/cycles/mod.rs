@@ -47,7 +47,7 @@ pub struct CycleOptions {
     pub harmonics: usize,
     /// Equal steps of a period at which a balance evaluates the contacts: 2 H + 1 or more.
     pub samples: usize,
-    /// A contact sticks where it slides with less than this part of its steady speed; above 0, below 1.
+    /// Part of the steady speed of a contact below which a balance smooths its friction, and below which one with a bristle is said to stick; above 0, below 1.
     pub stick: f64,
 }
 
@@ -163,7 +163,9 @@ fn open_kept<B: UncertainBrake>(
 /// Refuses options that no scene could take, and gives the balance.
 pub(crate) fn checked(options: &CycleOptions) -> Result<Balance, Error> {
     if !(options.stick > 0.0 && options.stick < 1.0) {
-        let allowed = "above 0 and below 1: the part of the sliding speed below which a contact sticks".into();
+        let allowed =
+            "above 0 and below 1: the part of the sliding speed below which the friction of the balance is smoothed"
+                .into();
         return Err(Error::Argument { argument: "stick", value: options.stick.to_string(), allowed });
     }
     Ok(Balance::new(options.harmonics, options.samples)?)
