@@ -154,7 +154,8 @@ impl Progress for Told {
 #[test]
 fn motions_go_on_where_they_were_cancelled() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml");
-    let brake = MatricesBrake::new(MatricesCase::read(&path).unwrap()).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let brake = MatricesBrake::new(MatricesCase::parse(&path, text).unwrap()).unwrap();
     let (folder, one) = (tempfile::tempdir().unwrap(), workers(Some(1)).unwrap());
     let options = CycleOptions { from: Start::Noise, ..CycleOptions::default() };
     let kept = folder.path().join("motions.json");
