@@ -140,8 +140,13 @@ impl ContactSystem {
                 let most = self.static_friction[contact].unwrap_or(0.0) * (of.load + of.approach(x)).max(0.0);
                 let sliding_rate = -along(&of.sliding, &rate[self.order()..2 * self.order()]);
                 match sliding[contact] {
-                    Sliding::Stuck if held[contact] > most * (1.0 + ABOVE) => Some((contact, Sliding::Forwards)),
                     Sliding::Stuck if held[contact] < -most * (1.0 + ABOVE) => Some((contact, Sliding::Backwards)),
+                    // What a law has no coefficient for is not held, and integration fails where it slides.
+                    Sliding::Stuck
+                        if held[contact].is_nan() || most.is_nan() || held[contact] > most * (1.0 + ABOVE) =>
+                    {
+                        Some((contact, Sliding::Forwards))
+                    }
                     Sliding::Forwards if sliding_rate < 0.0 => Some((contact, Sliding::Stuck)),
                     Sliding::Backwards if sliding_rate > 0.0 => Some((contact, Sliding::Stuck)),
                     _ => None,
