@@ -34,7 +34,7 @@ pub(super) fn write_manifest(
 /// The answer with its folder; of a question without an answer the folder is given back, which holds nothing but the file `kept` of what was found on the way.
 ///
 /// # Errors
-/// That there is no answer.
+/// The error of a question without an answer.
 pub(super) fn or_given_back<T>(
     found: Result<T, squeal::Error>,
     folder: Option<RunFolder>,

@@ -102,7 +102,7 @@ fn left_of(polygon: &[Vector2<f64>], from: Vector2<f64>, to: Vector2<f64>) -> Po
     kept
 }
 
-/// What an outline leaves of convex polygons: convex pieces larger than `least`. The triangles between the middle of the outline and its sides are taken away one
+/// Pieces that an outline leaves of convex polygons: convex ones, larger than `least`. The triangles between the middle of the outline and its sides are taken away one
 /// after another, and what is left beyond each side of a triangle is a piece.
 fn without(mut polygons: Vec<Polygon>, outline: &[Vector2<f64>], least: f64) -> Vec<Polygon> {
     let middle = outline.iter().sum::<Vector2<f64>>() / outline.len() as f64;

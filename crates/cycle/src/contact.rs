@@ -93,3 +93,23 @@ impl SlidingContact {
 pub(crate) fn along(sparse: &[(usize, f64)], dense: &[f64]) -> f64 {
     sparse.iter().map(|&(dof, value)| value * dense[dof]).sum()
 }
+
+/// Way in which the friction of a contact acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sliding {
+    /// By a law without a jump, at any velocity.
+    Smooth,
+    /// By its law, at positive velocities.
+    Forwards,
+    /// By its law, at negative velocities.
+    Backwards,
+    /// By what keeps it from sliding.
+    Stuck,
+}
+
+impl Sliding {
+    /// The side of a velocity.
+    pub fn of(velocity: f64) -> Self {
+        if velocity > 0.0 { Self::Forwards } else { Self::Backwards }
+    }
+}

@@ -11,11 +11,11 @@
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::contact::along;
+use crate::contact::{Sliding, along};
 use crate::moments::{FITTED, LEADING, MOMENTS, fit, moment};
 use crate::series::{MOST_TERMS, root, value_and_slope};
 use crate::size::{amplitude, largest};
-use crate::stick::{Sliding, Stuck, TURNED};
+use crate::stick::{Stuck, TURNED};
 use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Error};
 
@@ -254,7 +254,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Whether a contact is closed in the piece, and how it slides.
+    /// Phase of a contact in the piece: whether it is closed, and how it slides.
     pub fn phase(&self, contact: usize) -> (bool, Sliding) {
         (self.is_closed(contact), self.sliding[contact])
     }

@@ -7,7 +7,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::contact::along;
+use crate::contact::{Sliding, along};
 use crate::system::ContactForces;
 use crate::{ContactSystem, Error};
 
@@ -25,26 +25,6 @@ const ABOVE: f64 = 1e-12;
 
 /// Exchanges between sticking and sliding after which no state of the contacts was found.
 const MOST_EXCHANGES: usize = 1000;
-
-/// Way in which the friction of a contact acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sliding {
-    /// By a law without a jump, at any velocity.
-    Smooth,
-    /// By its law, at positive velocities.
-    Forwards,
-    /// By its law, at negative velocities.
-    Backwards,
-    /// By what keeps it from sliding.
-    Stuck,
-}
-
-impl Sliding {
-    /// The side of a velocity.
-    pub fn of(velocity: f64) -> Self {
-        if velocity > 0.0 { Self::Forwards } else { Self::Backwards }
-    }
-}
 
 /// Contacts that stick at the same time.
 #[derive(Debug, Clone)]

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVectorView};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::stick::Sliding;
+use crate::contact::Sliding;
 use crate::{Error, SlidingContact};
 
 /// A part of a structure whose forces are one family: M, C and K.

@@ -65,7 +65,7 @@ pub(super) struct Pass<'a> {
     pub(super) parameters: &'a [String],
     pub(super) tables: &'a [Arc<TableFunction>],
     levels: Vec<Level>,
-    /// What is translated so far.
+    /// Text that is translated so far.
     pub(super) out: String,
     calls: Vec<CheckedCall>,
 }

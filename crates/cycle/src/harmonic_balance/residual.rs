@@ -83,7 +83,7 @@ impl Equations<'_> {
                     let state = state.as_ref().map_or(0.0, |state| state[sample]);
                     self.system.forces(
                         contact,
-                        (load + gap[sample] > 0.0, crate::stick::Sliding::Smooth),
+                        (load + gap[sample] > 0.0, crate::contact::Sliding::Smooth),
                         [gap[sample], speed - slip_rate[sample], state],
                     )
                 };

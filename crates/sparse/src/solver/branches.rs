@@ -2,8 +2,6 @@
 
 use std::collections::BinaryHeap;
 
-use super::fronts::Group;
-
 /// Fewest rows of a matrix that is cut into branches; chosen: factors of a smaller one take less time than threads take to begin.
 const FEWEST_ROWS: usize = 6_000;
 /// Largest branch, as a fraction of all operations; chosen: with a larger one threads wait for each other, with a smaller one more is left to the last part, which
@@ -11,6 +9,22 @@ const FEWEST_ROWS: usize = 6_000;
 const LARGEST: f64 = 0.1;
 /// Smallest branch, as a fraction of all operations; chosen: a smaller one is not worth a part of its own.
 const SMALLEST: f64 = 2e-3;
+
+/// Rows that are eliminated together, and the rows that they change.
+pub(super) struct Group {
+    pub(super) from: usize,
+    pub(super) to: usize,
+    /// Rows that they change, ascending, all after `to`.
+    pub(super) below: Vec<usize>,
+    /// The group that comes next: of the first row below.
+    pub(super) next: Option<usize>,
+}
+
+impl Group {
+    pub(super) fn width(&self) -> usize {
+        self.to - self.from
+    }
+}
 
 /// Part of an elimination: groups, and the rows that they have and change. A row of a part is counted among its own rows, which come first, and those of its
 /// border.

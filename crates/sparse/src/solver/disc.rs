@@ -77,8 +77,7 @@ impl Problem {
         Ok(Self { pencil, symbolic })
     }
 
-    /// The same problem, whose factors and solutions are made by so many threads: those of large systems that fall into parts, of which the results do not
-    /// depend on the number.
+    /// Problem with so many threads for factors and solutions, of large systems that fall into parts. No result depends on the number.
     #[must_use]
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.symbolic.threads = threads;

@@ -19,7 +19,7 @@ use faer::{Accum, Mat, MatMut, Spec};
 use num_complex::Complex;
 
 use super::blocks::PAR;
-use super::branches::{Part, PartGroup, parts};
+use super::branches::{Group, Part, PartGroup, parts};
 use super::in_threads::in_threads;
 use super::pencil::Pencil;
 use crate::ordering;
@@ -27,27 +27,6 @@ use crate::ordering;
 /// Most rows of groups that are joined, with the largest fraction of zeros among their entries: fewer than the library's, because factors
 /// are read a hundred times as often as they are computed.
 const JOINED: &[(usize, f64)] = &[(4, 0.5), (16, 0.1)];
-
-/// Rows that are eliminated together, and the rows that they change.
-pub(super) struct Group {
-    pub(super) from: usize,
-    pub(super) to: usize,
-    /// Rows that they change, ascending, all after `to`.
-    pub(super) below: Vec<usize>,
-    /// The group that comes next: of the first row below.
-    pub(super) next: Option<usize>,
-}
-
-impl Group {
-    pub(super) fn width(&self) -> usize {
-        self.to - self.from
-    }
-
-    /// Entries of a factor.
-    fn size(&self) -> usize {
-        triangle(self.width()) + self.width() * self.below.len()
-    }
-}
 
 /// The elimination order of a pattern and its groups.
 pub(super) struct Elimination {
@@ -135,6 +114,11 @@ impl Eliminated {
     }
 }
 
+/// Entries of a factor of a group.
+fn size(group: &Group) -> usize {
+    triangle(group.width()) + group.width() * group.below.len()
+}
+
 /// Entries of k rows below a diagonal.
 fn triangle(k: usize) -> usize {
     k * k.saturating_sub(1) / 2
@@ -174,7 +158,7 @@ fn part_factorised(
     let mut local = vec![0; order.len()];
     let mut factors =
         PartFactors { groups: Vec::with_capacity(part.groups.len()), lower: Vec::new(), upper: Vec::new() };
-    let size: usize = part.groups.iter().map(|of_part| groups[of_part.group].size()).sum();
+    let size: usize = part.groups.iter().map(|of_part| size(&groups[of_part.group])).sum();
     factors.lower.try_reserve_exact(size).ok()?;
     factors.upper.try_reserve_exact(size).ok()?;
     // One for all fronts: memory that the system gives anew has to be cleared by it.

@@ -5,7 +5,7 @@ use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
 use std::thread::scope;
 
-/// What `work` makes of each item, in their order, by at most as many threads.
+/// Results of `work` for each item, in their order, by at most as many threads.
 pub(super) fn in_threads<T: Send, U: Send>(threads: usize, items: Vec<T>, work: impl Fn(T) -> U + Sync) -> Vec<U> {
     let threads = threads.min(items.len());
     if threads < 2 {
