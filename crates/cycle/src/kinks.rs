@@ -1,4 +1,4 @@
-//! The next kink of a motion: where a contact opens or closes, sticks or begins to slide, its sliding velocity passes -eps, 0 or eps, or the motion a plane.
+//! The next kink of a motion: where a contact opens or closes, sticks or begins to slide, its sliding velocity passes 0, or the motion a plane.
 
 use nalgebra::DMatrix;
 

@@ -165,7 +165,7 @@ impl<'a> Meter<'a> {
         self.time += duration;
         for (contact, share) in self.contacts.iter_mut().enumerate() {
             share.open += if motion.is_closed(contact) { 0.0 } else { duration };
-            share.stuck += if motion.is_closed(contact) && motion.is_slow(contact) { duration } else { 0.0 };
+            share.stuck += if motion.is_closed(contact) { motion.slow_time(contact) } else { 0.0 };
         }
         let (mut part_before, x) = (0.0, &mut self.x);
         for (part, weight) in rule(motion.degree()).iter().copied().chain([(1.0, 0.0)]) {

@@ -26,6 +26,9 @@ const FEWER: usize = 6;
 const EARLY: f64 = 0.4;
 const SHORTER: f64 = 0.8;
 
+/// Factor by which a unit with a remainder is longer than the one before, at most; chosen: where kinks are many the last one was short.
+const MOST_GROWTH: f64 = 8.0;
+
 /// Part of the allowed error that the last two terms of a series may have; chosen.
 const LAST_TERMS: f64 = 0.01;
 
@@ -50,8 +53,8 @@ pub(crate) struct Path<'a> {
     allowed: f64,
     /// 1 over the scales.
     per_scale: Vec<f64>,
-    /// Functions whose changes of sign end a piece, by contact N, w + eps, w and w - eps, and at last the section: rows of `seen` and what is added. Of a contact that may stick
-    /// they are N, `mu N - f`, w and `mu N + f`.
+    /// Functions whose changes of sign end a piece, by contact N, `mu N - f`, w and `mu N + f`, and at last the section: rows of `seen` and what is added. Of a contact that cannot
+    /// stick, without a multiplier f, the second and the fourth are not asked.
     pub kinks: Vec<(usize, f64)>,
     /// Sides of the kinks on which the motion is in the piece, true where they are above 0.
     pub sides: Vec<bool>,
@@ -116,16 +119,10 @@ impl<'a> Path<'a> {
         }
         let mut kinks = Vec::with_capacity(4 * contacts + 1);
         for (at, contact) in system.contacts().iter().enumerate() {
-            let (slip, held, eps) = (contacts + at, reads.nrows() + 2 * at, contact.friction.stick_speed());
-            kinks.extend([
-                (at, contact.load),
-                (slip, contact.speed + eps),
-                (slip, contact.speed),
-                (slip, contact.speed - eps),
-            ]);
-            if let Some(mu) = system.static_friction[at] {
-                (kinks[4 * at + 1], kinks[4 * at + 3]) = ((held, mu * contact.load), (held + 1, mu * contact.load));
-            }
+            let (slip, held) = ((contacts + at, contact.speed), reads.nrows() + 2 * at);
+            let [forwards, backwards] =
+                [held, held + 1].map(|row| system.static_friction[at].map_or(slip, |mu| (row, mu * contact.load)));
+            kinks.extend([(at, contact.load), forwards, slip, backwards]);
         }
         if !section.is_empty() {
             kinks.push((rows, 0.0));
@@ -199,7 +196,9 @@ impl<'a> Path<'a> {
     /// True of a kink that the piece may come to.
     pub fn is_active(&self, kink: usize) -> bool {
         match self.sliding.get(kink / 4) {
-            None | Some(Sliding::Smooth) => true,
+            None => true,
+            // Friction without a jump has no kink where a contact begins to count as stuck.
+            Some(Sliding::Smooth) => kink.is_multiple_of(2),
             Some(sliding) => match kink % 4 {
                 0 => true,
                 2 => *sliding != Sliding::Stuck && self.is_closed(kink / 4),
@@ -246,17 +245,39 @@ impl<'a> Path<'a> {
         self.sides[4 * contact]
     }
 
-    /// True of a contact that sticks in the piece, or slides slower than its stick speed under friction that does not jump.
-    pub fn is_slow(&self, contact: usize) -> bool {
-        match self.sliding[contact] {
-            Sliding::Smooth => self.sides[4 * contact + 1] && !self.sides[4 * contact + 3],
-            sliding => sliding == Sliding::Stuck,
+    /// Time of the piece for which a contact sticks, or slides slower than its stick speed under friction that does not jump, s.
+    pub fn slow_time(&self, contact: usize) -> f64 {
+        if self.sliding[contact] != Sliding::Smooth {
+            return if self.sliding[contact] == Sliding::Stuck { self.duration() } else { 0.0 };
         }
+        let (of, row) = (&self.system.contacts()[contact], self.sliding.len() + contact);
+        let above = |part: f64| {
+            let [slip, slope] = value_and_slope((0..=self.degree).rev().map(|k| self.seen[(row, k)]), part);
+            let velocity = of.speed + slip;
+            [velocity.abs() - of.friction.stick_speed(), velocity.signum() * slope]
+        };
+        let (mut slow, mut before) = (0.0, (0.0, above(0.0)[0] < 0.0));
+        for at in 0..MOMENTS {
+            let part = self.length * moment(at);
+            let now = (part, above(part)[0] < 0.0);
+            slow += match (before.1, now.1) {
+                (true, true) => now.0 - before.0,
+                (false, false) => 0.0,
+                (true, false) => root(|part| above(part).map(|x| -x), [before.0, now.0], 1e-12) - before.0,
+                (false, true) => now.0 - root(above, [before.0, now.0], 1e-12),
+            };
+            before = now;
+        }
+        slow * self.unit
     }
 
     /// Phase of a contact in the piece: whether it is closed, and how it slides.
     pub fn phase(&self, contact: usize) -> (bool, Sliding) {
-        (self.is_closed(contact), self.sliding[contact])
+        let sliding = match self.sliding[contact] {
+            Sliding::Smooth => Sliding::of(if self.sides[4 * contact + 2] { 1.0 } else { -1.0 }),
+            sliding => sliding,
+        };
+        (self.is_closed(contact), sliding)
     }
 
     /// Adds to accelerations what stuck contacts do to them, and gives their forces, N.
@@ -341,16 +362,12 @@ impl<'a> Path<'a> {
                 // One more term costs so much less than one more piece that only a kink early in the unit makes the next unit shorter; a series whose
                 // terms have all been needed is as long as it can be.
                 let growth = match kink {
-                    Some(_) if !is_curved => {
-                        if length < EARLY {
-                            SHORTER
-                        } else {
-                            1.0
-                        }
-                    }
-                    _ => 2.0,
+                    _ if reach < 1.0 => reach,
+                    _ if is_curved => MOST_GROWTH,
+                    None => 2.0,
+                    Some(_) if length < EARLY => SHORTER,
+                    Some(_) => 1.0,
                 };
-                let growth = if reach < 1.0 { reach } else { growth };
                 let growth = if is_curved {
                     growth.min(0.9 * (SUBSTITUTED / last).powf(1.0 / (FITTED + 1) as f64))
                 } else {

@@ -174,6 +174,38 @@ mod tests {
     }
 
     #[test]
+    fn a_bristle_whose_sliding_turns_has_the_slopes_of_the_side_that_it_turns_to() {
+        let parameters = LuGreParameters {
+            mu_s: 0.6,
+            mu_k: 0.4,
+            v_s: 0.5,
+            sigma0: 1e4,
+            sigma1: 20.0,
+            sigma2: 0.0,
+            bristle_damping: BristleDamping::Constant,
+        };
+        let law = LuGre::new(parameters).unwrap();
+        let system = system(Arc::new(Bristled { law, stick_speed: 0.01 }));
+        let (scales, mut turns) = (system.scales(1.0), 0);
+        let mut motion = Path::new(&system, vec![0.3, -1.7, 1.4, 0.6, 0.0], &scales, 1e-10, 0.1, &[]).unwrap();
+        let mut x = motion.x.clone();
+        while motion.time < 50.0 {
+            let begin = motion.x.clone();
+            motion.step(50.0).unwrap();
+            let turned = 1.0 - begin[2];
+            if turned.abs() > 1e-12 {
+                continue;
+            }
+            turns += 1;
+            motion.at_part(0.5, &mut x);
+            let side = (1.0 - x[2]).signum();
+            let expected = law.moving(side * 1e-300, law.steady_bristle(1.0) + begin[4]).rate_by_velocity;
+            assert!((motion.forces[0].rate_by_velocity - expected).abs() < 1e-9 * expected.abs(), "{turned}");
+        }
+        assert!(turns >= 5, "{turns}");
+    }
+
+    #[test]
     fn deviations_are_limits_of_differences_where_contacts_open_slide_and_stick() {
         let parameters = VelocityDependentParameters { mu_s: 0.6, mu_k: 0.3, alpha: 2.0 };
         let bristles = LuGreParameters {

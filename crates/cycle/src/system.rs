@@ -263,7 +263,10 @@ impl ContactSystem {
         let friction = match sliding {
             Sliding::Smooth => of.friction.at(velocity, steady + state),
             Sliding::Stuck => BristleMotion::default(),
-            _ => of.friction.sliding(sign * velocity, sign > 0.0).unwrap_or_default(),
+            _ => of.friction.sliding(sign * velocity, sign > 0.0).unwrap_or_else(|| {
+                // A velocity that is 0 but for rounding has the side of its piece.
+                of.friction.at(sign * (sign * velocity).max(f64::MIN_POSITIVE), steady + state)
+            }),
         };
         let (normal, by_gap) = if is_closed { (of.load + gap, 1.0) } else { (0.0, 0.0) };
         // K holds the spring of a contact that is closed in steady sliding.
