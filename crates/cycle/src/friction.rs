@@ -17,6 +17,11 @@ pub trait ContactFriction: Debug + Send + Sync {
     /// Speed below which a contact is said to stick, m/s; of [`Smoothed`] friction the width of the smoothing too, on which its force depends.
     fn stick_speed(&self) -> f64;
 
+    /// True where the coefficient of [`ContactFriction::sliding`] is the same at every speed, so that a contact is linear until it opens, sticks or turns.
+    fn is_constant(&self) -> bool {
+        false
+    }
+
     /// The coefficient where it slides forwards, or backwards, at a speed, m/s, of friction that jumps where the sliding turns: [`ContactFriction::at`] smooths it. `None` of friction
     /// that does not jump.
     fn sliding(&self, _speed: f64, _is_forwards: bool) -> Option<BristleMotion> {
@@ -61,6 +66,10 @@ impl<L: FrictionLaw + Debug + Send + Sync> ContactFriction for Smoothed<L> {
 
     fn stick_speed(&self) -> f64 {
         self.stick_speed
+    }
+
+    fn is_constant(&self) -> bool {
+        self.law.is_constant()
     }
 
     fn sliding(&self, speed: f64, is_forwards: bool) -> Option<BristleMotion> {

@@ -131,6 +131,8 @@ pub(crate) struct Meter<'a> {
     time: f64,
     squares: Vec<f64>,
     energy: f64,
+    /// True where the mass matrix is diagonal, so that squares of velocities say what the energy is.
+    has_diagonal_mass: bool,
     works: Vec<f64>,
     contacts: Vec<Shares>,
     peak: Vec<f64>,
@@ -144,12 +146,14 @@ impl<'a> Meter<'a> {
     /// A meter of a motion from its start, with the powers of these families.
     pub fn new(system: &'a ContactSystem, start: &[f64], families: Vec<String>) -> Self {
         let (n, powers) = (system.order(), vec![0.0; families.len()]);
+        let mass = &system.structure().m;
         Self {
             system,
             families,
             time: 0.0,
             squares: vec![0.0; n],
             energy: 0.0,
+            has_diagonal_mass: mass.iter().filter(|m| **m != 0.0).count() == n,
             works: powers.clone(),
             contacts: vec![Shares::default(); system.contacts().len()],
             peak: start[..n].iter().map(|u| u.abs()).collect(),
@@ -172,7 +176,9 @@ impl<'a> Meter<'a> {
             motion.at_part(part, x);
             if weight > 0.0 {
                 self.squares.iter_mut().zip(&x[n..2 * n]).for_each(|(square, v)| *square += weight * duration * v * v);
-                self.energy += weight * duration * self.system.kinetic_energy(x);
+                if !self.has_diagonal_mass {
+                    self.energy += weight * duration * self.system.kinetic_energy(x);
+                }
                 if !self.families.is_empty() {
                     self.system.powers(&self.families, (motion, x), &mut self.powers);
                 }
@@ -180,8 +186,9 @@ impl<'a> Meter<'a> {
             }
             for (dof, peak) in self.peak.iter_mut().enumerate() {
                 *peak = peak.max(x[dof].abs());
-                // A displacement that turns in between is larger there.
-                if (self.before[n + dof] > 0.0) != (x[n + dof] > 0.0) {
+                // A displacement that turns in between is larger there, by less than both velocities go on for.
+                let beyond = (part - part_before) * duration * (self.before[n + dof].abs() + x[n + dof].abs());
+                if (self.before[n + dof] > 0.0) != (x[n + dof] > 0.0) && x[dof].abs() + beyond > *peak {
                     *peak = peak.max(motion.turning(dof, [part_before, part]).abs());
                 }
             }
@@ -193,7 +200,12 @@ impl<'a> Meter<'a> {
     /// Measures of the motion since its start or since they were taken last.
     pub fn take(&mut self) -> Measures {
         let next = Self::new(self.system, &self.before, self.families.clone());
-        let Self { families, time, squares, energy, works, contacts, peak, .. } = std::mem::replace(self, next);
+        let Self { families, time, squares, mut energy, has_diagonal_mass, works, contacts, peak, .. } =
+            std::mem::replace(self, next);
+        if has_diagonal_mass {
+            let mass = self.system.structure().m.diagonal();
+            energy = 0.5 * mass.iter().zip(&squares).map(|(m, square)| m * square).sum::<f64>();
+        }
         let share = |Shares { open, stuck }| Shares { open: open / time, stuck: stuck / time };
         Measures {
             rms_velocity: squares.iter().map(|square| (square / time).sqrt()).collect(),

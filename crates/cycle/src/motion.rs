@@ -60,13 +60,16 @@ const ASKED: usize = 8;
 /// Part of the distance of passages in the quarter before to which it shrinks in the last quarter where a motion comes to a cycle; chosen.
 const COMING: f64 = 0.8;
 
-/// Distance of two passages, relative to the size of the motion, below which it may be on its way to a cycle however slowly; chosen.
+/// Distance of two passages, relative to the size of the motion, below which it may be on its way to a cycle however slowly; chosen: shooting decides.
 const NEARLY: f64 = 0.01;
+
+/// Passages from a first try of shooting in vain to the next one, each wait twice as long as the one before; chosen, as a try in vain takes as long as a hundred periods.
+const WAIT: usize = 40;
 
 /// Part of the largest amplitude of a motion so far that counts as rest; chosen, far above what an allowed error keeps alive.
 const REST: f64 = 1e-6;
 
-/// Relative difference of two passages from which on they may be of one cycle; chosen, the shooting decides.
+/// Relative difference of the states after rounds of a cycle from which on it may be one round of them; chosen, the shooting decides.
 const ALIKE: f64 = 1e-4;
 
 /// Distance of a cycle from the passage that it was found from, relative to the size of the motion, at most; chosen.
@@ -112,7 +115,7 @@ pub fn follow_telling(
     let until = settings.most_periods as f64 * period;
     let end_of_block = |blocks: &Blocks| ((blocks.measured.len() + 1) * BLOCK) as f64 * period;
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
-    let (mut next_try, mut largest) = (0, amplitude(&motion.x, &scales));
+    let (mut next_try, mut wait, mut largest) = (0, WAIT, amplitude(&motion.x, &scales));
     let mut told = 0;
     while motion.time < until {
         let is_passage = motion.step(if meter.is_some() { end_of_block(&blocks).min(until) } else { until })?;
@@ -148,7 +151,7 @@ pub fn follow_telling(
         let distances = passages.iter().rev().skip(1).map(|(_, x)| distance(x, &motion.x, &scales) / size);
         blocks.nearest = distances.fold(blocks.nearest, f64::min);
         let Some(((end, last), earlier)) = passages.split_last() else { continue };
-        let alike = |(_, x): &&(f64, Vec<f64>)| distance(x, last, &scales) < ALIKE * size;
+        let alike = |(_, x): &&(f64, Vec<f64>)| distance(x, last, &scales) < NEARLY * size;
         let Some((begin, _)) = earlier.iter().rev().find(alike).filter(|_| next_try == 0) else { continue };
         let found = shoot(system, last.clone(), end - begin, &scales, settings.tolerance);
         let is_near = |cycle: &Cycle| {
@@ -159,8 +162,8 @@ pub fn follow_telling(
         if let Some(cycle) = found.ok().filter(|cycle| is_near(cycle) && cycle.is_stable()) {
             return Ok(Motion::Cycle(with_least_period(system, cycle, &scales, settings)));
         }
-        // Not yet there, or not at all: a shooting costs more than some periods.
-        next_try = 20;
+        // Not yet there, or not at all.
+        (next_try, wait) = (wait, 2 * wait);
     }
     Ok(Motion::NotPeriodic { time: motion.time, stretches: blocks.stretches() })
 }

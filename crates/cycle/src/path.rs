@@ -88,6 +88,8 @@ pub(crate) struct Path<'a> {
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
     pub forces: Vec<ContactForces>,
     pub below: DMatrix<f64>,
+    /// Contacts whose friction is more than its tangent.
+    pub curved: Vec<usize>,
     /// Powers from the first on of the remainder of friction of each contact, and then of the rates of their bristles.
     remainder: DMatrix<f64>,
     /// Change of the state in the time 1 s by a remainder of 1, in scales.
@@ -157,6 +159,7 @@ impl<'a> Path<'a> {
             sparse_reads,
             forces: Vec::new(),
             below: DMatrix::zeros(0, 0),
+            curved: (0..contacts).filter(|at| !system.contacts()[*at].friction.is_constant()).collect(),
             remainder: DMatrix::zeros(2 * contacts, FITTED),
             held: DMatrix::zeros(contacts, MOST_TERMS),
             sliding: vec![Sliding::Smooth; contacts],
@@ -348,12 +351,11 @@ impl<'a> Path<'a> {
         for _ in 0..MOST_SUBSTITUTIONS {
             let reach = self.fill(unit, is_curved)?;
             self.see();
-            let mut values = self.seen_at([0.0, reach]);
-            let (length, kink) = self.first_kink(reach, &values);
-            if kink.is_some() {
-                values = self.seen_at([0.0, length]);
-            }
-            let [change, last] = self.take_remainder(unit, length, is_curved, &values);
+            let (length, kink) = self.first_kink(reach, &self.seen_at([0.0, reach]));
+            let [change, last] = match self.curved.is_empty() {
+                true => [0.0; 2],
+                false => self.take_remainder(unit, length, is_curved, &self.seen_at([0.0, length])),
+            };
             if !(change.is_finite() && last.is_finite()) {
                 return Err(0.1);
             }
@@ -503,7 +505,8 @@ impl<'a> Path<'a> {
     fn take_remainder(&mut self, unit: f64, length: f64, is_curved: bool, values: &DMatrix<f64>) -> [f64; 2] {
         let contacts = self.system.contacts().len();
         let (mut change, mut last) = (0.0_f64, 0.0_f64);
-        for contact in (0..contacts).filter(|contact| self.sliding[*contact] != Sliding::Stuck) {
+        let curved = self.curved.iter().copied().filter(|contact| self.sliding[*contact] != Sliding::Stuck);
+        for contact in curved {
             let at_begin = &self.forces[contact];
             let bristle = self.system.bristle(contact).map(|place| 2 * contacts + place - 2 * self.system.order());
             let state = |values: &DMatrix<f64>, moment: usize| bristle.map_or(0.0, |row| values[(row, moment)]);

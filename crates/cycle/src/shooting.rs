@@ -15,6 +15,11 @@ const MOST_CORRECTIONS: usize = 24;
 /// Part of the residual so far up to which the next one says that the derivative used is good enough for one more; chosen.
 const USEFUL: f64 = 0.1;
 
+/// Part of the least residual so far up to which a correction counts as one, and the number of corrections one after the other that do not, after which a shooting has failed;
+/// chosen.
+const CORRECTED: f64 = 0.5;
+const MOST_IN_VAIN: usize = 3;
+
 /// Multipliers up to this far beyond the unit circle count as on it; chosen, far above the error of a monodromy matrix.
 const ON_THE_CIRCLE: f64 = 1e-5;
 
@@ -86,7 +91,7 @@ pub fn shoot(
     let (mut x, mut period, mut best) = (start, period, f64::INFINITY);
     let mut rate = vec![0.0; d];
     let wanted = (1e3 * tolerance).min(1e-6);
-    let mut kept = None;
+    let (mut kept, mut in_vain) = (None, 0);
     for _ in 0..MOST_CORRECTIONS {
         let mut motion = Path::new(system, x.clone(), scales, tolerance, 0.1 * period, &[])?;
         while motion.time < period {
@@ -104,6 +109,10 @@ pub fn shoot(
         }
         if is_slow {
             kept = None;
+        }
+        in_vain = if residual > CORRECTED * best { in_vain + 1 } else { 0 };
+        if in_vain == MOST_IN_VAIN {
+            break;
         }
         best = best.min(residual);
         let bordered = match kept.take() {

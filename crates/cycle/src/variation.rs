@@ -16,6 +16,9 @@ const LAST_TERMS: f64 = 1e-11;
 /// Part of the largest deviation above which terms that cancel each other cost too many digits; chosen.
 const CANCELLING: f64 = 1e4;
 
+/// Number of terms after which their size is looked at again, which costs as much as a term; chosen.
+const LOOKED_AT: usize = 4;
+
 /// Parts of a piece over which deviations have a series, at most; more, and numbers are not finite.
 const MOST_PARTS: usize = 1 << 16;
 
@@ -63,7 +66,7 @@ impl Path<'_> {
             of.column_iter().fold(0.0, |size, column| largest(size, amplitude(column.as_slice(), self.scales)))
         };
         let most = size(deviations);
-        let (mut sum, mut term, mut before) = (deviations.clone(), deviations.clone(), f64::INFINITY);
+        let (mut sum, mut term) = (deviations.clone(), deviations.clone());
         // What contacts see of the terms, a reading a column.
         let mut seen: Vec<DMatrix<f64>> = Vec::new();
         for k in 0..MOST_TERMS {
@@ -98,14 +101,17 @@ impl Path<'_> {
             }
             next *= (to - from) * self.duration() / (k + 1) as f64;
             sum += &next;
-            let last = size(&next);
+            let before = std::mem::replace(&mut term, next);
+            if k % LOOKED_AT != 0 {
+                continue;
+            }
+            let last = largest(size(&before), size(&term));
             if last.is_nan() || last > CANCELLING * most {
                 return None;
             }
-            if before.max(last) <= LAST_TERMS * most && (slopes.is_empty() || k > FITTED) {
+            if last <= LAST_TERMS * most && (slopes.is_empty() || k > FITTED) {
                 return Some(sum);
             }
-            (term, before) = (next, last);
         }
         None
     }
@@ -113,6 +119,9 @@ impl Path<'_> {
     /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some.
     fn slopes(&self, [from, to]: [f64; 2]) -> Vec<Slopes> {
         let system = self.system;
+        if self.curved.is_empty() {
+            return Vec::new();
+        }
         let mut x = vec![0.0; system.dimension()];
         let mut found: Vec<Vec<[f64; 5]>> = vec![Vec::with_capacity(FITTED + 1); system.contacts().len()];
         for at in 0..=FITTED {

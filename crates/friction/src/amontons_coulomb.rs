@@ -28,4 +28,8 @@ impl FrictionLaw for AmontonsCoulomb {
     fn tangent(&self, at: &Steady) -> Tangent {
         Tangent { mu: at.mu(), slope: 0.0, internal: None }
     }
+
+    fn is_constant(&self) -> bool {
+        true
+    }
 }

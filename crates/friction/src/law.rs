@@ -16,6 +16,11 @@ pub trait FrictionLaw {
     /// The linearisation about a steady state of this law.
     fn tangent(&self, at: &Steady) -> Tangent;
 
+    /// True of a law whose coefficient is the same at every speed.
+    fn is_constant(&self) -> bool {
+        false
+    }
+
     /// [`FrictionLaw::steady`] and [`FrictionLaw::tangent`] in one call.
     ///
     /// # Errors

@@ -193,4 +193,8 @@ impl ContactFriction for Times {
     fn stick_speed(&self) -> f64 {
         self.law.stick_speed()
     }
+
+    fn is_constant(&self) -> bool {
+        self.law.is_constant()
+    }
 }
