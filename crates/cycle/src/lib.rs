@@ -27,6 +27,7 @@ mod path;
 mod powers;
 mod series;
 mod shooting;
+mod sides;
 mod size;
 mod stick;
 mod system;

@@ -15,7 +15,7 @@ use crate::contact::{Sliding, along};
 use crate::moments::{FITTED, LEADING, MOMENTS, fit, moment};
 use crate::series::{MOST_TERMS, root, value_and_slope};
 use crate::size::{amplitude, largest};
-use crate::stick::{Stuck, TURNED};
+use crate::stick::Stuck;
 use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Error};
 
@@ -59,8 +59,8 @@ pub(crate) struct Path<'a> {
     /// Sides of the kinks on which the motion is in the piece, true where they are above 0.
     pub sides: Vec<bool>,
     /// Ways in which contacts slide in the piece, and those that stick.
-    sliding: Vec<Sliding>,
-    stuck: Option<Stuck>,
+    pub sliding: Vec<Sliding>,
+    pub stuck: Option<Stuck>,
     /// The row of `reads` whose change of sign began the piece with a jump of the rate, and the rates before and after it.
     pub jump: Option<(usize, [Vec<f64>; 2])>,
     /// Kink at the end of the piece.
@@ -177,110 +177,6 @@ impl<'a> Path<'a> {
         path.sliding = system.sliding_in(&path.x, &path.all_closed())?;
         path.take_sides();
         Ok(path)
-    }
-
-    /// Which contacts are closed in the piece.
-    fn all_closed(&self) -> Vec<bool> {
-        (0..self.sliding.len()).map(|contact| self.is_closed(contact)).collect()
-    }
-
-    /// Takes the sides of what slides and of what is held back, and the contacts that stick.
-    fn take_sides(&mut self) {
-        for (contact, sliding) in self.sliding.iter().enumerate().filter(|(_, sliding)| **sliding != Sliding::Smooth) {
-            let is_forwards = *sliding == Sliding::Forwards;
-            self.sides[4 * contact + 1..4 * contact + 4].copy_from_slice(&[true, is_forwards, true]);
-            // What just begins to slide is not said to turn by a rounding.
-            let speed = self.system.contacts()[contact].speed;
-            self.kinks[4 * contact + 2].1 = speed * (1.0 + if is_forwards { TURNED } else { -TURNED });
-        }
-        self.stuck = Stuck::new(self.system, &self.sliding);
-    }
-
-    /// True of a kink that the piece may come to.
-    pub fn is_active(&self, kink: usize) -> bool {
-        match self.sliding.get(kink / 4) {
-            None => true,
-            // Friction without a jump has no kink where a contact begins to count as stuck.
-            Some(Sliding::Smooth) => kink.is_multiple_of(2),
-            Some(sliding) => match kink % 4 {
-                0 => true,
-                2 => *sliding != Sliding::Stuck && self.is_closed(kink / 4),
-                _ => *sliding == Sliding::Stuck,
-            },
-        }
-    }
-
-    /// Goes over to the other side of a kink.
-    fn cross(&mut self, kink: usize) -> Result<(), Error> {
-        self.sides[kink] = !self.sides[kink];
-        let contact = kink / 4;
-        if self.sliding.get(contact).is_none_or(|sliding| *sliding == Sliding::Smooth) {
-            return Ok(());
-        }
-        let (system, was_stuck) = (self.system, self.sliding[contact] == Sliding::Stuck);
-        match kink % 4 {
-            0 if was_stuck || self.is_closed(contact) => {
-                self.sliding[contact] = Sliding::of(system.contacts()[contact].slip(&self.x[system.order()..]));
-            }
-            0 => return Ok(()),
-            1 => self.sliding[contact] = Sliding::Forwards,
-            3 => self.sliding[contact] = Sliding::Backwards,
-            _ => {
-                let is_closed = self.all_closed();
-                let mut rates = [vec![0.0; system.dimension()], vec![0.0; system.dimension()]];
-                system.rate_of(&self.x, &is_closed, &self.sliding, &mut rates[0], |_, _| ());
-                let is_open = |at: &usize| *at == contact || self.sliding[*at] == Sliding::Stuck;
-                let open: Vec<usize> = (0..is_closed.len()).filter(is_open).collect();
-                system.settle(&self.x, &is_closed, &mut self.sliding, &open)?;
-                if let Some(stuck) = Stuck::new(system, &self.sliding) {
-                    stuck.stop(system, &mut self.x);
-                }
-                system.rate_of(&self.x, &is_closed, &self.sliding, &mut rates[1], |_, _| ());
-                self.jump = Some((is_closed.len() + contact, rates));
-            }
-        }
-        self.take_sides();
-        Ok(())
-    }
-
-    /// True of a contact that is closed in the piece.
-    pub fn is_closed(&self, contact: usize) -> bool {
-        self.sides[4 * contact]
-    }
-
-    /// Time of the piece for which a contact sticks, or slides slower than its stick speed under friction that does not jump, s.
-    pub fn slow_time(&self, contact: usize) -> f64 {
-        if self.sliding[contact] != Sliding::Smooth {
-            return if self.sliding[contact] == Sliding::Stuck { self.duration() } else { 0.0 };
-        }
-        let (of, row) = (&self.system.contacts()[contact], self.sliding.len() + contact);
-        let above = |part: f64| {
-            let [slip, slope] = value_and_slope((0..=self.degree).rev().map(|k| self.seen[(row, k)]), part);
-            let velocity = of.speed + slip;
-            [velocity.abs() - of.friction.stick_speed(), velocity.signum() * slope]
-        };
-        let (mut slow, mut before) = (0.0, (0.0, above(0.0)[0] < 0.0));
-        for at in 0..MOMENTS {
-            let part = self.length * moment(at);
-            let now = (part, above(part)[0] < 0.0);
-            slow += match (before.1, now.1) {
-                (true, true) => now.0 - before.0,
-                (false, false) => 0.0,
-                (true, false) => root(|part| above(part).map(|x| -x), [before.0, now.0], 1e-12) - before.0,
-                (false, true) => now.0 - root(above, [before.0, now.0], 1e-12),
-            };
-            before = now;
-        }
-        slow * self.unit
-    }
-
-    /// Phase of a contact in the piece: whether it is closed, and how it slides.
-    pub fn phase(&self, contact: usize) -> (bool, Sliding) {
-        let sliding = match self.sliding[contact] {
-            Sliding::Smooth => Sliding::of(if self.sides[4 * contact + 2] { 1.0 } else { -1.0 }),
-            sliding => sliding,
-        };
-        (self.is_closed(contact), sliding)
     }
 
     /// Adds to accelerations what stuck contacts do to them, and gives their forces, N.
@@ -565,6 +461,32 @@ impl<'a> Path<'a> {
         // A displacement turns so slowly that half of the digits of the time will do.
         let turn = root(|part| at(part).map(|x| sign * x), [low * self.length, high * self.length], 1e-8);
         value_and_slope(series(dof), turn)[0]
+    }
+
+    /// Time of the piece for which a contact sticks, or slides slower than its stick speed under friction that does not jump, s.
+    pub fn slow_time(&self, contact: usize) -> f64 {
+        if self.sliding[contact] != Sliding::Smooth {
+            return if self.sliding[contact] == Sliding::Stuck { self.duration() } else { 0.0 };
+        }
+        let (of, row) = (&self.system.contacts()[contact], self.sliding.len() + contact);
+        let above = |part: f64| {
+            let [slip, slope] = value_and_slope((0..=self.degree).rev().map(|k| self.seen[(row, k)]), part);
+            let velocity = of.speed + slip;
+            [velocity.abs() - of.friction.stick_speed(), velocity.signum() * slope]
+        };
+        let (mut slow, mut before) = (0.0, (0.0, above(0.0)[0] < 0.0));
+        for at in 0..MOMENTS {
+            let part = self.length * moment(at);
+            let now = (part, above(part)[0] < 0.0);
+            slow += match (before.1, now.1) {
+                (true, true) => now.0 - before.0,
+                (false, false) => 0.0,
+                (true, false) => root(|part| above(part).map(|x| -x), [before.0, now.0], 1e-12) - before.0,
+                (false, true) => now.0 - root(above, [before.0, now.0], 1e-12),
+            };
+            before = now;
+        }
+        slow * self.unit
     }
 
     /// State at so many units of time after the begin of the piece.
