@@ -22,7 +22,7 @@ use crate::results::Results;
 /// Name of the file in which motions are kept, so that a run that was stopped goes on.
 const STATE: &str = "cycles_of_draws.json";
 /// Format of the file; the version changes when motions of an older program can no longer be taken.
-const FORMAT: Sealed = Sealed { kind: "squeal-cycles-of-draws", version: 4 };
+const FORMAT: Sealed = Sealed { kind: "squeal-cycles-of-draws", version: 5 };
 /// Number of samples that are evaluated together in the search for unstable ones; chosen.
 const BLOCK: u64 = 16;
 /// Number of draws that are followed between two looks whether to write, for each thread; chosen.
