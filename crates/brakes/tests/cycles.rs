@@ -7,12 +7,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use brakes::case::{CaseFile, ChosenSpeed, LatticeCase, MatricesCase, SceneChoice};
 use brakes::{AnyBrake, LatticeBrake, MatricesBrake, Purpose};
-use cea::{Mode, Workspace};
-use cycle::{Motion, Settings, follow, harmonics, measure, state_after, states};
+use cea::{Mode, QrSolver, Workspace};
+use cycle::{BranchEnd, Motion, Settings, follow, harmonics, measure, state_after, states};
 use montecarlo::Progress;
 use num_complex::Complex;
-use squeal::cycles::{CycleOptions, Start, cycles};
-use study::{Moves, UncertainBrake};
+use squeal::cycles::{CycleOptions, Start, branches, cycles};
+use study::{Moves, Study, UncertainBrake};
+use sweep::Over;
 
 fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
@@ -230,4 +231,26 @@ fn periods_are_told_as_they_pass_and_all_of_them_are_at_the_end() {
     let (brake, counts) = (hoffmann(|text| text), Counts::default());
     cycles(&brake, &brake.plan.scenes[0], &CycleOptions::default(), None, &counts).unwrap();
     assert_eq!([&counts.total, &counts.done].map(|count| count.load(Ordering::Relaxed)), [1000, 1000]);
+}
+
+#[test]
+fn a_branch_does_not_end_where_a_long_step_leads_to_steady_sliding() {
+    let text = r#"
+        study = { name = "two masses", samples = 10, seed = 1 }
+        brake = { kind = "matrices", dofs = ["x", "y"] }
+        parameters.mu = { distribution = "uniform", from = 0.3, to = 1.1 }
+        terms = [{ name = "body", mass = [[0.6, 0], [0, 1.4]], damping = [[0.1, 0], [0, 0.1]], stiffness = [[1.7, -0.2], [-0.2, 4.4]] }]
+        contacts = [{ name = "pad", force = { x = -1.0 }, reading = { y = -1.3 }, mu = "mu", load = 1.4, speed = 5.0, stiffness = 0.8 }]
+    "#;
+    let brake = MatricesBrake::new(MatricesCase::parse("two.toml".as_ref(), text.into()).unwrap()).unwrap();
+    let study = Study::new(&brake, &QrSolver).unwrap();
+    // A range is as long as one in its steps: of 0.22 and 0.24 one step led from an amplitude of 2 to 0.
+    for from in [0.1, 0.2, 0.22, 0.24, 0.25] {
+        for to in [1.1, 1.5] {
+            let over = Over { name: "mu".into(), from, to };
+            let found = branches(&study, 0, &over, &CycleOptions::default(), None, [&(), &()]).unwrap();
+            let [branch] = &found.branches[..] else { panic!("{from} to {to}: {}", found.text()) };
+            assert_eq!(branch.end, BranchEnd::Range, "{from} to {to}");
+        }
+    }
 }

@@ -66,11 +66,18 @@ const UPRIGHT: f64 = 1e-8;
 /// Steps shorter than this part of the longest are given up; chosen.
 const SHORTEST: f64 = 1e-4;
 
+/// Largest distance from the guess of a step to the point that is found from it, as a part of the step; chosen: a point farther away is one of another branch, of
+/// steady sliding for example, which all amplitudes are solutions next to.
+const FARTHEST: f64 = 1.0;
+
 /// Part of the amplitude of the first kink with which a branch starts at an onset; chosen, where forces of a constant coefficient are linear.
 const START: f64 = 0.5;
 
 /// Amplitude, as a part of that of the first kink, below which a branch has ended in steady sliding; chosen.
 const END: f64 = 1e-3;
+
+/// Reason why a branch is lost where the shortest step too leads to another.
+const ANOTHER_BRANCH: &str = "the next cycle is farther away than the shortest step, and belongs to another branch";
 
 impl Balance {
     /// The branch that starts at an onset, and why it ends. The onset is a parameter with the angular frequency and shape of a mode on the
@@ -139,13 +146,15 @@ impl Balance {
         while points.len() < reach.most_points {
             let guess = &x + &tangent * step;
             let condition = Condition { value: tangent.dot(&guess), row: tangent.clone() };
-            let found = solve(self, system_at, mode, guess, &condition, width);
+            let found = solve(self, system_at, mode, guess.clone(), &condition, width);
+            let is_next = |cycle: &BalancedCycle| (unknowns(cycle) - &guess).norm() <= FARTHEST * step;
             let (cycle, bordered, corrections) = match found {
-                Ok(found) => found,
-                Err(error) => {
+                Ok(found) if is_next(&found.0) => found,
+                other => {
                     step *= 0.25;
                     if step < SHORTEST * longest {
-                        return Ok((points, BranchEnd::Lost(error.to_string())));
+                        let reason = other.err().map_or_else(|| ANOTHER_BRANCH.to_owned(), |error| error.to_string());
+                        return Ok((points, BranchEnd::Lost(reason)));
                     }
                     continue;
                 }

@@ -15,7 +15,7 @@ use crate::contact::{Sliding, along};
 use crate::moments::{FITTED, LEADING, MOMENTS, fit, moment};
 use crate::series::{MOST_TERMS, root, value_and_slope};
 use crate::size::{amplitude, largest};
-use crate::stick::Stuck;
+use crate::stick::{AT_REST, Stuck};
 use crate::system::{ContactForces, product};
 use crate::{ContactSystem, Error};
 
@@ -463,15 +463,21 @@ impl<'a> Path<'a> {
         value_and_slope(series(dof), turn)[0]
     }
 
-    /// Time of the piece for which a contact sticks, or slides slower than its stick speed under friction that does not jump, s.
+    /// Time of the piece for which a contact sticks, or slides slower than its stick speed under friction that does not jump, s. Of contacts that stick together,
+    /// on one node for example, some may be held with all of their friction: these stick too, though they creep.
     pub fn slow_time(&self, contact: usize) -> f64 {
-        if self.sliding[contact] != Sliding::Smooth {
-            return if self.sliding[contact] == Sliding::Stuck { self.duration() } else { 0.0 };
-        }
         let (of, row) = (&self.system.contacts()[contact], self.sliding.len() + contact);
-        let above = |part: f64| {
+        let velocity_and_slope = |part: f64| {
             let [slip, slope] = value_and_slope((0..=self.degree).rev().map(|k| self.seen[(row, k)]), part);
-            let velocity = of.speed + slip;
+            [of.speed + slip, slope]
+        };
+        if self.sliding[contact] != Sliding::Smooth {
+            let creeps = |part: f64| velocity_and_slope(part * self.length)[0].abs() <= AT_REST * of.speed;
+            let is_stuck = self.sliding[contact] == Sliding::Stuck || [0.5, 1.0].into_iter().all(creeps);
+            return if is_stuck { self.duration() } else { 0.0 };
+        }
+        let above = |part: f64| {
+            let [velocity, slope] = velocity_and_slope(part);
             [velocity.abs() - of.friction.stick_speed(), velocity.signum() * slope]
         };
         let (mut slow, mut before) = (0.0, (0.0, above(0.0)[0] < 0.0));

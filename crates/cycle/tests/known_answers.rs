@@ -6,10 +6,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt, part};
+use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt, mass_on_belts, part};
 use cycle::{
-    Bristled, ContactFriction, ContactState, ContactSystem, Cycle, Measures, Motion, Part, Settings, SlidingContact,
-    Smoothed, follow, harmonics, history, measure, state_after, states,
+    Bristled, ContactFriction, ContactState, ContactSystem, Cycle, Measures, Motion, Part, Settings, Shares,
+    SlidingContact, Smoothed, follow, harmonics, history, measure, state_after, states,
 };
 use friction::{
     BristleDamping, BristleMotion, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent,
@@ -270,13 +270,17 @@ fn stick_slip(stick_speed: f64) -> (ContactSystem, Cycle, Measures) {
 #[test]
 fn a_cycle_of_stick_and_slip_is_that_of_its_two_phases() {
     let law = VelocityDependent::new(VelocityDependentParameters { mu_s: 0.6, mu_k: 0.3, alpha: 2.0 }).unwrap();
-    for stick_speed in [2e-3, 0.1] {
-        let system = mass_on_belt(0.2, 0.02, Arc::new(Smoothed { law, stick_speed }));
+    // Belts share the load: which of them holds how much of a mass that sticks to all of them is open, and says nothing of how long it sticks.
+    let shared = [vec![1.0], vec![0.5, 0.5], vec![0.1, 0.6, 0.3]];
+    for (stick_speed, loads) in [2e-3, 0.1].into_iter().flat_map(|speed| shared.iter().map(move |loads| (speed, loads)))
+    {
+        let system = mass_on_belts(loads, 0.2, 0.02, Arc::new(Smoothed { law, stick_speed }));
         let found = cycle(&system, vec![0.45, 0.0], 1.0, &ONE, 1e-11);
         let measures = measure(&system, &found, 1e-11).unwrap();
         // A stuck mass creeps by a part of 1e-9.
         assert!((found.period - 7.376242207939).abs() < 1e-8, "{}", found.period);
-        assert!((measures.contacts[0].stuck - 0.327819709338).abs() < 1e-8, "{measures:?}");
+        let is_right = |shares: &Shares| (shares.stuck - 0.327819709338).abs() < 1e-8;
+        assert!(measures.contacts.iter().all(is_right), "{measures:?}");
         assert!((measures.peak[0] - 0.4313198632).abs() < 1e-8, "{measures:?}");
         // Friction works on the stuck mass too.
         assert!(measures.imbalance() < 1e-9, "{measures:?}");

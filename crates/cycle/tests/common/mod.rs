@@ -55,18 +55,23 @@ pub fn hoffmann_mode(mu: f64) -> (Complex<f64>, Vec<Complex<f64>>) {
 
 /// A mass of 1 on a spring of 1 whose belt moves with `speed` under a normal force of 1.
 pub fn mass_on_belt(speed: f64, damping: f64, friction: Arc<dyn ContactFriction>) -> ContactSystem {
+    mass_on_belts(&[1.0], speed, damping, friction)
+}
+
+/// The same on several belts with these normal forces.
+pub fn mass_on_belts(loads: &[f64], speed: f64, damping: f64, friction: Arc<dyn ContactFriction>) -> ContactSystem {
     let mass = part("damping", dmatrix![1.0], dmatrix![damping], dmatrix![1.0]);
-    let belt = SlidingContact {
+    let belt = |&load: &f64| SlidingContact {
         name: "belt".into(),
         family: "friction".into(),
         sliding: vec![(0, 1.0)],
         normal: Vec::new(),
         stiffness: 0.0,
-        load: 1.0,
+        load,
         speed,
-        friction,
+        friction: Arc::clone(&friction),
     };
-    ContactSystem::new(vec![mass], vec![belt]).unwrap()
+    ContactSystem::new(vec![mass], loads.iter().map(belt).collect()).unwrap()
 }
 
 /// A coefficient that is a function of the sliding velocity, with its derivative.

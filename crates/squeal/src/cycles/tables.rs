@@ -239,6 +239,9 @@ impl Branches {
         let SweptParameter { name, from, .. } = &self.sweep.parameter;
         let mut text: String = self.branches.iter().map(|branch| branch.text(name)).collect();
         text += "amplitude: of the first harmonic, in that at which the first contact opens or sticks\n";
+        if self.branches.iter().flat_map(|branch| &branch.cycles).any(|cycle| cycle.is_fold) {
+            text += "fold: the balance turned since the line above; its sliding is smoothed, and motions in time may turn elsewhere: where their multiplier is 1\n";
+        }
         if self.growing_at_start() > 0 {
             let modes = self.growing_at_start();
             text += &format!("modes that grow at {name} = {from} already, whose cycles are not followed: {modes}\n");
