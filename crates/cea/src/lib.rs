@@ -56,8 +56,8 @@ pub use num_complex;
 pub use certified::{CertifiedError, JudgedEigenvalue, Verdict, by_frequency, sort};
 pub use dense::{
     BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, WholeSpectra, backward_error, check_mass, fix_phase,
-    left_vector, mass_norm_squared, pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all,
-    singular_vectors,
+    left_vector, mass_norm_squared, pair_numbers, ranks_together, right_and_left_vectors_of_all, right_vector,
+    right_vectors, right_vectors_of_all, singular_vectors,
 };
 #[cfg(feature = "lapack")]
 pub use dense::{LapackSolver, dgeev, dggev};

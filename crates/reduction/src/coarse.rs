@@ -89,21 +89,19 @@ impl Coarse {
             points.iter().map(|point| reduced.system().assemble(point)).collect::<Result<Vec<SecondOrder>, _>>()?;
         let known = spectra(&systems).into_iter().map(|found| Ok(reduced.next_to_rectangle(&found?, MARGIN)));
         let known = known.collect::<Result<Vec<_>, CeaError>>()?;
+        let both = vectors(&systems, &known)?;
         let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
-        let [right, left] = [&systems, &transposed].map(|systems| vectors(systems, &known));
-        let (right, left) = (right?, left?);
         let channels = reduced.system().channels();
         let of_point = |at: usize| {
-            let sides = [(&systems[at], &right[at]), (&transposed[at], &left[at])];
             let of = |(system, shapes): (&SecondOrder, &Shapes)| {
                 let [of_contacts, _] = apart(channels, &points[at], &system.internal);
                 let modes = shapes.iter().zip(&known[at]);
                 modes.filter_map(|(shape, &lambda)| of_mode(&of_contacts, lambda, shape)).collect::<Shapes>()
             };
-            sides.into_iter().flat_map(of).collect()
+            [&systems[at], &transposed[at]].into_iter().zip(&both[at]).flat_map(of).collect()
         };
         let states = CoarseStates::new(channels, points, &(0..points.len()).map(of_point).collect::<Vec<_>>())?;
-        let shapes: Vec<_> = right.iter().chain(&left).flatten().collect();
+        let shapes: Vec<_> = both.iter().flatten().flatten().collect();
         if shapes.is_empty() {
             return Ok(None);
         }

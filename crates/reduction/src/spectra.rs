@@ -1,19 +1,19 @@
 //! Whole spectra and vectors of several systems.
 
-use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, WholeSpectra, Workspace, right_vectors_of_all};
+use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, WholeSpectra, Workspace, right_and_left_vectors_of_all};
 use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use crate::ReductionError;
-
 /// Shapes of modes at a point.
 pub(super) type Shapes = Vec<DVector<Complex<f64>>>;
 
-/// The right vectors of the `known` eigenvalues of each system.
-pub(super) fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> Result<Vec<Shapes>, ReductionError> {
+/// The right vectors x of the `known` eigenvalues of each system, and left ones y with `Q(lambda)^T y = 0`.
+pub(super) fn vectors(systems: &[SecondOrder], known: &[Vec<Complex<f64>>]) -> Result<Vec<[Shapes; 2]>, CeaError> {
     let of: Vec<(&SecondOrder, &[Complex<f64>])> = systems.iter().zip(known.iter().map(Vec::as_slice)).collect();
-    Ok(right_vectors_of_all(&of, &mut Workspace::default()).into_iter().collect::<Result<_, CeaError>>()?)
+    let transposed = |[right, left]: [Shapes; 2]| [right, left.into_iter().map(|left| left.conjugate()).collect()];
+    let found = right_and_left_vectors_of_all(&of, &mut Workspace::default()).into_iter();
+    found.map(|found| found.map(transposed)).collect()
 }
 
 /// Whole spectra, those of systems of one shape together in the lanes of vector registers.

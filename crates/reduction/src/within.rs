@@ -17,7 +17,7 @@ use sparse::Rectangle;
 use super::basis::{ROUNDING, directions};
 use super::compared::compared;
 use super::shared::{Friction, Smaller, Structures};
-use super::spectra::{spectra, vectors};
+use super::spectra::{Shapes, spectra, vectors};
 use super::wanted::{largest, outside};
 use super::{dense, split};
 use crate::ReductionError;
@@ -218,18 +218,18 @@ impl<'a> Search<'a> {
         for found in spectra(systems) {
             near.push(found?.eigenvalues.into_iter().filter(is_near).collect::<Vec<_>>());
         }
-        let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
-        let (right, left) = (vectors(systems, &near)?, vectors(&transposed, &near)?);
+        let both = vectors(systems, &near)?;
         let split = |shapes: Vec<DVector<Complex<f64>>>, order: usize| {
             let mut out = split::zeros(order, shapes.len());
             let shapes = shapes.iter().map(|shape| shape.normalize());
             shapes.enumerate().for_each(|(at, shape)| split::set(&mut out, at, shape.iter().copied()));
             out
         };
-        let each = near.into_iter().zip(right.into_iter().zip(left)).zip(systems.iter().map(SecondOrder::order));
-        let one =
-            |((lambdas, (right, left)), order)| Modes { lambdas, right: split(right, order), left: split(left, order) };
-        Ok(each.map(one).collect())
+        let one = |((lambdas, [right, left]), system): ((_, [Shapes; 2]), &SecondOrder)| {
+            let [right, left] = [right, left].map(|shapes| split(shapes, system.order()));
+            Modes { lambdas, right, left }
+        };
+        Ok(near.into_iter().zip(both).zip(systems).map(one).collect())
     }
 
     /// All modes of the larger system at a point.

@@ -24,6 +24,7 @@ pub(crate) use scaling::MassRoot;
 pub use scaling::{StandardForm, check_mass};
 pub use solver::{EigenSolver, WholeSpectra};
 pub use vectors::{
-    backward_error, fix_phase, left_vector, right_vector, right_vectors, right_vectors_of_all, singular_vectors,
+    backward_error, fix_phase, left_vector, right_and_left_vectors_of_all, right_vector, right_vectors,
+    right_vectors_of_all, singular_vectors,
 };
 pub(crate) use vectors::{size, start};

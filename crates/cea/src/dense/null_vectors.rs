@@ -2,7 +2,8 @@
 //!
 //! Householder's factorisation `Q = U R` needs no pivoting, so that all lanes run the same operations. Inverse iteration with
 //! `R^H R = Q^H Q` then finds the right singular vector of the smallest singular value, which is the vector of smallest
-//! backward error; U is not needed. The factorisation takes 8/3 n^3 fused multiply-adds, twice those of an LU factorisation.
+//! backward error, and on its way `R^-H x`, which U turns into the left one. The factorisation takes 8/3 n^3 fused multiply-adds, twice those of an LU
+//! factorisation.
 
 use certified::lanes::{ComplexLanes, Ops, conj_fma, fma, narrow, neg, registers, scale, square, wide_part};
 use certified::lu::{LEAST_PIVOT, Lu};
@@ -12,21 +13,23 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 /// Number of inverse iterations with `Q^H Q`; chosen: the first nearly converges.
 const SINGULAR_VECTOR_ITERATIONS: usize = 3;
+/// Columns that are finished together; chosen: of 2, 4 and 8 the fastest.
+const TOGETHER: usize = 4;
 
-/// A unit vector x, and `|Q x|` after the last but one and after the last iteration.
+/// A unit vector x, and `|Q x|` after the last but one and after the last iteration; of the left side a vector y and `|Q^H y|`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NullVector {
     pub vector: DVector<Complex<f64>>,
     pub residuals: [f64; 2],
 }
 
-/// The unit vector x with the least `|Q x|` for each matrix Q, all of one size, by iteration from `start`; `None` where the
-/// entries of a matrix are too large or too small to be squared.
-pub(crate) fn null_vectors(
+/// The unit vector x with the least `|Q x|` for each matrix Q, all of one size, by iteration from `start`, and of two `SIDES` the unit vector y with the least
+/// `|Q^H y|` as well; `None` where the entries of a matrix are too large or too small to be squared.
+pub(crate) fn null_vectors<const SIDES: usize>(
     matrices: &[DMatrix<Complex<f64>>],
     start: &DVector<Complex<f64>>,
     scratch: &mut Vec<f64>,
-) -> Vec<Option<NullVector>> {
+) -> Vec<Option<[NullVector; SIDES]>> {
     let arch = Arch::new();
     let (wide, few) = matrices.split_at(wide_part(matrices.len()));
     let mut found = arch.dispatch(NullVectorsInLanes { matrices: wide, start, scratch });
@@ -50,47 +53,69 @@ pub(crate) fn by_factors(q: &DMatrix<Complex<f64>>, start: &DVector<Complex<f64>
     (is_one && residuals[1].is_finite()).then_some(NullVector { vector, residuals })
 }
 
-struct NullVectorsInLanes<'a> {
+struct NullVectorsInLanes<'a, const SIDES: usize> {
     matrices: &'a [DMatrix<Complex<f64>>],
     start: &'a DVector<Complex<f64>>,
     scratch: &'a mut Vec<f64>,
 }
 
-impl WithSimd for NullVectorsInLanes<'_> {
-    type Output = Vec<Option<NullVector>>;
+impl<const SIDES: usize> WithSimd for NullVectorsInLanes<'_, SIDES> {
+    type Output = Vec<Option<[NullVector; SIDES]>>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let (o, lanes, n) = (Ops::new(simd), S::F64_LANES, self.start.len());
-        let registers = registers::<S>(self.scratch, 2 * (n * n + 2 * n));
-        let (pairs, _) = registers.as_chunks_mut::<2>();
+        let (o, n) = (Ops::new(simd), self.start.len());
+        let registers = registers::<S>(self.scratch, 2 * (n * n + 3 * n) + n);
+        let (sizes, pairs) = registers.split_at_mut(n);
+        let (pairs, _) = pairs.as_chunks_mut::<2>();
         let (r, rest) = pairs.split_at_mut(n * n);
-        let (x, v) = rest.split_at_mut(n);
+        let (x, rest) = rest.split_at_mut(n);
+        let (y, heads) = rest.split_at_mut(n);
         let mut found = Vec::with_capacity(self.matrices.len());
-        for matrices in self.matrices.chunks(lanes) {
+        for matrices in self.matrices.chunks(S::F64_LANES) {
             fill::<S>(r, matrices);
-            factorise(o, r, v, n);
+            factorise(o, r, heads, sizes, n);
             for (x, start) in x.iter_mut().zip(self.start) {
                 *x = [o.splat(start.re), o.splat(start.im)];
             }
             let floor = floor(o, r, n);
-            let mut residuals = [o.splat(f64::INFINITY); 2];
+            let mut residuals = [[o.splat(f64::INFINITY); 2]; 2];
             for _ in 0..SINGULAR_VECTOR_ITERATIONS {
-                iterate(o, r, x, floor);
-                residuals = [residuals[1], residual(o, r, x)];
+                solve_adjoint(o, r, x, floor);
+                if SIDES == 2 {
+                    y.copy_from_slice(x);
+                    to_unit(o, y);
+                    residuals[1] = [residuals[1][1], residual_of_adjoint(o, r, y)];
+                }
+                solve(o, r, x, floor);
+                to_unit(o, x);
+                residuals[0] = [residuals[0][1], residual(o, r, x)];
             }
-            let entries: &[f64] = bytemuck::cast_slice(x);
-            let residuals: &[f64] = bytemuck::cast_slice(&residuals);
+            if SIDES == 2 {
+                for k in (0..n).rev() {
+                    reflect(o, [&mut y[k..]], (heads[k], &r[k * n..][k + 1..n]), sizes[k]);
+                }
+            }
+            let sides: [_; SIDES] = std::array::from_fn(|side| ([&*x, &*y][side], &residuals[side]));
             for lane in 0..matrices.len() {
-                let entry = |i: usize| entries[i * lanes + lane];
-                let vector = DVector::from_fn(n, |i, _| Complex::new(entry(2 * i), entry(2 * i + 1)));
-                let residuals = [residuals[lane], residuals[lanes + lane]];
-                let is_one = (vector.norm_squared() - 1.0).abs() < 1e-6;
-                found.push((is_one && residuals[1].is_finite()).then_some(NullVector { vector, residuals }));
+                let both = sides.map(|(vector, residuals)| null_vector::<S>(vector, residuals, lane));
+                let both: Option<Vec<NullVector>> = both.into_iter().collect();
+                found.push(both.and_then(|both| both.try_into().ok()));
             }
         }
         found
     }
+}
+
+/// What a lane has found; `None` where that is no vector.
+fn null_vector<S: Simd>(vector: &[[S::f64s; 2]], residuals: &[S::f64s; 2], lane: usize) -> Option<NullVector> {
+    let lanes = S::F64_LANES;
+    let (entries, residuals): (&[f64], &[f64]) = (bytemuck::cast_slice(vector), bytemuck::cast_slice(residuals));
+    let entry = |i: usize| entries[i * lanes + lane];
+    let vector = DVector::from_fn(vector.len(), |i, _| Complex::new(entry(2 * i), entry(2 * i + 1)));
+    let residuals = [residuals[lane], residuals[lanes + lane]];
+    let is_one = (vector.norm_squared() - 1.0).abs() < 1e-6;
+    (is_one && residuals[1].is_finite()).then_some(NullVector { vector, residuals })
 }
 
 /// Writes one matrix into each lane, column by column; the spare lanes hold the first matrix.
@@ -106,59 +131,105 @@ fn fill<S: Simd>(r: &mut [[S::f64s; 2]], matrices: &[DMatrix<Complex<f64>>]) {
     }
 }
 
-/// Overwrites the upper triangle with R, by a reflection `H = I - g v v^H` for each column in turn.
+/// Overwrites the upper triangle with R, by a reflection `H = I - g v v^H` for each column: the first entries of v in `heads`, the others below the
+/// diagonal, and the g in `sizes`. Columns are finished a few at a time, so that all others are read and not written: the matrices of all lanes together fit
+/// into no cache.
 #[inline(always)]
-fn factorise<S: Simd>(o: Ops<S>, r: &mut [[S::f64s; 2]], v: &mut [[S::f64s; 2]], n: usize) {
-    let (zero, one) = (o.splat(0.0), o.splat(1.0));
-    for k in 0..n {
-        let (head, tail) = r.split_at_mut((k + 1) * n);
-        let column = &mut head[k * n + k..];
-        let v = &mut v[..n - k];
-        v.copy_from_slice(column);
-        let mut below = zero;
-        for &x in &v[1..] {
-            below = square(o, x, below);
+fn factorise<S: Simd>(o: Ops<S>, r: &mut [[S::f64s; 2]], heads: &mut [[S::f64s; 2]], sizes: &mut [S::f64s], n: usize) {
+    let mut first = 0;
+    while first < n {
+        let (known, rest) = r.split_at_mut(first * n);
+        let mut columns = rest.chunks_exact_mut(n);
+        match columns.len() {
+            TOGETHER.. => finish(
+                o,
+                known,
+                std::array::from_fn::<_, TOGETHER, _>(|_| columns.next().unwrap_or_default()),
+                heads,
+                sizes,
+            ),
+            _ => finish(o, known, std::array::from_fn::<_, 1, _>(|_| columns.next().unwrap_or_default()), heads, sizes),
         }
-        let alpha = v[0];
-        let size = o.sqrt(square(o, alpha, zero));
-        let norm = o.sqrt(square(o, alpha, below));
-        // beta = -norm times the phase of alpha, v_0 = alpha - beta, g = 2 / v^H v.
-        let has_phase = o.lt(zero, size);
-        let inverse = o.select(has_phase, o.div(one, size), zero);
-        let phase = [o.select(has_phase, o.mul(alpha[0], inverse), one), o.mul(alpha[1], inverse)];
-        let beta = scale(o, phase, o.neg(norm));
-        v[0] = [o.sub(alpha[0], beta[0]), o.sub(alpha[1], beta[1])];
-        column[0] = beta;
-        let g = o.mul(norm, o.add(norm, size));
-        let g = o.select(o.lt(zero, g), o.div(one, g), zero);
-        let mut columns = tail.chunks_exact_mut(n);
-        while let (Some(a), b) = (columns.next(), columns.next()) {
-            match b {
-                Some(b) => reflect(o, [&mut a[k..], &mut b[k..]], v, g),
-                None => reflect(o, [&mut a[k..]], v, g),
-            }
+        first += if n - first >= TOGETHER { TOGETHER } else { 1 };
+    }
+}
+
+/// Makes the known reflections in the next W columns, and finds those of these columns.
+#[inline(always)]
+fn finish<S: Simd, const W: usize>(
+    o: Ops<S>,
+    known: &[[S::f64s; 2]],
+    mut columns: [&mut [[S::f64s; 2]]; W],
+    heads: &mut [[S::f64s; 2]],
+    sizes: &mut [S::f64s],
+) {
+    let n = columns[0].len();
+    let first = known.len() / n;
+    for (k, v) in known.chunks_exact(n).enumerate() {
+        reflect(o, columns.each_mut().map(|column| &mut column[k..]), (heads[k], &v[k + 1..]), sizes[k]);
+    }
+    for c in 0..W {
+        let k = first + c;
+        let (done, others) = columns.split_at_mut(c + 1);
+        let column = &mut done[c][k..];
+        (heads[k], sizes[k]) = reflection(o, column);
+        for other in others {
+            reflect(o, [&mut other[k..]], (heads[k], &column[1..]), sizes[k]);
         }
     }
 }
 
-/// `a - g v (v^H a)` for W columns.
+/// The reflection that leaves of a column its first entry alone, which is replaced: the first entry of v, and g. The others are those of the column.
 #[inline(always)]
-fn reflect<S: Simd, const W: usize>(o: Ops<S>, columns: [&mut [[S::f64s; 2]]; W], v: &[[S::f64s; 2]], g: S::f64s) {
-    let rows = v.len();
+fn reflection<S: Simd>(o: Ops<S>, column: &mut [[S::f64s; 2]]) -> (ComplexLanes<S>, S::f64s) {
+    let (zero, one) = (o.splat(0.0), o.splat(1.0));
+    let mut below = zero;
+    for &x in &column[1..] {
+        below = square(o, x, below);
+    }
+    let alpha = column[0];
+    let size = o.sqrt(square(o, alpha, zero));
+    let norm = o.sqrt(square(o, alpha, below));
+    // beta = -norm times the phase of alpha, v_0 = alpha - beta, g = 2 / v^H v.
+    let has_phase = o.lt(zero, size);
+    let inverse = o.select(has_phase, o.div(one, size), zero);
+    let phase = [o.select(has_phase, o.mul(alpha[0], inverse), one), o.mul(alpha[1], inverse)];
+    let beta = scale(o, phase, o.neg(norm));
+    column[0] = beta;
+    let g = o.mul(norm, o.add(norm, size));
+    let g = o.select(o.lt(zero, g), o.div(one, g), zero);
+    ([o.sub(alpha[0], beta[0]), o.sub(alpha[1], beta[1])], g)
+}
+
+/// `a - g v (v^H a)` for W columns; v by its first entry and the others.
+#[inline(always)]
+fn reflect<S: Simd, const W: usize>(
+    o: Ops<S>,
+    columns: [&mut [[S::f64s; 2]]; W],
+    (head, tail): (ComplexLanes<S>, &[[S::f64s; 2]]),
+    g: S::f64s,
+) {
+    let rows = tail.len();
     let zero = o.splat(0.0);
-    let columns = columns.map(|column| &mut column[..rows]);
     let mut sums = [[zero; 2]; W];
+    let columns = columns.map(|column| &mut column[..=rows]);
+    for c in 0..W {
+        sums[c] = conj_fma(o, head, columns[c][0], sums[c]);
+    }
     for i in 0..rows {
         for c in 0..W {
-            sums[c] = conj_fma(o, v[i], columns[c][i], sums[c]);
+            sums[c] = conj_fma(o, tail[i], columns[c][1 + i], sums[c]);
         }
     }
     for sum in &mut sums {
         *sum = scale(o, *sum, o.neg(g));
     }
+    for c in 0..W {
+        columns[c][0] = fma(o, head, sums[c], columns[c][0]);
+    }
     for i in 0..rows {
         for c in 0..W {
-            columns[c][i] = fma(o, v[i], sums[c], columns[c][i]);
+            columns[c][1 + i] = fma(o, tail[i], sums[c], columns[c][1 + i]);
         }
     }
 }
@@ -183,12 +254,11 @@ fn inverse<S: Simd>(o: Ops<S>, d: ComplexLanes<S>, floor: S::f64s) -> ComplexLan
     scale(o, d, o.div(o.splat(1.0), square(o, d, zero)))
 }
 
-/// Replaces x by `(R^H R)^-1 x`, scaled to unit length.
+/// Replaces x by `R^-H x`.
 #[inline(always)]
-fn iterate<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &mut [[S::f64s; 2]], floor: S::f64s) {
+fn solve_adjoint<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &mut [[S::f64s; 2]], floor: S::f64s) {
     let n = x.len();
-    let zero = o.splat(0.0);
-    let nothing = [zero; 2];
+    let nothing = [o.splat(0.0); 2];
     for k in 0..n {
         let column = &r[k * n..][..=k];
         let mut sum = nothing;
@@ -198,16 +268,27 @@ fn iterate<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &mut [[S::f64s; 2]], floor
         let left = [o.sub(x[k][0], sum[0]), o.sub(x[k][1], sum[1])];
         x[k] = fma(o, left, inverse(o, column[k], floor), nothing);
     }
+}
+
+/// Replaces x by `R^-1 x`.
+#[inline(always)]
+fn solve<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &mut [[S::f64s; 2]], floor: S::f64s) {
+    let n = x.len();
     for k in (0..n).rev() {
         let column = &r[k * n..][..=k];
-        let found = conj_fma(o, inverse(o, column[k], floor), x[k], nothing);
+        let found = conj_fma(o, inverse(o, column[k], floor), x[k], [o.splat(0.0); 2]);
         x[k] = found;
         let minus = neg(o, found);
         for (&a, x) in column[..k].iter().zip(&mut *x) {
             *x = fma(o, a, minus, *x);
         }
     }
-    let mut norm = zero;
+}
+
+/// Scales x to unit length.
+#[inline(always)]
+fn to_unit<S: Simd>(o: Ops<S>, x: &mut [[S::f64s; 2]]) {
+    let mut norm = o.splat(0.0);
     for &x in &*x {
         norm = square(o, x, norm);
     }
@@ -227,6 +308,22 @@ fn residual<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &[[S::f64s; 2]]) -> S::f6
         let mut sum = [zero; 2];
         for j in i..n {
             sum = fma(o, r[j * n + i], x[j], sum);
+        }
+        norm = square(o, sum, norm);
+    }
+    o.sqrt(norm)
+}
+
+/// `|R^H x|`.
+#[inline(always)]
+fn residual_of_adjoint<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &[[S::f64s; 2]]) -> S::f64s {
+    let n = x.len();
+    let zero = o.splat(0.0);
+    let mut norm = zero;
+    for k in 0..n {
+        let mut sum = [zero; 2];
+        for (&a, &x) in r[k * n..][..=k].iter().zip(x) {
+            sum = conj_fma(o, a, x, sum);
         }
         norm = square(o, sum, norm);
     }
@@ -254,7 +351,8 @@ mod tests {
     }
 
     fn found(matrices: &[DMatrix<Complex<f64>>]) -> Vec<Option<NullVector>> {
-        null_vectors(matrices, &start(matrices[0].nrows()), &mut Vec::new())
+        let found = null_vectors::<1>(matrices, &start(matrices[0].nrows()), &mut Vec::new());
+        found.into_iter().map(|found| found.map(|[right]| right)).collect()
     }
 
     /// `A (I - x x^H)` annihilates x, and no other vector.
@@ -274,6 +372,23 @@ mod tests {
                 assert!((1.0 - found.vector.dotc(&x).norm()).abs() < 1e-12, "n = {n}");
                 assert!((matrix * &found.vector).norm() < 1e-13 * matrix.norm(), "n = {n}");
                 assert!(found.residuals[1] < 1e-13 * matrix.norm(), "n = {n}");
+            }
+        }
+    }
+
+    #[test]
+    fn both_sides_come_from_one_factorisation() {
+        // As many columns as are finished together, fewer, and some more.
+        for n in [2, 4, 7, 10, 31] {
+            let matrices: Vec<_> = (0..11).map(|seed| singular(n, seed).0).collect();
+            let both = null_vectors::<2>(&matrices, &start(n), &mut Vec::new());
+            for ((matrix, both), alone) in matrices.iter().zip(both).zip(found(&matrices)) {
+                let [right, left] = both.unwrap();
+                assert_eq!(Some(right), alone);
+                let expected = null_vectors::<1>(&[matrix.adjoint()], &start(n), &mut Vec::new()).remove(0).unwrap();
+                assert!((1.0 - left.vector.dotc(&expected[0].vector).norm()).abs() < 1e-12, "n = {n}");
+                assert!((matrix.ad_mul(&left.vector)).norm() < 1e-13 * matrix.norm(), "n = {n}");
+                assert!(left.residuals[1] < 1e-13 * matrix.norm(), "n = {n}");
             }
         }
     }
@@ -311,9 +426,9 @@ mod tests {
     #[test]
     fn a_machine_without_vector_units_finds_the_same_up_to_rounding() {
         let matrices: Vec<_> = (0..3).map(|seed| singular(12, seed).0).collect();
-        let kernel = NullVectorsInLanes { matrices: &matrices, start: &start(12), scratch: &mut Vec::new() };
+        let kernel = NullVectorsInLanes::<1> { matrices: &matrices, start: &start(12), scratch: &mut Vec::new() };
         for (portable, best) in Simd::vectorize(Scalar, kernel).into_iter().zip(found(&matrices)) {
-            assert!((portable.unwrap().vector.dotc(&best.unwrap().vector).norm() - 1.0).abs() < 1e-12);
+            assert!((portable.unwrap()[0].vector.dotc(&best.unwrap().vector).norm() - 1.0).abs() < 1e-12);
         }
     }
 }

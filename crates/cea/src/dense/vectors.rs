@@ -70,49 +70,81 @@ pub fn right_vectors_of_all(
     of: &[(&SecondOrder, &[Complex<f64>])],
     work: &mut Workspace,
 ) -> Vec<Result<Vec<DVector<Complex<f64>>>, CeaError>> {
+    vectors_of_all::<1>(of, work).into_iter().map(|found| found.map(|[right]| right)).collect()
+}
+
+/// The right vectors of several systems as by [`right_vectors_of_all`], and the left ones (`psi^H Q(lambda) = 0`) of the same eigenvalues: one factorisation
+/// gives both.
+pub fn right_and_left_vectors_of_all(
+    of: &[(&SecondOrder, &[Complex<f64>])],
+    work: &mut Workspace,
+) -> Vec<Result<[Vec<DVector<Complex<f64>>>; 2], CeaError>> {
+    vectors_of_all(of, work)
+}
+
+/// The right vectors, and of two sides the left ones after them.
+fn vectors_of_all<const SIDES: usize>(
+    of: &[(&SecondOrder, &[Complex<f64>])],
+    work: &mut Workspace,
+) -> Vec<Result<[Vec<DVector<Complex<f64>>>; SIDES], CeaError>> {
     let each: Vec<_> = of.iter().flat_map(|&(system, lambdas)| lambdas.iter().map(move |&l| (system, l))).collect();
     let mut alone = Vec::with_capacity(each.len());
     // No more matrices at a time than are solved together: they are large.
     let lots = each.chunk_by(|a, b| a.0.order() == b.0.order()).flat_map(|group| group.chunks(WIDEST_LANES));
     for lot in lots {
         let matrices: Vec<_> = lot.iter().map(|&(system, l)| regular_dynamic_stiffness(system, l)).collect();
-        let found = null_vectors(&matrices, &start(matrices[0].nrows(), 0), &mut work.scratch);
+        let found = null_vectors::<SIDES>(&matrices, &start(matrices[0].nrows(), 0), &mut work.scratch);
         for ((q, found), &(system, lambda)) in matrices.iter().zip(found).zip(lot) {
             let size = size(system, lambda);
-            let converged =
-                found.filter(|found| has_converged(found.residuals.map(|r| r / size.max(f64::MIN_POSITIVE))));
-            alone.push(match converged {
-                Some(NullVector { mut vector, .. }) => {
-                    work.counters.factorisations += 1;
-                    work.counters.eigenvectors += 1;
-                    fix_phase(&mut vector);
-                    Ok(vector)
-                }
-                None => null_vector(q, lambda, size, &[], work),
-            });
+            work.counters.factorisations += u64::from(found.is_some());
+            let mut found = found.into_iter().flatten();
+            alone.push(std::array::from_fn(|side| {
+                let found = found.next();
+                let converged =
+                    found.filter(|found| has_converged(found.residuals.map(|r| r / size.max(f64::MIN_POSITIVE))));
+                let Some(NullVector { mut vector, .. }) = converged else {
+                    return null_vector(&of_side(q.clone(), side), lambda, size, &[], work);
+                };
+                work.counters.eigenvectors += 1;
+                fix_phase(&mut vector);
+                Ok(vector)
+            }));
         }
     }
     let mut alone = alone.into_iter();
-    let found: Vec<Vec<_>> = of.iter().map(|(_, lambdas)| alone.by_ref().take(lambdas.len()).collect()).collect();
-    let independent = |(&(system, lambdas), found): (&(&SecondOrder, &[Complex<f64>]), Vec<_>)| {
-        let mut vectors = found.into_iter().collect::<Result<Vec<DVector<Complex<f64>>>, _>>()?;
-        make_independent(system, lambdas, &mut vectors, work);
+    let found: Vec<Vec<[_; SIDES]>> =
+        of.iter().map(|(_, lambdas)| alone.by_ref().take(lambdas.len()).collect()).collect();
+    let independent = |(&(system, lambdas), found): (&(&SecondOrder, &[Complex<f64>]), Vec<[_; SIDES]>)| {
+        let mut vectors: [Vec<DVector<Complex<f64>>>; SIDES] = std::array::from_fn(|_| Vec::with_capacity(found.len()));
+        for sides in found {
+            for (vectors, side) in vectors.iter_mut().zip(sides) {
+                vectors.push(side?);
+            }
+        }
+        for (side, vectors) in vectors.iter_mut().enumerate() {
+            make_independent(system, lambdas, (vectors, side), work);
+        }
         Ok(vectors)
     };
     of.iter().zip(found).map(independent).collect()
 }
 
+/// The matrix whose null vector is the vector of a side: Q for the right one, side 0, and `Q^H` for the left one.
+fn of_side(q: DMatrix<Complex<f64>>, side: usize) -> DMatrix<Complex<f64>> {
+    if side == 0 { q } else { q.adjoint() }
+}
+
 fn make_independent(
     system: &SecondOrder,
     lambdas: &[Complex<f64>],
-    vectors: &mut [DVector<Complex<f64>>],
+    (vectors, side): (&mut [DVector<Complex<f64>>], usize),
     work: &mut Workspace,
 ) {
     for (i, &lambda) in lambdas.iter().enumerate() {
         let near: Vec<_> = (0..i).filter(|&j| (lambdas[j] - lambda).norm() <= 1e-6 * lambda.norm()).collect();
         if near.iter().any(|&j| vectors[j].dotc(&vectors[i]).norm() > 1.0 - 1e-6) {
             let others: Vec<_> = near.iter().map(|&j| vectors[j].clone()).collect();
-            let q = regular_dynamic_stiffness(system, lambda);
+            let q = of_side(regular_dynamic_stiffness(system, lambda), side);
             if let Ok(independent) = null_vector(&q, lambda, size(system, lambda), &others, work) {
                 vectors[i] = independent;
             }
@@ -129,9 +161,12 @@ pub fn singular_vectors(
 ) -> Vec<Option<DVector<Complex<f64>>>> {
     let Some(n) = matrices.first().map(DMatrix::nrows) else { return Vec::new() };
     let start = start(n, 0);
-    let vectors = match n {
+    let vectors: Vec<Option<NullVector>> = match n {
         LARGE.. => matrices.iter().map(|q| by_factors(q, &start)).collect(),
-        _ => null_vectors(matrices, &start, &mut work.scratch),
+        _ => null_vectors(matrices, &start, &mut work.scratch)
+            .into_iter()
+            .map(|found| found.map(|[right]| right))
+            .collect(),
     };
     work.counters.factorisations += matrices.len() as u64;
     vectors.into_iter().map(|found| Some(found?.vector)).collect()

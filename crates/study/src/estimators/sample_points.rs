@@ -1,6 +1,6 @@
 //! Sample points of a surrogate: at one state of friction, the eigenvalues near the axis, their derivatives and their names.
 
-use cea::{BatchSolver, EigenSolver, Mode, Modes, Workspace, right_vectors_of_all};
+use cea::{BatchSolver, EigenSolver, Mode, Modes, Workspace, right_and_left_vectors_of_all};
 use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -102,15 +102,15 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
             near.retain(|lambda| lambda.re > -LARGEST_DECAY * lambda.norm());
             lambdas.push(near);
         }
-        let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
         let pairs: Vec<(&SecondOrder, &[Complex<f64>])> =
             systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
-        let right = Mode::of_all(&pairs, &mut self.work);
-        let pairs: Vec<(&SecondOrder, &[Complex<f64>])> =
-            transposed.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
-        let left = right_vectors_of_all(&pairs, &mut self.work);
-        let mut right = right.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let left = left.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let (mut right, mut left) = (Vec::with_capacity(systems.len()), Vec::with_capacity(systems.len()));
+        for ((system, lambdas), both) in pairs.iter().zip(right_and_left_vectors_of_all(&pairs, &mut self.work)) {
+            let [shapes, of_left] = both?;
+            let shapes = lambdas.iter().zip(shapes);
+            right.push(shapes.map(|(&at, shape)| Mode::normalised(&system.m, at, shape)).collect::<Vec<_>>());
+            left.push(of_left.into_iter().map(|left| left.conjugate()).collect::<Vec<_>>());
+        }
 
         let mut found: Vec<Vec<SampledMode>> = Vec::with_capacity(systems.len());
         for (((system, gain), modes), left) in systems.iter().zip(gains).zip(&right).zip(&left) {

@@ -118,8 +118,8 @@ struct ShapeWithResidual {
 fn responses(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<ShapeWithResidual>> {
     let matrices = secular_matrices(resolvent, points, work);
     let forces = null_vectors(&matrices, &start(resolvent.ports, 0), &mut work.scratch);
-    let shape = |(forces, point): (Option<NullVector>, &Point)| {
-        let NullVector { vector, residuals } = forces?;
+    let shape = |(forces, point): (Option<[NullVector; 1]>, &Point)| {
+        let [NullVector { vector, residuals }] = forces?;
         Some(ShapeWithResidual { shape: resolvent.response(point.sigma, &vector), residual: residuals[1] })
     };
     forces.into_iter().zip(points).map(shape).collect()
