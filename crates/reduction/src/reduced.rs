@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cea::{CeaError, EigenSolver, QrSolver, Spectrum, Workspace, grows_too_fast};
+use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, Workspace, grows_too_fast};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -255,7 +255,7 @@ impl Reduced {
         if found != expected {
             return Err(linsys::LinsysError::Count { what: "rows of a changed system", found, expected }.into());
         }
-        let spectrum = QrSolver.eigenvalues(changed, &mut Workspace::default());
+        let spectrum = BatchSolver.eigenvalues(changed, &mut Workspace::default());
         let found = self.by_spectrum(point, changed, spectrum, None, &|_, _| true)?;
         Ok(ReducedModes { residuals: Vec::new(), ..found })
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use cea::{EigenSolver as _, QrSolver, Workspace, frequency_hz};
+use cea::{BatchSolver, EigenSolver as _, Workspace, frequency_hz};
 use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
 use reduction::{Compared, compared};
@@ -118,7 +118,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let system = brake.sets[part.set].system.assemble(&at)?;
     let together = brake.sets[part.set].together.count();
     let all = modes_beside(&brake.case, &system, &reduced, together)?;
-    let spectrum = QrSolver.eigenvalues(&part.reduced.system().assemble(&at)?, &mut Workspace::default())?;
+    let spectrum = BatchSolver.eigenvalues(&part.reduced.system().assemble(&at)?, &mut Workspace::default())?;
     let diverging = brake.diverging(scene, &at, &spectrum, together)?;
     let wanted = rectangle(&brake.case);
     let (whole, beside): (Vec<Complex<f64>>, Vec<_>) =

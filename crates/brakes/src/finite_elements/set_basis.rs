@@ -1,7 +1,7 @@
 //! The basis of a set of constraints, V: it holds a brake in all its arrangements, and a smaller one is sought within it for each of them. It is made of the
 //! modes at draws, one draw after another, until it holds several in a row that it was not made of.
 
-use cea::{EigenSolver as _, QrSolver, Workspace, grows_too_fast};
+use cea::{BatchSolver, EigenSolver as _, Workspace, grows_too_fast};
 use linsys::OperatingPoint;
 use montecarlo::Progress;
 use nalgebra::DMatrix;
@@ -171,7 +171,7 @@ fn without_others(
         let reduced = system.project(basis)?;
         let mut modes = match Losses::new(system, &reduced, at)? {
             Some(losses) => losses.eigenvalues(&losses.with_dashpots(&reduced)?, at)?,
-            None => QrSolver.eigenvalues(&reduced.assemble(at)?, &mut Workspace::default())?.eigenvalues,
+            None => BatchSolver.eigenvalues(&reduced.assemble(at)?, &mut Workspace::default())?.eigenvalues,
         };
         modes.retain(|&lambda| !grows_too_fast(lambda));
         Ok(!whole.has_all(&modes))
