@@ -151,7 +151,8 @@ pub enum Purpose<'a> {
     Analysis,
     /// A sweep: the reduced brake of the first scene holds the modes over these ranges.
     Sweep(&'a [Over]),
-    /// A screen of modifications: the arrangements of a set of constraints have one basis.
+    /// A screen of modifications, which asks for the fastest mode of a draw in all arrangements: of finite elements those of a set of constraints have one basis, of a
+    /// lattice they are told apart where draws tell them apart.
     Screen,
 }
 
@@ -185,6 +186,7 @@ pub fn make_prepared(
     progress: &dyn Progress,
 ) -> Result<AnyBrake, Error> {
     Ok(match case {
+        CaseFile::Lattice(case) if purpose == Purpose::Screen => Box::new(Erased(LatticeBrake::of_equal_draws(*case)?)),
         CaseFile::Lattice(case) => Box::new(Erased(LatticeBrake::new(*case)?)),
         CaseFile::Matrices(case) => Box::new(Erased(MatricesBrake::new(*case)?)),
         CaseFile::FiniteElements(case) => {

@@ -10,6 +10,9 @@ use super::CaseError;
 use super::check::Check;
 use super::random_field::Kernel;
 
+/// Largest difference of two correlations that are the same but for rounding; chosen.
+const SAME_CORRELATION: f64 = 1e-12;
+
 /// Table `[correlation]`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -318,6 +321,18 @@ impl Correlation {
     /// True if a value of a draw, by its index, depends on others. The friction values of all contacts, contact by contact, come before all other values.
     pub fn holds(&self, value: usize) -> bool {
         self.places.contains(&value)
+    }
+
+    /// True if correlations are what they were when each value has taken the index that `to` gives it, as where contacts change their places.
+    pub fn is_kept_by(&self, to: impl Fn(usize) -> usize) -> bool {
+        let rows = self.factor();
+        let between = |a: usize, b: usize| {
+            let [a, b] = [a, b].map(|value| self.places.iter().position(|&place| place == value));
+            let (Some(a), Some(b)) = (a, b) else { return 0.0 };
+            rows[a].iter().zip(&rows[b]).map(|(a, b)| a * b).sum::<f64>()
+        };
+        let of_pair = |a: usize, b: usize| a == b || (between(a, b) - between(to(a), to(b))).abs() <= SAME_CORRELATION;
+        self.places.iter().all(|&a| self.places.iter().all(|&b| of_pair(a, b)))
     }
 
     /// Makes independent values of a draw, of the friction of all contacts, one after the other, then all others, correlated.

@@ -96,6 +96,9 @@ pub trait Modifiable: Sync {
     /// Index, in [`Modifiable::symmetries`], of the symmetry that maps the configuration of a scene onto the arrangement of one of its
     /// [`Scene::members`]; `member` is an index there.
     fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize;
+
+    /// True if with each draw all members of a scene have the same eigenvalues, and not only with all draws together the same distribution of them.
+    fn members_are_equal(&self) -> bool;
 }
 
 /// Modifiable parts of a brake that is known by its plan alone: the channels of one name are one contact, in whichever configurations they
@@ -140,5 +143,9 @@ impl Modifiable for ModifiablePlan<'_> {
 
     fn symmetry_of_member(&self, _scene: &Scene, _member: usize) -> usize {
         0
+    }
+
+    fn members_are_equal(&self) -> bool {
+        self.0.scenes.iter().all(|scene| scene.members.len() == 1)
     }
 }

@@ -382,6 +382,10 @@ impl Modifiable for FiniteElementBrake {
         0
     }
 
+    fn members_are_equal(&self) -> bool {
+        true
+    }
+
     fn scalable_terms(&self, _: usize) -> Vec<String> {
         Vec::new()
     }

@@ -26,7 +26,7 @@ use study::{
 };
 
 use crate::any::{listed, values_in_words};
-use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
+use crate::case::{Draws, FrictionDistributions, LatticeCase, LatticeReadings, Law};
 use crate::labels::friction_labels;
 use crate::{CaseBrake, Error};
 
@@ -42,7 +42,7 @@ pub struct LatticeBrake {
     pub plan: Plan,
     /// The lattice of each configuration of the plan.
     lattices: Vec<PreparedLattice>,
-    /// The symmetries of each set of constraints: of the brake or, with a draw for each contact, of its distribution.
+    /// The symmetries of each set of constraints: of the brake or, with a draw for each contact, of its distribution, and of the list of arrangements.
     symmetries: Vec<Vec<Reversal>>,
     /// Reversals of each configuration, one for each member of its symmetry class: each maps the arrangement of the configuration onto that of the member.
     members: Vec<Vec<Reversal>>,
@@ -73,27 +73,41 @@ impl LatticeBrake {
     /// Refusals of the model; [`study::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
     /// see [`LatticeBrake::least_cost`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
+        Self::laid_out(case, false)
+    }
+
+    /// The same, where arrangements share a scene only if all their eigenvalues are equal, draw by draw: for what is asked of all arrangements of a draw together.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_equal_draws(case: LatticeCase) -> Result<Self, Error> {
+        let is_apart = case.readings.draws == Draws::Each;
+        Self::laid_out(case, is_apart)
+    }
+
+    fn laid_out(case: LatticeCase, is_apart: bool) -> Result<Self, Error> {
         let mut plan = case.header.plan(case.identity());
         (plan.mode_labels, plan.mode_identity) = (case.readings.labels, case.readings.identity);
         plan.labels = labels(&case);
         let mut brake = Self { case, plan, lattices: Vec::new(), symmetries: Vec::new(), members: Vec::new() };
         for constraints in 0..brake.case.constraints.len() {
-            brake.lay_out(constraints)?;
+            brake.lay_out(constraints, is_apart)?;
         }
         Ok(brake)
     }
 
-    /// Adds the configurations and scenes of a constraint set.
-    fn lay_out(&mut self, constraints: usize) -> Result<(), Error> {
+    /// Adds the configurations and scenes of a constraint set, with arrangements apart or in classes.
+    fn lay_out(&mut self, constraints: usize, is_apart: bool) -> Result<(), Error> {
         let case = &self.case;
         let fixed = &case.constraints[constraints].fixed;
         let model = LatticeModel::new(case.lattice.clone(), case.readings.lateral, fixed)?;
         let full = prepared(case, &model, &ContactArrangement::full(case.lattice.grid.oscillators()))?;
         let named_at = naming_point(case, &full)?;
         self.plan.origins.push(Origin { brake: full.brake().clone().into(), naming_point: named_at });
-        self.symmetries.push(model.symmetries());
+        let symmetries = symmetries(case, &model);
+        let alike = if is_apart { &[Reversal::None] } else { &symmetries[..] };
         for (panel, (_, arrangements)) in case.panels.iter().enumerate() {
-            for class in model.symmetry_classes(arrangements)? {
+            for class in model.symmetry_classes(alike, arrangements)? {
                 let arrangement = &arrangements[class.representative];
                 let members: Vec<usize> = class.members.iter().map(|member| member.arrangement).collect();
                 let wants_work = arrangement.in_contact().len() == arrangement.oscillators();
@@ -110,6 +124,7 @@ impl LatticeBrake {
                 self.members.push(class.members.iter().map(|member| member.reversal).collect());
             }
         }
+        self.symmetries.push(symmetries);
         Ok(())
     }
 
@@ -306,6 +321,22 @@ fn prepared(
         lattice.split(model.sectors(arrangement)?);
     }
     Ok(lattice)
+}
+
+/// The symmetries of a lattice that its study has too: they make of each arrangement another one of the case, and of the contacts of a draw those of another
+/// draw that is as likely, which correlations of single contacts may not.
+fn symmetries(case: &LatticeCase, model: &LatticeModel) -> Vec<Reversal> {
+    let (grid, of_contact) = (case.lattice.grid, FrictionDistributions::DRAWN.len());
+    let correlation = case.correlation.as_ref().filter(|_| case.readings.draws == Draws::Each);
+    let keeps_draws = |reversal: Reversal| {
+        let to = |value: usize| reversal.oscillator(grid, value / of_contact) * of_contact + value % of_contact;
+        correlation.is_none_or(|correlation| correlation.is_kept_by(to))
+    };
+    let mut symmetries = model.symmetries();
+    symmetries.retain(|&reversal| {
+        keeps_draws(reversal) && case.panels.iter().all(|(_, arrangements)| model.keeps_all(reversal, arrangements))
+    });
+    symmetries
 }
 
 /// The operating point at which the modes of a lattice are named: Amontons-Coulomb friction at median parameters.

@@ -5,6 +5,7 @@ use osc_model::Reversal;
 use study::{Modifiable, Place, Scene, Symmetry, WholeContact};
 
 use super::LatticeBrake;
+use crate::case::Draws;
 
 impl Modifiable for LatticeBrake {
     /// An oscillator in contact: its friction along the sliding and across it, and its contact spring.
@@ -41,6 +42,10 @@ impl Modifiable for LatticeBrake {
     fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
         let reversal = self.members[scene.configuration][member];
         self.symmetries[scene.key.constraints].iter().position(|&other| other == reversal).unwrap_or(0)
+    }
+
+    fn members_are_equal(&self) -> bool {
+        self.case.readings.draws == Draws::Shared || self.plan.scenes.iter().all(|scene| scene.members.len() == 1)
     }
 
     fn scalable_terms(&self, _: usize) -> Vec<String> {

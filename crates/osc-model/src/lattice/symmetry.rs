@@ -79,17 +79,20 @@ impl LatticeModel {
         Reversal::ALL.into_iter().filter(|&reversal| keeps(reversal)).collect()
     }
 
-    /// Sorts arrangements into classes of equal eigenvalues, in the order of their first members.
+    /// Sorts arrangements into classes of equal eigenvalues, in the order of their first members, by these [`symmetries`](Self::symmetries).
     ///
     /// The eigenvalues of a class are equal where all contacts of a state of sliding are equal: one draw of the friction
     /// parameters for all contacts, and a preload with the symmetry. With a draw for each contact a relabelling also moves the
-    /// draws; then the distributions of the eigenvalues are equal, not the eigenvalues of single samples.
+    /// draws; then the distributions of the eigenvalues are equal, not the eigenvalues of single samples, if the draws are as likely the other way round.
     ///
     /// # Errors
     /// An arrangement of a lattice of another size.
-    pub fn symmetry_classes(&self, arrangements: &[ContactArrangement]) -> Result<Vec<SymmetryClass>, OscModelError> {
+    pub fn symmetry_classes(
+        &self,
+        symmetries: &[Reversal],
+        arrangements: &[ContactArrangement],
+    ) -> Result<Vec<SymmetryClass>, OscModelError> {
         arrangements.iter().try_for_each(|arrangement| self.check_size(arrangement))?;
-        let symmetries = self.symmetries();
         let mut classes: Vec<SymmetryClass> = Vec::new();
         for (place, arrangement) in arrangements.iter().enumerate() {
             let joined = classes.iter_mut().find_map(|class| {
@@ -106,6 +109,13 @@ impl LatticeModel {
             }
         }
         Ok(classes)
+    }
+
+    /// True if a reversal makes of each arrangement of a list one that is in the list too.
+    #[must_use]
+    pub fn keeps_all(&self, reversal: Reversal, arrangements: &[ContactArrangement]) -> bool {
+        let is_in = |from: &ContactArrangement| arrangements.iter().any(|to| self.carries(reversal, from, to));
+        arrangements.iter().all(is_in)
     }
 
     /// True if a reversal maps one arrangement onto another.

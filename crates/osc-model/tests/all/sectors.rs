@@ -25,7 +25,7 @@ fn tangents() -> [Tangent; 3] {
 /// One arrangement of each class that has more than one sector.
 fn arrangements(model: &LatticeModel) -> Vec<ContactArrangement> {
     let all: Vec<_> = [9, 8, 7, 6].into_iter().flat_map(|k| ContactArrangement::all(9, k).unwrap()).collect();
-    let classes = model.symmetry_classes(&all).unwrap();
+    let classes = model.symmetry_classes(&model.symmetries(), &all).unwrap();
     let representatives = classes.into_iter().map(|class| all[class.representative].clone());
     representatives.filter(|arrangement| model.sectors(arrangement).unwrap().iter().len() > 1).collect()
 }
@@ -75,7 +75,7 @@ fn nine_in_contact_fall_into_15_6_6_and_3() {
 fn half_of_the_classes_fall_apart() {
     let all: Vec<_> = [9, 8, 7, 6].into_iter().flat_map(|k| ContactArrangement::all(9, k).unwrap()).collect();
     let (model, mut with) = (model(Lateral::Vector, ""), [0; 5]);
-    for class in model.symmetry_classes(&all).unwrap() {
+    for class in model.symmetry_classes(&model.symmetries(), &all).unwrap() {
         let sectors = model.sectors(&all[class.representative]).unwrap().iter().len();
         // Of the four reversals, those that change an arrangement give its class, the others its sectors.
         assert_eq!(class.members.len() * sectors, 4);

@@ -17,7 +17,7 @@ const KEPT_ALWAYS: usize = 4;
 pub fn thin(case: &mut LatticeCase) -> Result<(), Error> {
     let model = LatticeModel::new(case.lattice.clone(), case.readings.lateral, &[])?;
     for (_, arrangements) in &mut case.panels {
-        let classes = model.symmetry_classes(arrangements)?;
+        let classes = model.symmetry_classes(&model.symmetries(), arrangements)?;
         let step = if classes.len() <= KEPT_ALWAYS { 1 } else { ONE_OF };
         let kept = classes.iter().step_by(step).flat_map(|class| &class.members);
         let mut places: Vec<usize> = kept.map(|member| member.arrangement).collect();
@@ -39,7 +39,7 @@ mod tests {
         thin(&mut case).unwrap();
         let model = LatticeModel::new(case.lattice.clone(), case.readings.lateral, &[]).unwrap();
         let classes = |panels: &[(usize, Vec<_>)]| -> Vec<usize> {
-            panels.iter().map(|(_, list)| model.symmetry_classes(list).unwrap().len()).collect()
+            panels.iter().map(|(_, list)| model.symmetry_classes(&model.symmetries(), list).unwrap().len()).collect()
         };
         assert_eq!(classes(&whole), [1, 4, 13, 27]);
         assert_eq!(classes(&case.panels), [1, 4, 3, 5]);
@@ -49,7 +49,7 @@ mod tests {
             // Classes are kept whole: no kept arrangement has a mirror image among those left out.
             let left_out: Vec<_> = all.iter().filter(|a| !list.contains(a)).cloned().collect();
             let both: Vec<_> = list.iter().chain(&left_out).cloned().collect();
-            let together = model.symmetry_classes(&both).unwrap().len();
+            let together = model.symmetry_classes(&model.symmetries(), &both).unwrap().len();
             assert_eq!(together, classes(&[(0, list.clone()), (0, left_out)]).iter().sum::<usize>());
         }
     }

@@ -268,6 +268,12 @@ impl<B: UncertainBrake> Modifiable for Joined<'_, B> {
         self.of_scene(scene).map_or(0, |(of, own)| of.symmetry_of_member(&own, member))
     }
 
+    fn members_are_equal(&self) -> bool {
+        let are_equal =
+            |part: &Part<'_, B>| modifiable_of(part.brake, &part.by_plan).is_ok_and(|of| of.members_are_equal());
+        self.parts.iter().all(are_equal)
+    }
+
     fn scalable_terms(&self, constraints: usize) -> Vec<String> {
         self.of_set(constraints).map_or_else(Vec::new, |(of, own)| of.scalable_terms(own))
     }

@@ -85,14 +85,18 @@ pub struct Modified<'a, B> {
 /// Modifiable parts of a brake: the parts that it gives itself, else the parts that are seen from its plan.
 ///
 /// # Errors
-/// [`Error::NotGiven`] for a brake that gives none and has a scene that stands for several arrangements: a plan does not say which symmetry
-/// maps one onto another.
+/// [`Error::NotGiven`] for a brake that gives none and has a scene that stands for several arrangements, as a plan does not say which symmetry
+/// maps one onto another, and for one whose scenes stand for arrangements that differ draw by draw: the largest growth of a draw is that of all of them.
 pub(super) fn modifiable_of<'a, B: UncertainBrake>(
     brake: &'a B,
     by_plan: &'a ModifiablePlan<'a>,
 ) -> Result<&'a dyn Modifiable, Error> {
     match brake.modifiable() {
-        Some(given) => Ok(given),
+        Some(given) if given.members_are_equal() => Ok(given),
+        Some(_) => Err(Error::NotGiven {
+            capability: "a scene for each arrangement, as LatticeBrake::of_equal_draws has",
+            needed_by: "a screen with a draw for each contact",
+        }),
         None if by_plan.0.scenes.iter().all(|scene| scene.members.len() == 1) => Ok(by_plan),
         None => Err(Error::NotGiven {
             capability: "modifiable()",

@@ -267,6 +267,55 @@ fn two_by_two() -> LatticeBrake {
     LatticeBrake::new(case).unwrap()
 }
 
+/// The 2 x 2 pad under Amontons-Coulomb friction with these lines of its case.
+fn two_by_two_with(lines: &[(&str, &str)]) -> LatticeCase {
+    let path = case("two-by-two.toml");
+    let mut text = std::fs::read_to_string(&path).unwrap();
+    for (from, to) in [&[("laws = [\"amontons-coulomb\", \"lugre\"]", "laws = [\"amontons-coulomb\"]")], lines].concat()
+    {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    LatticeCase::parse(&path, text).unwrap()
+}
+
+#[test]
+fn a_change_is_judged_at_its_own_place_where_the_arrangements_have_no_symmetry() {
+    let mut left = Vec::new();
+    for oscillator in 1..=4 {
+        let arrangement = format!("arrangements = [[{oscillator}]]");
+        let brake = LatticeBrake::new(two_by_two_with(&[("in_contact = [4, 3]", &arrangement)])).unwrap();
+        let mut options = options(&[ChangeKind::Dashpot], 1);
+        (options.sizes, options.draws) = (Sizes::default(), 40);
+        let ranking = rank(&brake, &options, &()).unwrap();
+        let best = &ranking.kinds[0].singles[0];
+        assert_eq!(ranking.kinds[0].candidates.name(&best.singles), format!("z{oscillator}"));
+        left.push(best.prediction.unstable);
+    }
+    assert!(left.iter().all(|of| (of - left[0]).abs() < 1e-12), "{left:?}");
+}
+
+#[test]
+fn the_fastest_mode_of_a_draw_is_sought_in_all_arrangements() {
+    // A mass that is off by a billionth leaves no symmetry, and the same draws.
+    let lines = [("in_contact = [4, 3]", "in_contact = [1]"), ("draws = \"shared\"", "draws = \"each\"")];
+    let whole = two_by_two_with(&lines);
+    let off = ("oscillator_mass = 0.5 ", "oscillator_mass = [0.5, 0.5000000005, 0.5, 0.5] ");
+    let without = two_by_two_with(&[lines[0], lines[1], off]);
+    let mut options = options(&[ChangeKind::Dashpot], 1);
+    (options.draws, options.criterion, options.confirmed) = (4, Criterion::GrowthQuantile, 0);
+    let shared = LatticeBrake::new(whole.clone()).unwrap();
+    assert!(
+        rank(&shared, &options, &()).is_err_and(|error| error.to_string().contains("a scene for each arrangement"))
+    );
+    let [alike, apart] =
+        [LatticeBrake::of_equal_draws(whole).unwrap(), LatticeBrake::new(without).unwrap()].map(|brake| {
+            let screen = screened(&brake, &options, 200);
+            screen.as_it_is().unwrap().growth_quantile
+        });
+    assert!((alike.value - apart.value).abs() < 1e-5 * apart.value, "{alike:?} {apart:?}");
+}
+
 #[test]
 fn a_constraint_of_the_screening_is_a_constraint_of_the_case() {
     // The case's own set is laid out by the lattice, with its smaller symmetry; the screening divides the scenes of the brake as it is.
