@@ -6,7 +6,7 @@ use montecarlo::Distribution;
 
 use super::CaseError;
 use super::check::Check;
-use crate::input::{LARGEST_CASE, read_text};
+use crate::input::{LARGEST_CASE, plain_table, read_text};
 
 impl Check<'_> {
     /// A distribution whose numbers are allowed; measured values that stand in a file are read.
@@ -45,7 +45,7 @@ impl Check<'_> {
         let refused = |found: &str, allowed: &str| self.value(field, format!("{}: {found}", file.display()), allowed);
         let text =
             read_text(&path, LARGEST_CASE).map_err(|error| refused(&error.to_string(), "a file that can be read"))?;
-        read(&Sheet::new(&text)).map_err(|(found, allowed)| refused(&found, &allowed))
+        read(&Sheet::new(&plain_table(&text))).map_err(|(found, allowed)| refused(&found, &allowed))
     }
 }
 
@@ -62,8 +62,6 @@ struct Sheet<'a> {
 
 impl<'a> Sheet<'a> {
     fn new(text: &'a str) -> Self {
-        // A spreadsheet may begin a table with a byte order mark.
-        let text = text.trim_start_matches('\u{feff}');
         let first = text.lines().next().unwrap_or_default();
         let delimiter = [';', '\t', ','].into_iter().find(|&delimiter| first.contains(delimiter)).unwrap_or(',');
         Self { text, delimiter, heads: cells(first, delimiter) }
@@ -141,7 +139,7 @@ fn cells(line: &str, delimiter: char) -> Vec<String> {
 mod tests {
     use montecarlo::Distribution;
 
-    use super::{Fault, Sheet};
+    use super::{Fault, Sheet, plain_table};
     use crate::MatricesCase;
 
     #[test]
@@ -164,6 +162,10 @@ mod tests {
         };
         assert_eq!(values, &[0.1, 0.2, 0.3]);
         assert_ne!(found.identity(), case("t,d\n20,0.3\n100,0.1\n200,0.25\n").unwrap().identity());
+        for ending in ["\r\n", "\r"] {
+            let same = "\u{feff}t,d\n20,0.3\n100,0.1\n200,0.2\n".replace('\n', ending);
+            assert_eq!(case(&same).unwrap().identity(), found.identity(), "{ending:?}");
+        }
         for (given, said) in [
             (
                 "file = \"d.csv\", values = [1.0, 2.0]",
@@ -187,7 +189,7 @@ mod tests {
     }
 
     fn numbers(text: &str, column: Option<&str>) -> Result<Vec<f64>, Fault> {
-        Sheet::new(text).column(column)
+        Sheet::new(&plain_table(text)).column(column)
     }
 
     #[test]
@@ -203,7 +205,7 @@ mod tests {
         assert_eq!(numbers("mu;k\n0,5;1\n", Some("mu")).unwrap_err().0, "line 2: \"0,5\"");
         assert_eq!(numbers("mu,k\n0.5,1\n", Some("c")).unwrap_err(), ("no column \"c\"".into(), "one of mu, k".into()));
         assert_eq!(numbers("mu,k\n0.5\n", Some("k")).unwrap_err().0, "line 2: 1 cells");
-        let two = |text: &str| Sheet::new(text).two_columns();
+        let two = |text: &str| Sheet::new(&plain_table(text)).two_columns();
         assert_eq!(two("T;E\n20;1.5\n100;1.25\n\n"), Ok([vec![20.0, 100.0], vec![1.5, 1.25]]));
         assert_eq!(two("\u{feff}20,1.5\n100,1.25"), Ok([vec![20.0, 100.0], vec![1.5, 1.25]]));
         assert_eq!(two("20,E\n100,1.25\n").unwrap_err().0, "line 1: \"E\"");

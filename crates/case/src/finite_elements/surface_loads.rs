@@ -9,6 +9,7 @@ use super::structure::Structure;
 use super::surface_contact::SurfaceContact;
 use super::surface_schema::{ForceTable, LoadEntry};
 use crate::check::field;
+use crate::input::plain_table;
 use crate::{CaseError, Expression};
 
 /// Normal forces of the points of each contact at the medians, a sentence on how they came about, and what they follow from elsewhere.
@@ -63,7 +64,7 @@ pub(super) fn given_forces(solids: &Solids<'_>, contact: &SurfaceContact<'_>) ->
 /// The number, from 1, and the beginning of a line that begins with a digit and is not a node with its pressure.
 fn pressures(text: &str) -> Result<Vec<(i64, f64)>, (usize, String)> {
     let mut all = Vec::new();
-    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+    for (number, line) in plain_table(text).lines().enumerate() {
         let plain = line.trim().replace('"', "");
         if !plain.starts_with(|c: char| c.is_ascii_digit()) {
             continue;
@@ -218,6 +219,9 @@ mod tests {
         let report = "   Node Label          CPRESS\n         @Loc 1\n-----\n     12   1.5E+06\n     13   0.\n\n  Minimum   0.\n  At Node  13\n";
         assert_eq!(pressures(report), Ok(vec![(12, 1.5e6), (13, 0.0)]));
         assert_eq!(pressures("\u{feff}12,1e5\n"), Ok(vec![(12, 1e5)]));
+        for ending in ["\r\n", "\r"] {
+            assert_eq!(pressures(&report.replace('\n', ending)), pressures(report), "{ending:?}");
+        }
         assert_eq!(pressures("\"12\",\"1e5\"\n"), Ok(vec![(12, 1e5)]));
         assert_eq!(pressures("12, 1\n13, x\n"), Err((2, "13, x".to_owned())));
         assert_eq!(pressures("12, 1\n13, 1, 2\n"), Err((2, "13, 1, 2".to_owned())));

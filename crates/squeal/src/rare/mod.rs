@@ -121,7 +121,7 @@ pub fn rare<B: UncertainBrake>(
     }
     if let Some(discrete) = inputs.iter().find(|input| input.has_atoms) {
         let (value, allowed) =
-            ("discrete, or has measured values that repeat".into(), "distributions that are continuous".into());
+            ("a distribution with a value that has a probability of its own: discrete, a range without width, or measured values that repeat".into(), "distributions that are continuous".into());
         return Err(Error::Input { input: discrete.name.clone(), value, allowed });
     }
     let solver = WholeSpectra(solver);
