@@ -8,7 +8,7 @@
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 
-use crate::limit_state::{Counted, LimitState};
+use crate::limit_state::{AT_ONCE, Counted, LimitState};
 use crate::normal::length_density;
 use crate::search::{DesignPoint, design_point};
 use crate::vector::{norm, scaled, unit};
@@ -18,8 +18,6 @@ const BEFORE: f64 = 0.5;
 /// Most failures that are followed to a design point, the weightiest first; chosen: each costs a search.
 const MOST_FOLLOWED: usize = 4;
 
-/// Points evaluated together; chosen: full lanes.
-const AT_ONCE: usize = 16;
 /// Number of steps of the table from which lengths are drawn; chosen: what a point weighs does not depend on them.
 const STEPS: usize = 512;
 

@@ -1,6 +1,10 @@
 //! The seam: what fails where in standard normal space.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
 
 use crate::Error;
 use crate::vector::{norm, unit};
@@ -58,15 +62,32 @@ pub trait LimitState: Sync {
     }
 }
 
+/// Points evaluated together; chosen: full lanes.
+pub(crate) const AT_ONCE: usize = 16;
+
 /// A limit state whose evaluations are counted.
 pub(crate) struct Counted<'a, L> {
     of: &'a L,
     evaluations: AtomicU64,
+    /// What a search knows that goes on in step with others.
+    answers: Option<&'a Mutex<Answers>>,
+}
+
+/// Answers that a search has had so far, by the bits of what was asked, and the points that it asks for next.
+#[derive(Default)]
+struct Answers {
+    worst: HashMap<Vec<u64>, Mode>,
+    gradients: HashMap<Vec<u64>, Vec<f64>>,
+    open: Vec<Vec<f64>>,
+}
+
+fn bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|x| x.to_bits()).collect()
 }
 
 impl<'a, L: LimitState> Counted<'a, L> {
     pub fn new(of: &'a L) -> Self {
-        Self { of, evaluations: AtomicU64::new(0) }
+        Self { of, evaluations: AtomicU64::new(0), answers: None }
     }
 
     pub fn evaluations(&self) -> u64 {
@@ -83,12 +104,63 @@ impl<'a, L: LimitState> Counted<'a, L> {
 
     /// The mode of the largest margin.
     pub fn worst(&self, u: &[f64]) -> Result<Mode, L::Error> {
+        if self.answers.is_some() {
+            return Ok(self.worst_of_all(&[u.to_vec()])?[0]);
+        }
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         Ok(worst(self.of.modes(u)?)?)
     }
 
+    /// What each of several searches finds. They go on in step, and the points that they ask for are evaluated together: a search is begun anew, with the
+    /// answers that it has had, whenever one is there that it lacked. So each must ask the same whenever it gets the same answers.
+    ///
+    /// # Errors
+    /// Those of the limit state and of the searches.
+    pub fn in_step<J: Sync, T: Send>(
+        &self,
+        searches: &[J],
+        search: impl Fn(&Counted<'_, L>, &J) -> Result<T, L::Error> + Sync,
+    ) -> Result<Vec<T>, L::Error> {
+        let known: Vec<Mutex<Answers>> = searches.iter().map(|_| Mutex::default()).collect();
+        let mut found: Vec<Option<T>> = searches.iter().map(|_| None).collect();
+        loop {
+            let open = found.par_iter_mut().zip(searches).zip(&known).filter(|((found, _), _)| found.is_none());
+            open.try_for_each(|((found, of_search), known)| {
+                let of = Counted { of: self.of, evaluations: AtomicU64::new(0), answers: Some(known) };
+                match search(&of, of_search) {
+                    Err(error) if held(known).open.is_empty() => return Err(error),
+                    answer => *found = answer.ok(),
+                }
+                Ok(())
+            })?;
+            let asked: Vec<(usize, Vec<f64>)> = known
+                .iter()
+                .enumerate()
+                .flat_map(|(at, known)| std::mem::take(&mut held(known).open).into_iter().map(move |u| (at, u)))
+                .collect();
+            if asked.is_empty() {
+                return Ok(found.into_iter().flatten().collect());
+            }
+            let points: Vec<Vec<f64>> = asked.iter().map(|(_, u)| u.clone()).collect();
+            let worst =
+                points.par_chunks(AT_ONCE).map(|points| self.worst_of_all(points)).collect::<Result<Vec<_>, _>>()?;
+            for ((at, u), worst) in asked.iter().zip(worst.into_iter().flatten()) {
+                held(&known[*at]).worst.insert(bits(u), worst);
+            }
+        }
+    }
+
     /// The mode of the largest margin at each point.
     pub fn worst_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Mode>, L::Error> {
+        if let Some(answers) = self.answers {
+            let mut answers = held(answers);
+            let is_known = |u: &&Vec<f64>| answers.worst.contains_key(&bits(u));
+            answers.open = points.iter().filter(|u| !is_known(u)).cloned().collect();
+            return match points.iter().map(|u| answers.worst.get(&bits(u)).copied()).collect() {
+                Some(worst) => Ok(worst),
+                None => Err(Error::Open.into()),
+            };
+        }
         self.evaluations.fetch_add(points.len() as u64, Ordering::Relaxed);
         let worst = self.of.modes_of_all(points)?.into_iter().map(worst).collect::<Result<_, Error>>()?;
         Ok(worst)
@@ -99,10 +171,28 @@ impl<'a, L: LimitState> Counted<'a, L> {
         if !mode.margin.is_finite() {
             return Ok(None);
         }
-        let gradient = self.of.gradient(u, mode)?;
+        let gradient = match self.answers {
+            None => self.of.gradient(u, mode)?,
+            Some(answers) => {
+                let asked = bits(&[u, &[mode.growth, mode.omega]].concat());
+                let known = held(answers).gradients.get(&asked).cloned();
+                match known {
+                    Some(gradient) => gradient,
+                    None => {
+                        let gradient = self.of.gradient(u, mode)?;
+                        held(answers).gradients.insert(asked, gradient.clone());
+                        gradient
+                    }
+                }
+            }
+        };
         let slope = norm(&gradient);
         Ok(unit(gradient).map(|direction| (direction, slope)))
     }
+}
+
+fn held(answers: &Mutex<Answers>) -> std::sync::MutexGuard<'_, Answers> {
+    answers.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The mode of the largest margin; without modes a mode that is infinitely far from failure.
@@ -111,5 +201,72 @@ fn worst(modes: Vec<Mode>) -> Result<Mode, Error> {
         Some(mode) if mode.margin.is_nan() => Err(Error::NoMargin { omega: mode.omega }),
         Some(mode) => Ok(mode),
         None => Ok(Mode { margin: f64::NEG_INFINITY, growth: f64::NEG_INFINITY, omega: 0.0 }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// Failure beyond a straight line, which keeps how many points it was asked for at once.
+    struct Beyond(Mutex<Vec<usize>>);
+
+    impl LimitState for Beyond {
+        type Error = Error;
+
+        fn dimensions(&self) -> usize {
+            2
+        }
+
+        fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Error> {
+            Ok(self.modes_of_all(&[u.to_vec()])?.remove(0))
+        }
+
+        fn modes_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Vec<Mode>>, Error> {
+            self.0.lock().unwrap().push(points.len());
+            Ok(points
+                .iter()
+                .map(|u| vec![Mode { margin: u[0] + 0.1 * u[1] - 3.0, growth: u[0], omega: 1.0 }])
+                .collect())
+        }
+
+        fn gradient(&self, _: &[f64], _: &Mode) -> Result<Vec<f64>, Error> {
+            Ok(vec![1.0, 0.1])
+        }
+    }
+
+    #[test]
+    fn searches_in_step_find_what_they_find_alone_from_fewer_calls() {
+        // A bisection on a ray, of as many points as the ray says, and the gradient at its end.
+        let search = |of: &Counted<'_, Beyond>, ray: &(usize, Vec<f64>)| {
+            let (mut low, mut high) = (0.0, 10.0);
+            for _ in 0..ray.0 {
+                let middle = 0.5 * (low + high);
+                let fails = of.worst(&[middle * ray.1[0], middle * ray.1[1]])?.margin > 0.0;
+                if fails { high = middle } else { low = middle }
+            }
+            let mode = of.worst_of_all(&[vec![high, low]])?[0];
+            Ok((low, high, of.steepest(&[high, low], &mode)?))
+        };
+        let rays: Vec<(usize, Vec<f64>)> = (0..5).map(|at| (at + 3, vec![1.0, 0.3 * at as f64])).collect();
+        let [one, other] = [(); 2].map(|()| Beyond(Mutex::default()));
+        let (alone, together) = (Counted::new(&one), Counted::new(&other));
+        let expected: Vec<_> = rays.iter().map(|ray| search(&alone, ray).unwrap()).collect();
+        assert_eq!(together.in_step(&rays, search).unwrap(), expected);
+        assert_eq!(together.evaluations(), alone.evaluations());
+        assert_eq!(*other.0.lock().unwrap(), [5, 5, 5, 5, 4, 3, 2, 1]);
+    }
+
+    #[test]
+    fn the_error_of_a_search_in_step_is_its_own() {
+        let state = Beyond(Mutex::default());
+        let search = |of: &Counted<'_, Beyond>, at: &usize| {
+            of.worst(&[*at as f64, 0.0])?;
+            if *at == 1 { Err(Error::NoMargin { omega: 7.0 }) } else { Ok(()) }
+        };
+        let found = Counted::new(&state).in_step(&[0, 1, 2], search);
+        assert!(matches!(found, Err(Error::NoMargin { omega: 7.0 })), "{found:?}");
     }
 }

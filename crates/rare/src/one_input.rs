@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use crate::answer::{Estimate, Probability};
-use crate::limit_state::{Counted, LimitState};
+use crate::limit_state::{AT_ONCE, Counted, LimitState};
 use crate::normal::{Interval, tail};
 use crate::options::Options;
 use crate::sampled::Witness;
@@ -21,8 +21,6 @@ const PRECISION: f64 = 1e-9;
 const SCANNED: f64 = 0.8;
 /// Fewest points of a range, chosen: its ends are always looked at.
 const FEWEST: f64 = 3.0;
-/// Points evaluated together; chosen: full lanes.
-const AT_ONCE: usize = 16;
 /// Failing points of an interval that stand for it, each with as much of its probability; chosen: modes are told apart to a part in as many.
 const WITNESSES: usize = 48;
 

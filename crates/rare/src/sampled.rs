@@ -81,7 +81,7 @@ impl Sampled {
                     (point, numbers[point] - 1)
                 })
                 .collect();
-            let line = |&(point, number): &(usize, usize)| {
+            let line = |of: &Counted<'_, L>, &(point, number): &(usize, usize)| {
                 let stream = ((point as u64 + 1) << 32) + number as u64;
                 line(
                     of,
@@ -91,7 +91,7 @@ impl Sampled {
                     &mut montecarlo::stream(options.seed, stream),
                 )
             };
-            let found: Vec<Line> = jobs.par_iter().map(line).collect::<Result<_, L::Error>>()?;
+            let found = of.in_step(&jobs, line)?;
             jobs.into_iter().zip(found).for_each(|((point, _), line)| sampled.lines[point].push(line));
             let (value, variance) = sampled.moments();
             let is_reached = variance.sqrt() <= options.relative * value;

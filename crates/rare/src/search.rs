@@ -5,8 +5,6 @@
 //! 1978, with exact onsets in place of linear ones). The gradient is taken on the surface alone: where two modes coalesce into flutter the margin
 //! is flat before.
 
-use rayon::prelude::*;
-
 use crate::limit_state::{Counted, LimitState, Mode};
 use crate::line::{OF_WINDOW, PRECISION, STEP, crossing, failing};
 use crate::vector::{along, dot, norm, scaled, unit};
@@ -77,8 +75,7 @@ pub(crate) fn design_points<L: LimitState>(
     directions: &[Vec<f64>],
 ) -> Result<Vec<DesignPoint>, L::Error> {
     let mut found: Vec<DesignPoint> = Vec::new();
-    let failing: Vec<_> =
-        directions.par_iter().map(|direction| climb(of, direction)).collect::<Result<_, L::Error>>()?;
+    let failing = of.in_step(directions, |of, direction| climb(of, direction))?;
     for failing in failing.into_iter().flatten() {
         if is_explained(of, &found, &failing)? {
             continue;
