@@ -66,6 +66,9 @@ const NEARLY: f64 = 0.01;
 /// Passages from a first try of shooting in vain to the next one, each wait twice as long as the one before; chosen, as a try in vain takes as long as a hundred periods.
 const WAIT: usize = 40;
 
+/// Part of their distance at the last try to which passages come where the next one does not wait; chosen.
+const NEARER: f64 = 0.1;
+
 /// Part of the largest amplitude of a motion so far that counts as rest; chosen, far above what an allowed error keeps alive.
 const REST: f64 = 1e-6;
 
@@ -115,7 +118,8 @@ pub fn follow_telling(
     let until = settings.most_periods as f64 * period;
     let end_of_block = |blocks: &Blocks| ((blocks.measured.len() + 1) * BLOCK) as f64 * period;
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
-    let (mut next_try, mut wait, mut largest) = (0, WAIT, amplitude(&motion.x, &scales));
+    let (mut next_try, mut wait, mut tried) = (0, WAIT, f64::INFINITY);
+    let mut largest = amplitude(&motion.x, &scales);
     let mut told = 0;
     while motion.time < until {
         let is_passage = motion.step(if meter.is_some() { end_of_block(&blocks).min(until) } else { until })?;
@@ -151,8 +155,10 @@ pub fn follow_telling(
         let distances = passages.iter().rev().skip(1).map(|(_, x)| distance(x, &motion.x, &scales) / size);
         blocks.nearest = distances.fold(blocks.nearest, f64::min);
         let Some(((end, last), earlier)) = passages.split_last() else { continue };
-        let alike = |(_, x): &&(f64, Vec<f64>)| distance(x, last, &scales) < NEARLY * size;
-        let Some((begin, _)) = earlier.iter().rev().find(alike).filter(|_| next_try == 0) else { continue };
+        let near = if next_try == 0 { NEARLY } else { NEARLY.min(NEARER * tried) };
+        let alike = |(_, x): &&(f64, Vec<f64>)| distance(x, last, &scales) < near * size;
+        let Some((begin, x)) = earlier.iter().rev().find(alike) else { continue };
+        tried = distance(x, last, &scales) / size;
         let found = shoot(system, last.clone(), end - begin, &scales, settings.tolerance);
         let is_near = |cycle: &Cycle| {
             amplitude(&cycle.start, &scales) > 1e-3 * size
