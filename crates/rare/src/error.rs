@@ -16,7 +16,8 @@ pub enum Error {
         /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A point that a search has asked for, and not been told yet: it goes on once others have asked.
+    /// A point that a search has asked for, and not been told yet: it goes on once others have asked. No user sees it.
+    #[doc(hidden)]
     #[error("a point is not evaluated yet")]
     Open,
     /// A system that fails where all inputs have their medians.

@@ -13,7 +13,7 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 /// Number of inverse iterations with `Q^H Q`; chosen: the first nearly converges.
 const SINGULAR_VECTOR_ITERATIONS: usize = 3;
-/// Columns that are finished together; chosen: of 2, 4 and 8 the fastest.
+/// Columns that are finished together; chosen: of 2 and 4 the faster.
 const TOGETHER: usize = 4;
 
 /// A unit vector x, and `|Q x|` after the last but one and after the last iteration; of the left side a vector y and `|Q^H y|`.

@@ -120,8 +120,10 @@ pub fn rare<B: UncertainBrake>(
         return Err(Error::NoInputs { study: plan.source(), scene: plan.describe(of_scene) });
     }
     if let Some(discrete) = inputs.iter().find(|input| input.has_atoms) {
-        let (value, allowed) =
-            ("a distribution with a value that has a probability of its own: discrete, a range without width, or measured values that repeat".into(), "distributions that are continuous".into());
+        let (value, allowed) = (
+            "discrete, has a range without width, or has measured values that repeat".into(),
+            "distributions that are continuous".into(),
+        );
         return Err(Error::Input { input: discrete.name.clone(), value, allowed });
     }
     let solver = WholeSpectra(solver);
