@@ -16,7 +16,8 @@ pub enum Error {
         /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A structure that cannot move in time: no contact, a mass matrix without an inverse, internal states of its own.
+    /// A structure that cannot move in time, or not in these harmonics: no contact, a mass matrix without an inverse, internal states of its own, a resonance without
+    /// damping.
     #[error("{0}")]
     Structure(&'static str),
     /// A number of an analysis that is not allowed.
@@ -34,7 +35,7 @@ pub enum Error {
         "the motion's tangent in steady sliding deviates from the complex eigenvalue analysis by {deviation:.1e} of its norm; allowed: {allowed:.0e}"
     )]
     Tangent {
-        /// Largest deviation of `Q(i w)`, relative.
+        /// Largest deviation of `Q(i w)` at half, once and twice the frequency w that was given, relative to `|M| w^2 + |C| w + |K|`.
         deviation: f64,
         /// Largest deviation that is allowed.
         allowed: f64,
@@ -48,11 +49,11 @@ pub enum Error {
         reason: &'static str,
     },
     /// An equation of a periodic motion that has no solution near its guess.
-    #[error("{method} does not converge; its residual is {residual:.1e}")]
+    #[error("{method} does not converge{}", left(*residual))]
     NoConvergence {
         /// Name of the method.
         method: &'static str,
-        /// Relative residual at its end.
+        /// What is left at its end: a relative residual, or how far it has gone from its guess; no number where nothing is measured.
         residual: f64,
     },
     /// Work that was stopped by [`ContactSystem::until`](crate::ContactSystem::until).
@@ -61,4 +62,9 @@ pub enum Error {
     /// A system of `linsys`.
     #[error(transparent)]
     System(#[from] linsys::LinsysError),
+}
+
+/// What is left at the end of a method, in words after its name.
+fn left(residual: f64) -> String {
+    if residual.is_nan() { String::new() } else { format!("; {residual:.1e} is left") }
 }

@@ -18,6 +18,8 @@ pub struct DropsFigure {
     pub x_label: String,
     /// Groups of bars: at least one, each with a bar or more.
     pub groups: Vec<DropGroup>,
+    /// True where values are rises, so that what is above zero is worse and has the colour of it.
+    pub are_rises: bool,
     /// The most that anything can drop, drawn as a line.
     pub most: Option<f64>,
     /// Note below everything; may be empty.
@@ -101,7 +103,8 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
                     let baseline = first + LINE_SPACING * i as f64;
                     canvas.text(Label::new(area.x - 6.0, baseline, line).anchor(TextAnchor::End));
                 }
-                draw(&mut canvas, bar, y, &x);
+                let fill = if (bar.value < 0.0) == data.are_rises { BLUE } else { VERMILLION };
+                draw(&mut canvas, bar, fill, y, &x);
             }
         }
     }
@@ -116,13 +119,12 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
     Ok(Figure { canvas, table })
 }
 
-/// Draws a bar at the height y.
-fn draw(canvas: &mut Canvas, bar: &DropBar, y: f64, x: &dyn Fn(f64) -> f64) {
+/// Draws a bar in a colour at the height y.
+fn draw(canvas: &mut Canvas, bar: &DropBar, fill: Color, y: f64, x: &dyn Fn(f64) -> f64) {
     let limits = bar.limits.map_or_else(String::new, |[lower, upper]| format!(" ({lower:.4} to {upper:.4})"));
     let words = format!("{}: {:.4}{limits}", bar.name, bar.value);
     canvas.group("mark", words, |canvas| {
         let (from, to) = (x(bar.value.min(0.0)), x(bar.value.max(0.0)));
-        let fill = if bar.value < 0.0 { VERMILLION } else { BLUE };
         canvas.rect(Area { x: from, y: y - 0.5 * THICKNESS, width: to - from, height: THICKNESS }, Paint::fill(fill));
         if let Some(limits) = bar.limits {
             whisker(canvas, limits.map(x), y);

@@ -35,6 +35,7 @@ pub fn compare_figure(found: &ComparedStudies) -> Result<Option<Figure>, Error> 
         title: format!("Change of the occurrence of modes, against {first}"),
         x_label: "change of the occurrence: positive where it is more often unstable than in the first study".into(),
         groups,
+        are_rises: true,
         most: None,
         note: "Whiskers are 95 % intervals, each by itself.".into(),
     })?))

@@ -41,6 +41,7 @@ pub fn screen_figure(screen: &Screen, title: &str, note: &str) -> Result<Option<
         title: title.into(),
         x_label: fewer.into(),
         groups,
+        are_rises: false,
         most: screen.as_it_is().map(|now| times * screen.criterion.left(now).value).filter(|most| most.is_finite()),
         note: note.into(),
     })?;

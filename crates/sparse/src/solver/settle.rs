@@ -63,10 +63,14 @@ pub(super) fn settled(
         let blur = members.iter().map(|(_, member)| pencil.blur(member.ritz)).fold(0.0, f64::max);
         // With structural damping Q is not real on the real axis, and nothing is sought there.
         let is_real = !pencil.is_structurally_damped();
-        let is_on_axis = is_real && members.iter().any(|(_, member)| member.ritz.im.abs() <= blur);
+        let is_on_real_axis = is_real && members.iter().any(|(_, member)| member.ritz.im.abs() <= blur);
         let of_one_disc = |disc: usize| members.iter().filter(|(other, _)| *other == disc).count();
         let copies = members.iter().map(|(disc, _)| of_one_disc(*disc)).max().unwrap_or(0);
-        if is_on_axis
+        // A disc finds what is within a margin of its part, too. If the group is no wider than that margin, one disc has found all of it: the disc with
+        // the most members; the members of the other discs are the same again.
+        let middle = members[0].1.ritz;
+        let is_narrow = members.iter().all(|(_, member)| (member.ritz - middle).norm() <= 2.0 * blur);
+        if is_on_real_axis
             && copies == 1
             && let Some(pair) = real(problem, &members[0].1)
         {
@@ -75,22 +79,21 @@ pub(super) fn settled(
         }
         let is_fine = |(_, member): &(usize, Polished)| member.is_good && member.pair.condition < ILL;
         // With structural damping a group has no real basis: it stays as it is, with the bounds that it has.
-        if !is_on_axis && (copies == 1 || !is_real || members.iter().all(is_fine)) {
-            // A disc finds what is within a margin of its part, too. If the group is no wider than that margin, one disc has found all of it: the disc with
-            // the most members; the members of the other discs are the same again.
-            let middle = members[0].1.ritz;
-            let is_narrow = members.iter().all(|(_, member)| (member.ritz - middle).norm() <= 2.0 * blur);
+        if !is_on_real_axis && (copies == 1 || !is_real || members.iter().all(is_fine)) {
             let fullest = members.iter().map(|(disc, _)| *disc).find(|&disc| of_one_disc(disc) == copies);
             let chosen = members.into_iter().filter(|(disc, _)| !is_narrow || Some(*disc) == fullest);
             upper.extend(chosen.map(|(disc, member)| (disc, member.pair)));
             continue;
         }
-        let pairs = in_space(problem, &members, copies, blur, counters)?.unwrap_or_default();
+        // Of a wider one each disc may lack members that others have.
+        let apart = || members.iter().map(|(disc, member)| (*disc, member.pair.clone())).collect();
+        let copies = if is_narrow { copies } else { copies.max(without_duplicates(apart()).len()) };
+        let pairs = in_space(problem, &members, (copies, is_on_real_axis), blur, counters)?.unwrap_or_default();
         if pairs.len() < copies {
             let lambda = members[0].1.ritz;
             return Err(SparseError::GroupLost { lambda, found: copies, settled: pairs.len() });
         }
-        if is_on_axis {
+        if is_on_real_axis {
             all.extend(pairs);
         } else {
             pairs.iter().for_each(|pair| all.push(conjugate(pair)));
@@ -111,7 +114,8 @@ fn conjugate(pair: &Eigenpair) -> Eigenpair {
     Eigenpair { lambda: pair.lambda.conj(), right, left, ..pair.clone() }
 }
 
-/// The only eigenvalue that is not told apart from the real axis is real, and so are its vectors; `None` where the real pair has not converged.
+/// An eigenvalue that is alone in its group, and not told apart from the real axis, is real, as its conjugate would be in the group too, and so are its vectors;
+/// `None` where the real pair has not converged.
 fn real(problem: &Problem, member: &Polished) -> Option<Eigenpair> {
     let real = |v: &Vector| v.map(|z| Complex::from(z.re));
     let (right, left) = (real(&member.pair.right), real(&member.pair.left));
@@ -119,12 +123,12 @@ fn real(problem: &Problem, member: &Polished) -> Option<Eigenpair> {
     (member.is_good && pair.backward_error <= CONVERGED).then_some(pair)
 }
 
-/// The eigenpairs of a group from the space that its vectors span, at most `copies`, the largest number that one disc found. `blur` is the largest of its
-/// members, rad/s. `None` if the matrix at the shift is singular, a solution there is not accurate, or the projected problem cannot be certified.
+/// The eigenpairs of a group from the space that its vectors span, as many as it has copies at most, and those above the real axis alone where the group is. `blur` is
+/// the largest of its members, rad/s. `None` if the matrix at the shift is singular, a solution there is not accurate, or the projected problem cannot be certified.
 fn in_space(
     problem: &Problem,
     members: &[(usize, Polished)],
-    copies: usize,
+    (copies, is_on_real_axis): (usize, bool),
     blur: f64,
     counters: &mut Counters,
 ) -> Result<Option<Vec<Eigenpair>>, SparseError> {
@@ -159,7 +163,11 @@ fn in_space(
     let Ok(certified) = certified else { return Ok(None) };
     let whole = |basis: &DMatrix<f64>, z: &Vector| basis.map(Complex::from) * z.rows(0, order);
     let mut pairs = Vec::new();
-    for e in certified.eigenvalues.iter().filter(|e| (e.lambda - mean).norm() <= 2.0 * spread + 8.0 * blur) {
+    // Real bases have the conjugates too.
+    let is_own = |lambda: Complex<f64>| {
+        (lambda - mean).norm() <= 2.0 * spread + 8.0 * blur && (is_on_real_axis || lambda.im > 0.0)
+    };
+    for e in certified.eigenvalues.iter().filter(|e| is_own(e.lambda)) {
         let pair = pair_of(pencil, e.lambda, &whole(&v, &e.right), &whole(&w, &e.left.conjugate()));
         if pair.backward_error <= CONVERGED {
             // The bound of the projected problem is for its rounding errors; it is multiplied by the backward error in the whole problem, in roundings.
@@ -172,8 +180,10 @@ fn in_space(
             pairs.push(Eigenpair { bound, verdict, ..pair });
         }
     }
-    // The vectors iterated beside the vectors of the group may have given pairs of other eigenvalues; the group has as many pairs as the fullest disc found.
-    pairs.sort_by(|a, b| a.backward_error.total_cmp(&b.backward_error));
+    // The vectors iterated beside the vectors of the group may have given pairs of other eigenvalues, those of other groups among them, which are farther than a blur from
+    // all members.
+    let is_others = |pair: &Eigenpair| members.iter().all(|(_, member)| (member.ritz - pair.lambda).norm() > blur);
+    pairs.sort_by(|a, b| is_others(a).cmp(&is_others(b)).then(a.backward_error.total_cmp(&b.backward_error)));
     pairs.truncate(copies);
     Ok(Some(pairs))
 }
