@@ -63,7 +63,11 @@ pub(super) fn settled(
         let blur = members.iter().map(|(_, member)| pencil.blur(member.ritz)).fold(0.0, f64::max);
         // With structural damping Q is not real on the real axis, and nothing is sought there.
         let is_real = !pencil.is_structurally_damped();
-        let is_on_real_axis = is_real && members.iter().any(|(_, member)| member.ritz.im.abs() <= blur);
+        // Only there is an eigenvalue in one group with its conjugate. Farther below stand those of a group above, which bring them.
+        let is_on_real_axis = is_real && members.iter().any(|(_, member)| 2.0 * member.ritz.im.abs() <= blur);
+        if !is_on_real_axis && members.iter().all(|(_, member)| member.ritz.im < 0.0) {
+            continue;
+        }
         let of_one_disc = |disc: usize| members.iter().filter(|(other, _)| *other == disc).count();
         let copies = members.iter().map(|(disc, _)| of_one_disc(*disc)).max().unwrap_or(0);
         // A disc finds what is within a margin of its part, too. If the group is no wider than that margin, one disc has found all of it: the disc with
