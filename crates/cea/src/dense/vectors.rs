@@ -22,6 +22,9 @@ const LARGE: usize = 64;
 /// Most solutions with one factorisation; chosen: one nearly always suffices.
 const MOST_INVERSE_ITERATIONS: usize = 4;
 
+/// Vectors of some eigenvalues, in their order.
+type Vectors = Vec<DVector<Complex<f64>>>;
+
 /// Right eigenvector phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
 ///
 /// # Errors
@@ -56,7 +59,7 @@ pub fn right_vectors(
     system: &SecondOrder,
     lambdas: &[Complex<f64>],
     work: &mut Workspace,
-) -> Result<Vec<DVector<Complex<f64>>>, CeaError> {
+) -> Result<Vectors, CeaError> {
     right_vectors_of_all(&[(system, lambdas)], work).remove(0)
 }
 
@@ -69,7 +72,7 @@ pub fn right_vectors(
 pub fn right_vectors_of_all(
     of: &[(&SecondOrder, &[Complex<f64>])],
     work: &mut Workspace,
-) -> Vec<Result<Vec<DVector<Complex<f64>>>, CeaError>> {
+) -> Vec<Result<Vectors, CeaError>> {
     vectors_of_all::<1>(of, work).into_iter().map(|found| found.map(|[right]| right)).collect()
 }
 
@@ -78,7 +81,7 @@ pub fn right_vectors_of_all(
 pub fn right_and_left_vectors_of_all(
     of: &[(&SecondOrder, &[Complex<f64>])],
     work: &mut Workspace,
-) -> Vec<Result<[Vec<DVector<Complex<f64>>>; 2], CeaError>> {
+) -> Vec<Result<[Vectors; 2], CeaError>> {
     vectors_of_all(of, work)
 }
 
@@ -86,7 +89,7 @@ pub fn right_and_left_vectors_of_all(
 fn vectors_of_all<const SIDES: usize>(
     of: &[(&SecondOrder, &[Complex<f64>])],
     work: &mut Workspace,
-) -> Vec<Result<[Vec<DVector<Complex<f64>>>; SIDES], CeaError>> {
+) -> Vec<Result<[Vectors; SIDES], CeaError>> {
     let each: Vec<_> = of.iter().flat_map(|&(system, lambdas)| lambdas.iter().map(move |&l| (system, l))).collect();
     let mut alone = Vec::with_capacity(each.len());
     // No more matrices at a time than are solved together: they are large.
@@ -115,7 +118,7 @@ fn vectors_of_all<const SIDES: usize>(
     let found: Vec<Vec<[_; SIDES]>> =
         of.iter().map(|(_, lambdas)| alone.by_ref().take(lambdas.len()).collect()).collect();
     let independent = |(&(system, lambdas), found): (&(&SecondOrder, &[Complex<f64>]), Vec<[_; SIDES]>)| {
-        let mut vectors: [Vec<DVector<Complex<f64>>>; SIDES] = std::array::from_fn(|_| Vec::with_capacity(found.len()));
+        let mut vectors: [Vectors; SIDES] = std::array::from_fn(|_| Vec::with_capacity(found.len()));
         for sides in found {
             for (vectors, side) in vectors.iter_mut().zip(sides) {
                 vectors.push(side?);
