@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use formats::plain_text;
 use montecarlo::Distribution;
 
 use super::CaseError;
 use super::check::Check;
-use crate::input::{LARGEST_CASE, plain_table, read_text};
+use crate::input::{LARGEST_CASE, read_text};
 
 impl Check<'_> {
     /// A distribution whose numbers are allowed; measured values that stand in a file are read.
@@ -45,7 +46,7 @@ impl Check<'_> {
         let refused = |found: &str, allowed: &str| self.value(field, format!("{}: {found}", file.display()), allowed);
         let text =
             read_text(&path, LARGEST_CASE).map_err(|error| refused(&error.to_string(), "a file that can be read"))?;
-        read(&Sheet::new(&plain_table(&text))).map_err(|(found, allowed)| refused(&found, &allowed))
+        read(&Sheet::new(&plain_text(&text))).map_err(|(found, allowed)| refused(&found, &allowed))
     }
 }
 
@@ -139,7 +140,7 @@ fn cells(line: &str, delimiter: char) -> Vec<String> {
 mod tests {
     use montecarlo::Distribution;
 
-    use super::{Fault, Sheet, plain_table};
+    use super::{Fault, Sheet, plain_text};
     use crate::MatricesCase;
 
     #[test]
@@ -189,7 +190,7 @@ mod tests {
     }
 
     fn numbers(text: &str, column: Option<&str>) -> Result<Vec<f64>, Fault> {
-        Sheet::new(&plain_table(text)).column(column)
+        Sheet::new(&plain_text(text)).column(column)
     }
 
     #[test]
@@ -205,7 +206,7 @@ mod tests {
         assert_eq!(numbers("mu;k\n0,5;1\n", Some("mu")).unwrap_err().0, "line 2: \"0,5\"");
         assert_eq!(numbers("mu,k\n0.5,1\n", Some("c")).unwrap_err(), ("no column \"c\"".into(), "one of mu, k".into()));
         assert_eq!(numbers("mu,k\n0.5\n", Some("k")).unwrap_err().0, "line 2: 1 cells");
-        let two = |text: &str| Sheet::new(&plain_table(text)).two_columns();
+        let two = |text: &str| Sheet::new(&plain_text(text)).two_columns();
         assert_eq!(two("T;E\n20;1.5\n100;1.25\n\n"), Ok([vec![20.0, 100.0], vec![1.5, 1.25]]));
         assert_eq!(two("\u{feff}20,1.5\n100,1.25"), Ok([vec![20.0, 100.0], vec![1.5, 1.25]]));
         assert_eq!(two("20,E\n100,1.25\n").unwrap_err().0, "line 1: \"E\"");

@@ -53,7 +53,7 @@ pub enum Error {
     NoConvergence {
         /// Name of the method.
         method: &'static str,
-        /// What is left at its end: a relative residual, or how far it has gone from its guess; no number where nothing is measured.
+        /// Relative residual at its end, or its relative distance from the guess; no number where nothing is measured.
         residual: f64,
     },
     /// Work that was stopped by [`ContactSystem::until`](crate::ContactSystem::until).
@@ -64,7 +64,7 @@ pub enum Error {
     System(#[from] linsys::LinsysError),
 }
 
-/// What is left at the end of a method, in words after its name.
+/// Words on a residual that is left, after the name of a method.
 fn left(residual: f64) -> String {
     if residual.is_nan() { String::new() } else { format!("; {residual:.1e} is left") }
 }

@@ -2,6 +2,7 @@
 
 use crate::bytes::Endian;
 use crate::error::FormatsError;
+use crate::lines::plain_text;
 use crate::shortened::cut;
 use crate::{harwell_boeing, mat, numpy, op4};
 
@@ -73,8 +74,7 @@ pub(crate) fn is_banner(line: &str) -> bool {
 
 /// The format of a text file.
 fn text(head: &[u8]) -> Result<Format, FormatsError> {
-    let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
-    let text = String::from_utf8_lossy(head).replace("\r\n", "\n").replace('\r', "\n");
+    let text = plain_text(&String::from_utf8_lossy(head));
     let mut lines = text.lines().filter(|line| !line.trim().is_empty());
     let first = lines.next().unwrap_or_default();
     let trimmed = first.trim();

@@ -65,6 +65,7 @@ pub use dof::{BadDof, Dof};
 pub use entry::Entry;
 pub use error::{FormatsError, Place};
 pub use limits::{Limits, Options, Progress};
+pub use lines::plain_text;
 pub use market::read_market;
 pub use matrix::{Kind, Matrix, common_labels};
 pub use mesh::{Cell, CellKind, Mesh, MeshField, ModeShape, Node};

@@ -8,6 +8,12 @@ use crate::problem::Problem;
 /// The longest line, bytes. Chosen: programs write at most a few hundred; it bounds the memory of a file without line ends.
 const LONGEST: usize = 1 << 16;
 
+/// Text whatever program wrote it: without a byte order mark, its lines ended by line feeds alone.
+#[must_use]
+pub fn plain_text(text: &str) -> String {
+    text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n")
+}
+
 /// Lines with their number.
 pub(crate) struct Lines<'a> {
     source: Box<dyn BufRead + 'a>,

@@ -69,7 +69,7 @@ pub(crate) const AT_ONCE: usize = 16;
 pub(crate) struct Counted<'a, L> {
     of: &'a L,
     evaluations: AtomicU64,
-    /// What a search knows that goes on in step with others.
+    /// Answers of a search that goes on in step with others; `None` of points that are evaluated at once.
     answers: Option<&'a Mutex<Answers>>,
 }
 
@@ -111,7 +111,7 @@ impl<'a, L: LimitState> Counted<'a, L> {
         Ok(worst(self.of.modes(u)?)?)
     }
 
-    /// What each of several searches finds. They go on in step, and the points that they ask for are evaluated together: a search is begun anew, with the
+    /// Results of several searches. They go on in step, and the points that they ask for are evaluated together: a search is begun anew, with the
     /// answers that it has had, whenever one is there that it lacked. So each must ask the same whenever it gets the same answers.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! Normal forces of contacts between faces: given, or in equilibrium with the forces of the case.
 
 use contact::{ContactError, Stiffness};
+use formats::plain_text;
 use nalgebra::{DMatrix, Vector3};
 
 use super::balance::{Acting, ContactBalance, Recent};
@@ -9,7 +10,6 @@ use super::structure::Structure;
 use super::surface_contact::SurfaceContact;
 use super::surface_schema::{ForceTable, LoadEntry};
 use crate::check::field;
-use crate::input::plain_table;
 use crate::{CaseError, Expression};
 
 /// Normal forces of the points of each contact at the medians, a sentence on how they came about, and what they follow from elsewhere.
@@ -64,7 +64,7 @@ pub(super) fn given_forces(solids: &Solids<'_>, contact: &SurfaceContact<'_>) ->
 /// The number, from 1, and the beginning of a line that begins with a digit and is not a node with its pressure.
 fn pressures(text: &str) -> Result<Vec<(i64, f64)>, (usize, String)> {
     let mut all = Vec::new();
-    for (number, line) in plain_table(text).lines().enumerate() {
+    for (number, line) in plain_text(text).lines().enumerate() {
         let plain = line.trim().replace('"', "");
         if !plain.starts_with(|c: char| c.is_ascii_digit()) {
             continue;

@@ -107,7 +107,7 @@ impl<const SIDES: usize> WithSimd for NullVectorsInLanes<'_, SIDES> {
     }
 }
 
-/// What a lane has found; `None` where that is no vector.
+/// Null vector that a lane has found; `None` where that is no vector.
 fn null_vector<S: Simd>(vector: &[[S::f64s; 2]], residuals: &[S::f64s; 2], lane: usize) -> Option<NullVector> {
     let lanes = S::F64_LANES;
     let (entries, residuals): (&[f64], &[f64]) = (bytemuck::cast_slice(vector), bytemuck::cast_slice(residuals));

@@ -58,7 +58,7 @@ pub fn mass_on_belt(speed: f64, damping: f64, friction: Arc<dyn ContactFriction>
     mass_on_belts(&[1.0], speed, damping, friction)
 }
 
-/// The same on several belts with these normal forces.
+/// A mass of 1 on a spring of 1 on several belts with these normal forces.
 pub fn mass_on_belts(loads: &[f64], speed: f64, damping: f64, friction: Arc<dyn ContactFriction>) -> ContactSystem {
     let mass = part("damping", dmatrix![1.0], dmatrix![damping], dmatrix![1.0]);
     let belt = |&load: &f64| SlidingContact {
