@@ -166,8 +166,8 @@ impl Check<'_> {
         let Some(copula) = copula(&across.kronecker(&between)) else {
             let (of_matrix, of_field) = (smallest(&between), smallest(&across));
             return Err(match of_matrix <= of_field {
-                true => self.not_definite("matrix", of_matrix),
-                false => self.not_definite("field", of_field),
+                true => self.matrix_not_definite(of_matrix),
+                false => self.field_not_definite(of_field),
             });
         };
         let contacts = 0..of.contacts.len();
@@ -175,8 +175,8 @@ impl Check<'_> {
         Ok(Correlation { places: places.collect(), named, copula })
     }
 
-    /// The correlation of values by their own names: friction parameters of contacts, as `mu@1`, which a field correlates with the parameters of all other
-    /// contacts, and parameters of which the brake has one value.
+    /// The correlation of values by their own names: friction parameters of contacts, as `mu@1`, which a field correlates with the same parameters of all
+    /// other contacts, and parameters of which the brake has one value.
     fn of_values(
         &self,
         parameters: &[String],
@@ -194,7 +194,7 @@ impl Check<'_> {
             None => DMatrix::identity(named, named),
         };
         let Some(field) = field else {
-            let copula = copula(&given).ok_or_else(|| self.not_definite("matrix", smallest(&given)))?;
+            let copula = copula(&given).ok_or_else(|| self.matrix_not_definite(smallest(&given)))?;
             return Ok(Correlation { named: places.clone(), places, copula });
         };
         let across = self.field(field, of.contacts)?;
@@ -229,8 +229,8 @@ impl Check<'_> {
             }
         }
         let copula = copula(&whole).ok_or_else(|| match (copula(&given), copula(&across)) {
-            (None, _) => self.not_definite("matrix", smallest(&given)),
-            (_, None) => self.not_definite("field", smallest(&across)),
+            (None, _) => self.matrix_not_definite(smallest(&given)),
+            (_, None) => self.field_not_definite(smallest(&across)),
             (Some(_), Some(_)) => {
                 let found = format!("a matrix and a field with the eigenvalue {:.3e} together", smallest(&whole));
                 let allowed = "ones whose eigenvalues are all > 0: smaller entries, a shorter length, or entries for further contacts, which the field ties to those named";
@@ -241,9 +241,15 @@ impl Check<'_> {
     }
 
     /// The error for a matrix of correlations that is not positive definite, by its smallest eigenvalue.
-    fn not_definite(&self, key: &str, smallest: f64) -> CaseError {
+    fn matrix_not_definite(&self, smallest: f64) -> CaseError {
+        let allowed = "one whose eigenvalues are all > 0; smaller entries beside the diagonal have larger ones";
+        self.value("correlation.matrix", format!("a matrix with the eigenvalue {smallest:.3e}"), allowed)
+    }
+
+    /// The error for correlations over contacts that are not positive definite, by their smallest eigenvalue.
+    fn field_not_definite(&self, smallest: f64) -> CaseError {
         let allowed = "one whose eigenvalues are all > 0; a shorter length or the exponential kernel has larger ones";
-        self.value(&format!("correlation.{key}"), format!("a matrix with the eigenvalue {smallest:.3e}"), allowed)
+        self.value("correlation.field", format!("a matrix with the eigenvalue {smallest:.3e}"), allowed)
     }
 
     /// A symmetric matrix with a diagonal of 1.
@@ -323,7 +329,8 @@ impl Correlation {
         self.places.contains(&value)
     }
 
-    /// True if correlations are what they were when each value has taken the index that `to` gives it, as where contacts change their places.
+    /// True if correlations are what they were when each value has taken the index that `to` gives it, to each value another one, as where contacts change
+    /// their places.
     pub fn is_kept_by(&self, to: impl Fn(usize) -> usize) -> bool {
         let rows = self.factor();
         let between = |a: usize, b: usize| {
@@ -337,7 +344,8 @@ impl Correlation {
 
     /// Makes independent values of a draw, of the friction of all contacts, one after the other, then all others, correlated.
     pub fn apply(&self, distributions: &[&Distribution], values: &mut [f64]) {
-        // Of another reading of the case, with a draw for all contacts, there are fewer.
+        // Of another reading of the case, with a draw for all contacts, there are fewer, and `places` ascend: names with numbers, whose places need not, are
+        // refused beside such a reading.
         let places: Vec<usize> = self.places.iter().copied().take_while(|&place| place < values.len()).collect();
         let of: Vec<&Distribution> = places.iter().map(|&place| distributions[place]).collect();
         let mut own: Vec<f64> = places.iter().map(|&place| values[place]).collect();

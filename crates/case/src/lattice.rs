@@ -70,6 +70,10 @@ impl LatticeCase {
             check_paper(&check, paper, parameters.grid.oscillators())?;
         }
         let friction = distributions(&check, friction)?;
+        if correlation.is_some() && readings.draws == Draws::Shared && alternatives.draws.contains(&Draws::Each) {
+            let allowed = "no \"each\" beside [correlation], which is made for the one draw that all contacts share; readings.draws = \"each\" with alternatives.draws = [\"shared\"] has one for each contact";
+            return Err(check.value("alternatives.draws", "[\"each\"]", allowed));
+        }
         let contacts = match readings.draws {
             Draws::Shared => vec![[0.0; 3]],
             Draws::Each => oscillator_places(parameters.grid),

@@ -6,9 +6,10 @@ use crate::{ContactFriction, Error};
 
 /// A contact of one normal direction and one direction of sliding.
 ///
-/// Its normal force is `N = max(0, N0 + k c^T u)` and its sliding velocity `w = v - b^T u'`. On the structure act `-c (N - N0)` and
-/// `b (mu(w, z) N - mu0 N0)`, both zero in steady sliding. A contact that is open in steady sliding has a negative N0, `-k` times its gap:
-/// until its spring is pressed it has no force, and `-c N` and `b mu(w, z) N` act on the structure then.
+/// With u the displacement from steady sliding, z the state of a bristle and mu0 the coefficient in steady sliding, its normal force is
+/// `N = max(0, N0 + k c^T u)` and its sliding velocity `w = v - b^T u'`. It adds the forces `-c (N - N0)`, of which the part `-c k c^T u` is that of the
+/// spring in the structure's K, and `b (mu(w, z) N - mu0 N0)`, both zero in steady sliding. A contact that is open in steady sliding has a negative N0, `-k`
+/// times its gap, and no spring in K: until its spring is pressed it has no force, and `-c N` and `b mu(w, z) N` act then.
 #[derive(Debug, Clone)]
 pub struct SlidingContact {
     /// Name of the contact.
@@ -19,8 +20,8 @@ pub struct SlidingContact {
     pub sliding: Vec<(usize, f64)>,
     /// c, the approach of the contact: degrees of freedom, from 0, with coefficients; empty where the normal force does not change.
     pub normal: Vec<(usize, f64)>,
-    /// k, the stiffness of the contact spring, N/m, which is in the structure's K as `k c c^T`, unless the contact is open in steady sliding; of one that
-    /// never opens, 0 will do.
+    /// k, the stiffness of the contact spring, N/m, which is in the structure's K as `k c c^T`, unless the contact is open in steady sliding; 0
+    /// will do where `normal` is empty.
     pub stiffness: f64,
     /// N0, the normal force in steady sliding, N; of a contact that is open there `-k` times its gap. Not 0.
     pub load: f64,
@@ -46,9 +47,10 @@ impl SlidingContact {
                 "finite and > 0, or < 0 of a contact that is open in steady sliding",
             ));
         }
-        let has_spring = self.stiffness > 0.0 && self.stiffness.is_finite();
-        if !self.normal.is_empty() && !has_spring {
-            return Err(refused("stiffness", self.stiffness, "finite and > 0"));
+        let is_spring = self.stiffness.is_finite() && (self.stiffness > 0.0 || self.normal.is_empty());
+        if !is_spring {
+            let allowed = "finite, and > 0 of a contact that has a normal direction";
+            return Err(refused("stiffness", self.stiffness, allowed));
         }
         if self.friction.stick_speed() >= self.speed {
             return Err(refused("stick speed", self.friction.stick_speed(), "below the speed of steady sliding"));
@@ -73,7 +75,7 @@ impl SlidingContact {
     }
 
     /// k c^T u, the change of the normal force of a closed contact, N.
-    pub(crate) fn approach(&self, u: &[f64]) -> f64 {
+    pub(crate) fn change_of_load(&self, u: &[f64]) -> f64 {
         self.stiffness * along(&self.normal, u)
     }
 
@@ -108,7 +110,7 @@ pub(crate) enum Sliding {
 }
 
 impl Sliding {
-    /// The side of a velocity.
+    /// The side of a velocity; 0, where the caller asks whether it sticks, belongs to either.
     pub fn of(velocity: f64) -> Self {
         if velocity > 0.0 { Self::Forwards } else { Self::Backwards }
     }

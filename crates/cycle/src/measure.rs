@@ -224,7 +224,7 @@ pub fn history<'s>(system: &ContactSystem, states: impl IntoIterator<Item = &'s 
     };
     let of_contact = |(at, contact): (usize, &SlidingContact), x: &[f64]| {
         let (u, velocity) = x.split_at(system.order());
-        let (normal_force, sliding_velocity) = (contact.load + contact.approach(u), contact.slip(velocity));
+        let (normal_force, sliding_velocity) = (contact.load + contact.change_of_load(u), contact.slip(velocity));
         let state = match normal_force > 0.0 {
             false => ContactState::Open,
             true if sliding_velocity.abs() < slowest(at, contact) => ContactState::Stuck,

@@ -117,7 +117,7 @@ impl ContactSystem {
             // The least of those that are wrong is exchanged (Murty): a problem of this kind ends so.
             let wrong = open.iter().find_map(|&contact| {
                 let of = &self.contacts[contact];
-                let most = self.static_friction[contact].unwrap_or(0.0) * (of.load + of.approach(x)).max(0.0);
+                let most = self.static_friction[contact].unwrap_or(0.0) * (of.load + of.change_of_load(x)).max(0.0);
                 let sliding_rate = -along(&of.sliding, &rate[self.order()..2 * self.order()]);
                 match sliding[contact] {
                     Sliding::Stuck if held[contact] < -most * (1.0 + ABOVE) => Some((contact, Sliding::Backwards)),

@@ -287,19 +287,19 @@ impl ContactSystem {
     /// Forces of a contact in a state of motion.
     pub(crate) fn forces_in(&self, contact: usize, x: &[f64]) -> ContactForces {
         let of = &self.contacts[contact];
-        self.forces_in_phase(contact, x, (of.load + of.approach(x) > 0.0, Sliding::Smooth))
+        self.forces_in_phase(contact, x, (of.load + of.change_of_load(x) > 0.0, Sliding::Smooth))
     }
 
     /// Forces of a contact in a state of motion, on one side of its kinks.
     pub(crate) fn forces_in_phase(&self, contact: usize, x: &[f64], phase: (bool, Sliding)) -> ContactForces {
         let of = &self.contacts[contact];
         let state = self.bristles[contact].map_or(0.0, |place| x[place]);
-        self.forces(contact, phase, [of.approach(x), of.slip(&x[self.order()..]), state])
+        self.forces(contact, phase, [of.change_of_load(x), of.slip(&x[self.order()..]), state])
     }
 
     /// The rate x' of a state of motion x; NaN where it cannot be told which contacts stick.
     pub fn rate(&self, x: &[f64], out: &mut [f64]) {
-        let is_closed: Vec<bool> = self.contacts.iter().map(|of| of.load + of.approach(x) > 0.0).collect();
+        let is_closed: Vec<bool> = self.contacts.iter().map(|of| of.load + of.change_of_load(x) > 0.0).collect();
         match self.sliding_in(x, &is_closed) {
             Ok(sliding) => self.rate_of(x, &is_closed, &sliding, out, |_, _| ()),
             Err(_) => out.fill(f64::NAN),

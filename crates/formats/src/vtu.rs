@@ -47,12 +47,19 @@ pub fn write_vtu(out: &mut dyn Write, mesh: &Mesh, shapes: &[ModeShape]) -> Resu
 pub fn write_fields_vtu(out: &mut dyn Write, mesh: &Mesh, fields: &[MeshField]) -> Result<(), FormatsError> {
     check(mesh, &[])?;
     fields.iter().try_for_each(|field| field.check(mesh))?;
+    let mut names = std::collections::HashSet::from([NODE]);
+    if let Some(field) = fields.iter().find(|field| !names.insert(field.name.as_str())) {
+        let (what, allowed) =
+            ("two fields, or a field and the numbers of the nodes, have the name", "a name for each".to_owned());
+        return Err(FormatsError::Shape { what, found: crate::shortened::cut(&field.name), allowed });
+    }
     let of_field = |out: &mut dyn Write, MeshField { name, values }: &MeshField| match values.as_slice() {
         [x] => array(out, "Float64", name, "", x.iter().map(|&x| reals([x]))),
         [x, y, z] => {
             let rows = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| reals([x, y, z]));
             array(out, "Float64", name, VECTOR, rows)
         }
+        // `MeshField::check` has refused them.
         _ => Ok(()),
     };
     let of_fields = |out: &mut dyn Write| fields.iter().try_for_each(|field| of_field(out, field));
@@ -89,7 +96,7 @@ fn write_all(
         writeln!(out, "</FieldData>")?;
     }
     writeln!(out, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>")?;
-    array(out, "Int64", "node", "", mesh.nodes.iter().map(|node| node.label.to_string()))?;
+    array(out, "Int64", NODE, "", mesh.nodes.iter().map(|node| node.label.to_string()))?;
     point_data(out)?;
     writeln!(out, "</PointData>\n<Points>")?;
     array(out, "Float64", "Points", VECTOR, mesh.nodes.iter().map(|node| reals(node.position)))?;
@@ -106,6 +113,8 @@ fn write_all(
     writeln!(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")
 }
 
+/// Name of the array of the numbers of the nodes.
+const NODE: &str = "node";
 /// Attribute of an array of vectors.
 const VECTOR: &str = "NumberOfComponents=\"3\"";
 

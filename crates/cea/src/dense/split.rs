@@ -19,14 +19,14 @@ const MOST_FIXED_POINT_STEPS: usize = 60;
 /// iteration that has converged is taken for one that does not, and the whole spectrum takes far longer.
 const ROUNDING: f64 = 4.0;
 
-/// `A11 + A12 L` and `A22 - L A12` for the last `fast` rows: all internal states of a system, fast or not. A22 has to be diagonal, which is not checked: the
+/// `A11 + A12 L` and `A22 - L A12` for the last rows, as many as `states`: all internal states of a system, fast or not. A22 has to be diagonal, which is not checked: the
 /// iteration divides by its diagonal alone. `None` where the slowest of them is too slow for the iteration to converge.
-pub(crate) fn split(state: &DMatrix<f64>, fast: usize) -> Option<[DMatrix<f64>; 2]> {
-    let slow = state.nrows() - fast;
-    let (a11, a12) = (state.view((0, 0), (slow, slow)), state.view((0, slow), (slow, fast)));
-    let (a21, a22) = (state.view((slow, 0), (fast, slow)), state.view((slow, slow), (fast, fast)));
+pub(crate) fn split(state: &DMatrix<f64>, states: usize) -> Option<[DMatrix<f64>; 2]> {
+    let slow = state.nrows() - states;
+    let (a11, a12) = (state.view((0, 0), (slow, slow)), state.view((0, slow), (slow, states)));
+    let (a21, a22) = (state.view((slow, 0), (states, slow)), state.view((slow, slow), (states, states)));
     let rates = a22.diagonal();
-    let mut l = DMatrix::zeros(fast, slow);
+    let mut l = DMatrix::zeros(states, slow);
     let mut last = f64::INFINITY;
     for _ in 0..MOST_FIXED_POINT_STEPS {
         let mut next = &l * (a11 + a12 * &l) - a21;

@@ -107,7 +107,7 @@ impl<'a> Equations<'a> {
         let mut values = DMatrix::zeros(samples, self.scales.len());
         for (sample, x) in states.iter().enumerate() {
             for (at, contact) in contacts.iter().enumerate() {
-                values[(sample, at)] = contact.approach(x);
+                values[(sample, at)] = contact.change_of_load(x);
                 values[(sample, contacts.len() + at)] = along(&contact.sliding, x);
             }
             for (state, place) in (2 * contacts.len()..self.scales.len()).enumerate() {

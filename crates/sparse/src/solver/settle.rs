@@ -31,12 +31,20 @@ const FOUND_TWICE: f64 = 1e-9;
 const INDEPENDENT: f64 = 1e-4;
 /// Largest backward error in the whole problem of a pair of the projected problem; chosen: a pair with a larger error is not kept.
 const CONVERGED: f64 = 1e-9;
-/// Number of vectors that are iterated beside the vectors of a group, to find its space.
+/// Number of vectors that are iterated beside the vectors of a group, to find its space; chosen: with none, what members lack of the space is found slowly.
 const BESIDE_VECTORS: usize = 2;
-/// Number of steps of that iteration.
+/// Number of steps of that iteration; chosen: eigenvalues elsewhere are a thousand times farther from the shift, so that each step gives three digits.
 const STEPS: usize = 4;
-/// Least distance of the shift of that iteration from the mean of the group, in blurs.
-const BESIDE: f64 = 20.0;
+/// Distance of the shift of that iteration from the mean of the group, in spreads of the group, but no less than in blurs; chosen: nearer the factors are singular to
+/// rounding, farther the group stands out less from its neighbours.
+const BESIDE: [f64; 2] = [4.0, 20.0];
+/// Direction in which the shift lies: neither along the axes, where conjugates and neighbours in frequency are, nor between them.
+const BESIDE_DIRECTION: Complex<f64> = Complex::new(0.8, 0.6);
+/// Largest distance from the mean of a group, in spreads of it and in blurs, both together, of an eigenvalue of the projected problem that belongs to the group; chosen: members that the
+/// discs found scatter by their spread, and those found anew by some blurs about them.
+const OWN: [f64; 2] = [2.0, 8.0];
+/// Largest distance of a member from the first one, in blurs, of a narrow group: two members are then no farther apart than the least margin of a disc, which is twice that.
+const NARROW: f64 = 2.0;
 /// Smallest singular value, relative to the largest, of a direction of a space that is more than noise; chosen: with less, directions of rounding enter
 /// the projected problem; with more, those in which nearly defective members differ leave it.
 const NOISE: f64 = 1e-6;
@@ -63,8 +71,13 @@ pub(super) fn settled(
         let blur = members.iter().map(|(_, member)| pencil.blur(member.ritz)).fold(0.0, f64::max);
         // With structural damping Q is not real on the real axis, and nothing is sought there.
         let is_real = !pencil.is_structurally_damped();
-        // Only there is an eigenvalue in one group with its conjugate. Farther below stand those of a group above, which bring them.
-        let is_on_real_axis = is_real && members.iter().any(|(_, member)| 2.0 * member.ritz.im.abs() <= blur);
+        // Only there is an eigenvalue in one group with its conjugate, or has become another's side of the axis when it was polished. A group wholly below the axis has the
+        // conjugates of one above, which is listed with its conjugates: it is left out.
+        let is_at_axis = |member: &Polished| {
+            let [ritz, polished] = [member.ritz.im, member.pair.lambda.im];
+            2.0 * ritz.abs().min(polished.abs()) <= blur || ritz * polished <= 0.0
+        };
+        let is_on_real_axis = is_real && members.iter().any(|(_, member)| is_at_axis(member));
         if !is_on_real_axis && members.iter().all(|(_, member)| member.ritz.im < 0.0) {
             continue;
         }
@@ -72,8 +85,8 @@ pub(super) fn settled(
         let copies = members.iter().map(|(disc, _)| of_one_disc(*disc)).max().unwrap_or(0);
         // A disc finds what is within a margin of its part, too. If the group is no wider than that margin, one disc has found all of it: the disc with
         // the most members; the members of the other discs are the same again.
-        let middle = members[0].1.ritz;
-        let is_narrow = members.iter().all(|(_, member)| (member.ritz - middle).norm() <= 2.0 * blur);
+        let first = members[0].1.ritz;
+        let is_narrow = members.iter().all(|(_, member)| (member.ritz - first).norm() <= NARROW * blur);
         if is_on_real_axis
             && copies == 1
             && let Some(pair) = real(problem, &members[0].1)
@@ -139,7 +152,7 @@ fn in_space(
     let (pencil, n) = (&problem.pencil, problem.pencil.order());
     let mean = members.iter().map(|(_, member)| member.ritz).sum::<Complex<f64>>() / members.len() as f64;
     let spread = members.iter().map(|(_, member)| (member.ritz - mean).norm()).fold(0.0, f64::max);
-    let beside = mean + Complex::new(0.8, 0.6) * (4.0 * spread).max(BESIDE * blur);
+    let beside = mean + BESIDE_DIRECTION * (BESIDE[0] * spread).max(BESIDE[1] * blur);
     counters.factorisations += 1;
     let factor = match Factor::new(&problem.symbolic, pencil, beside) {
         Err(SparseError::Singular { .. }) => return Ok(None),
@@ -157,6 +170,7 @@ fn in_space(
             basis => bases.push(real_basis(&basis?)),
         }
     }
+    // The larger of both ranks: with the smaller one a member would be lost of which one side alone has two vectors to rounding.
     let rank = |(singular, _): &(Vec<f64>, DMatrix<f64>)| singular.iter().filter(|s| **s > NOISE * singular[0]).count();
     let order = bases.iter().map(rank).max().unwrap_or(0).min(bases.iter().map(|(_, u)| u.ncols()).min().unwrap_or(0));
     let [v, w] = [0, 1].map(|side| bases[side].1.columns(0, order).into_owned());
@@ -169,12 +183,13 @@ fn in_space(
     let mut pairs = Vec::new();
     // Real bases have the conjugates too.
     let is_own = |lambda: Complex<f64>| {
-        (lambda - mean).norm() <= 2.0 * spread + 8.0 * blur && (is_on_real_axis || lambda.im > 0.0)
+        (lambda - mean).norm() <= OWN[0] * spread + OWN[1] * blur && (is_on_real_axis || lambda.im > 0.0)
     };
     for e in certified.eigenvalues.iter().filter(|e| is_own(e.lambda)) {
         let pair = pair_of(pencil, e.lambda, &whole(&v, &e.right), &whole(&w, &e.left.conjugate()));
         if pair.backward_error <= CONVERGED {
-            // The bound of the projected problem is for its rounding errors; it is multiplied by the backward error in the whole problem, in roundings.
+            // The bound of the projected problem is for its rounding errors; it is multiplied by the backward error in the whole problem, in roundings. The first-order bound of a
+            // pair of a group means nothing beyond a blur, as far as rounding moves the group.
             let more = (pair.backward_error / (0.5 * f64::EPSILON)).max(1.0);
             let bound = (e.bound * more).max(pair.bound.min(blur));
             let verdict = match e.verdict {
@@ -192,7 +207,8 @@ fn in_space(
     Ok(Some(pairs))
 }
 
-/// The space, as orthonormal columns, to which [`STEPS`] products with `Q^-1 Q'` at the shift take a block: the space of the eigenvalues next to the shift.
+/// The space, as orthonormal columns, to which [`STEPS`] products with `Q^-1 Q'` at the shift take a block, Q' the derivative of Q by lambda: the space of the eigenvalues next to
+/// the shift, to first order in their distance from it, so that what is made of it is asked for its backward error.
 fn space(factor: &Factor<'_>, side: Side, start: Block) -> Result<Block, SparseError> {
     let pencil = factor.pencil();
     let weights = pencil.slope_weights(factor.shift());
