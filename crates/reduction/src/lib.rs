@@ -3,6 +3,7 @@
 //! | to | use |
 //! | --- | --- |
 //! | hold the modes at chosen points, with columns that follow modes and not contacts | [`Snapshots`] |
+//! | have modes at many points, nearly, from those at one | [`NearModes`] |
 //! | find a smaller basis within these for one arrangement | [`within()`] |
 //! | have the brake on a basis, with what bounds residuals there | [`Reduced::within`], [`Combinations`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
@@ -26,6 +27,7 @@ mod dense;
 mod error;
 mod inverse_iteration;
 mod loss;
+mod near_modes;
 mod nearest;
 mod norms;
 mod outer_products;
@@ -48,6 +50,7 @@ pub use compared::{Compared, compared};
 pub use contact_path::{ContactPath, OnContactPath};
 pub use error::ReductionError;
 pub use loss::Losses;
+pub use near_modes::NearModes;
 pub use reduced::{Reduced, ReducedModes};
 pub use residual::largest_residual;
 pub use route::{Route, RouteCounts};

@@ -22,6 +22,10 @@ use crate::ReductionError;
 /// from there. Chosen: with less, a mode that friction moves into the rectangle may be missing; with more, full problems have more modes.
 const MARGIN: f64 = 0.02;
 
+/// The same of the modes from which those at other points go out; chosen: contacts that open lower the frequencies of modes beside the band by less, and with more a
+/// search finds more modes.
+const FAR_MARGIN: f64 = 0.3;
+
 /// Largest part of a mode's length that a basis may miss, whatever residual is asked for; chosen. Without it, where stiff parts make all residuals small, a
 /// basis without any columns would meet a residual that is not small.
 const MOST_MISSING: f64 = 0.1;
@@ -76,19 +80,39 @@ impl<'a> Snapshots<'a> {
     /// # Errors
     /// A point of another system, what [`eigenpairs_in`](sparse::eigenpairs_in) refuses.
     pub fn at(&self, point: &OperatingPoint) -> Result<Snapshot<'a>, ReductionError> {
-        let (system, margin) = (self.system.assemble(point)?, MARGIN * largest(&self.rectangle));
-        let Rectangle { re: [lowest, highest], im: [from, to] } = self.rectangle;
-        let wider =
-            Rectangle { re: [lowest - margin, highest], im: [from - margin.min(0.5 * from.abs()), to + margin] };
-        let mut found = eigenpairs_in(&system, &wider, &self.options, &mut |_| ())?.pairs;
-        found.retain(|mode| !grows_too_fast(mode.lambda));
-        let mode = |Eigenpair { lambda, right, left, condition, .. }| SnapshotMode { lambda, right, left, condition };
-        Ok(self.known(point, found.into_iter().map(mode).collect()))
+        Ok(self.known(point, self.modes(point, MARGIN, &self.options)?))
     }
 
-    /// The snapshot at a point whose modes were found before, by [`Snapshots::at`] of the same system and rectangle.
+    /// The modes as of [`Snapshots::at`], and those that are farther beside the rectangle, from which [`NearModes`](crate::NearModes) go out; by settings of this search.
+    ///
+    /// # Errors
+    /// As of [`Snapshots::at`].
+    pub fn modes_around(
+        &self,
+        point: &OperatingPoint,
+        options: &sparse::Options,
+    ) -> Result<Vec<SnapshotMode>, ReductionError> {
+        self.modes(point, FAR_MARGIN, options)
+    }
+
+    fn modes(
+        &self,
+        point: &OperatingPoint,
+        margin: f64,
+        options: &sparse::Options,
+    ) -> Result<Vec<SnapshotMode>, ReductionError> {
+        let system = self.system.assemble(point)?;
+        let wider = with_margin(&self.rectangle, margin);
+        let mut found = eigenpairs_in(&system, &wider, options, &mut |_| ())?.pairs;
+        found.retain(|mode| !grows_too_fast(mode.lambda));
+        Ok(found.into_iter().map(SnapshotMode::from).collect())
+    }
+
+    /// The snapshot at a point whose modes are known, of the same system and rectangle; those far beside the rectangle are left out.
     #[must_use]
-    pub fn known(&self, point: &OperatingPoint, modes: Vec<SnapshotMode>) -> Snapshot<'a> {
+    pub fn known(&self, point: &OperatingPoint, mut modes: Vec<SnapshotMode>) -> Snapshot<'a> {
+        let wider = with_margin(&self.rectangle, MARGIN);
+        modes.retain(|mode| wider.contains_to_the_right(mode.lambda, 0.0));
         let (system, norms) = (self.system, self.norms.at(point));
         Snapshot { system, point: point.clone(), norms, rectangle: self.rectangle, modes }
     }
@@ -181,8 +205,21 @@ impl Snapshot<'_> {
     }
 }
 
+impl From<Eigenpair> for SnapshotMode {
+    fn from(Eigenpair { lambda, right, left, condition, .. }: Eigenpair) -> Self {
+        Self { lambda, right, left, condition }
+    }
+}
+
+/// A rectangle with what is beside it, up to a fraction of the largest |lambda| in it, but for larger Re lambda.
+pub(super) fn with_margin(rectangle: &Rectangle, fraction: f64) -> Rectangle {
+    let margin = fraction * largest(rectangle);
+    let Rectangle { re: [lowest, highest], im: [from, to] } = *rectangle;
+    Rectangle { re: [lowest - margin, highest], im: [from - margin.min(0.5 * from.abs()), to + margin] }
+}
+
 /// Real and imaginary parts of the right and left vectors of modes as columns, each vector of unit length; a conjugate pair has one entry.
-fn columns(modes: &[SnapshotMode]) -> DMatrix<f64> {
+pub(super) fn columns(modes: &[SnapshotMode]) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
     let mut add = |x: &DVector<Complex<f64>>| {
         let size = x.norm();

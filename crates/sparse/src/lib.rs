@@ -28,7 +28,7 @@ pub use nalgebra_sparse;
 pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
 pub use solver::{
-    Circle, Count, Counters, Disc, Eigenpair, Found, Options, Problem, Progress, Reach, Rectangle, eigenpairs_in,
+    Circle, Count, Counters, Disc, Eigenpair, Found, Guess, Options, Problem, Progress, Reach, Rectangle, eigenpairs_in,
 };
 pub use system::{SparseSecondOrder, State};
 

@@ -121,7 +121,7 @@ pub(super) fn all_bases(
         (case.constraints[set].fixed.clone(), (swept.to_vec(), of_set)).bytes()
     };
     let together = Arc::new(Together::new(pieces.solutions_together(case.dofs.len())));
-    progress.begin((case.constraints.len() * set_basis::SOLUTIONS + asked.len()) as u64, 0);
+    progress.begin((case.constraints.len() * set_basis::ADVANCES + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for (at, set) in case.constraints.iter().enumerate() {
         progress.go_on()?;
@@ -138,7 +138,7 @@ pub(super) fn all_bases(
         };
         sets.push(ReducedSet::new(case, &set.fixed, Arc::clone(&together), basis)?);
         if is_kept {
-            progress.advance(set_basis::SOLUTIONS as u64);
+            progress.advance(set_basis::ADVANCES as u64);
         }
     }
     let first = of_configurations[0];

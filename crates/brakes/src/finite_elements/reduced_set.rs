@@ -9,7 +9,7 @@ use num_complex::Complex;
 use reduction::{Combinations, Compared, Losses, Reduced, RouteCounts, Within, compared};
 use sparse::SparseAffineSystem;
 
-use super::points::at_medians;
+use super::points;
 use super::set_basis::{HeldOut, SetBasis};
 use super::together::Together;
 use super::training::{AT_BORDER, rectangle};
@@ -27,6 +27,8 @@ pub struct ReducedSet {
     pub basis: Arc<DMatrix<f64>>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub(super) leading: usize,
+    /// Eigenvalues of the whole brake at the medians with all patches closed, in the rectangle and around it, rad/s.
+    pub(super) at_medians: Vec<Complex<f64>>,
     /// True if at the medians the brake on the basis has modes that the whole one does not have.
     has_others: bool,
     /// Number of complete solutions that are made together, and how many of single eigenvalues may begin now.
@@ -82,9 +84,9 @@ impl ReducedSet {
     ) -> Result<Self, Error> {
         let dofs = DofMap::new(case.dofs.len(), fixed)?;
         let system = case.system.on(&dofs)?;
-        let SetBasis { basis, leading, has_others, held_out: drawn } = basis(&system)?;
+        let SetBasis { basis, leading, at_medians, has_others, held_out: drawn } = basis(&system)?;
         let projected = system.project(&basis)?;
-        let losses = Losses::new(&system, &projected, &at_medians(case)?)?;
+        let losses = Losses::new(&system, &projected, &points::at_medians(case)?)?;
         let reduced = match &losses {
             Some(losses) => losses.with_dashpots(&projected)?,
             None => projected,
@@ -96,6 +98,7 @@ impl ReducedSet {
             system,
             basis: Arc::new(basis),
             leading,
+            at_medians,
             has_others,
             together,
             combinations,

@@ -1,5 +1,6 @@
 //! The basis of a set of constraints, V: it holds a brake in all its arrangements, and a smaller one is sought within it for each of them. It is made of the
-//! modes at draws, one draw after another, until it holds several in a row that it was not made of.
+//! modes at the medians, of what these lead to at some draws, and of all modes at further draws, one after another, until it holds several in a row that it was not made
+//! of.
 
 use cea::{BatchSolver, EigenSolver as _, Workspace, grows_too_fast};
 use linsys::OperatingPoint;
@@ -7,7 +8,7 @@ use montecarlo::Progress;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use rayon::prelude::*;
-use reduction::{Losses, ReductionError, Snapshot, Snapshots};
+use reduction::{Losses, NearModes, ReductionError, Snapshot, SnapshotMode, Snapshots};
 use sparse::SparseAffineSystem;
 
 use super::points::{all_patches, naming_point, of_brake};
@@ -24,7 +25,7 @@ const WANTED_ERROR: f64 = 1e-6;
 /// Floors of a basis, which has the directions of larger singular values (of vectors of unit length): the first one, which is divided by ten each time that
 /// a draw whose modes were added is not held, and the least one. Chosen: a lower one adds directions, which cost time and may make modes that the brake does
 /// not have.
-const FLOORS: [f64; 2] = [1e-5, 1e-9];
+const FLOORS: [f64; 2] = [3e-5, 1e-9];
 /// First floor of a basis for points that are all known. It has no more directions than hold them, as each direction that is a part of modes beside the band
 /// may make a mode that the brake does not have.
 const FEWEST: f64 = 1e-2;
@@ -33,18 +34,19 @@ const FINER: f64 = 0.5;
 /// Smallest singular value of the leading columns of a basis, which have all modes of any draw, roughly; chosen: with a smaller one, spectra on these columns
 /// take longer; with a larger one, they miss modes that have to be found on all columns.
 const LEADING: f64 = 3e-3;
-/// Number of complete solutions, that at the medians among them, of which a basis is made before draws tell whether it is enough. Measured with
-/// cases/disc-pad and its refinement: 12 hold eigenvalues to 3e-9 and 1e-6.
-const FIRST_SOLUTIONS: usize = 9;
+/// Number of draws to which the modes at the medians are led ([`NearModes`]), before complete solutions tell whether a basis of these is enough. Chosen: so many in a row
+/// reach all of ten scenes. Measured with cases/disc-pad and its refinement: eigenvalues at other draws of the latter are held to 2e-7.
+const NEAR: usize = 12;
 /// Most complete solutions of which a basis is made; draws after these are held out, whatever their error on it is.
 const MOST_SOLUTIONS: usize = 40;
 /// Number of draws in a row that a basis was not made of and has to hold; chosen: the error bounds of verdicts are told by them.
 const HELD_OUT: usize = 3;
 /// Most columns of a basis; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
-/// Number of complete solutions of the whole brake that the basis of a set takes, roughly: solutions that make it, and solutions at draws that are held out and
-/// at the medians.
-pub(super) const SOLUTIONS: usize = FIRST_SOLUTIONS + 3 * HELD_OUT + 1;
+/// Number of advances that the basis of a set makes, roughly: complete solutions, at the medians and at draws that are held out, and modes led to draws.
+pub(super) const ADVANCES: usize = 1 + NEAR + HELD_OUT;
+/// Number of complete solutions in whose time the basis of a set is made, roughly: three draws to which modes are led count as one, as measured on the same meshes.
+pub(super) const SOLUTIONS: usize = 1 + NEAR / 3 + HELD_OUT + 1;
 
 /// Orthonormal directions, n x k, by descending singular value, with these.
 type Directions = (DMatrix<f64>, Vec<f64>);
@@ -54,6 +56,8 @@ pub(super) struct SetBasis {
     pub basis: DMatrix<f64>,
     /// Number of its first columns that have all modes of any draw, roughly.
     pub leading: usize,
+    /// Eigenvalues of the whole brake at the medians, in the rectangle and around it, rad/s.
+    pub at_medians: Vec<Complex<f64>>,
     /// True if at the medians the brake on it has modes that the whole one does not have.
     pub has_others: bool,
     /// Draws that it was not made of, in their order; fewer than [`HELD_OUT`] where nearly nothing is drawn.
@@ -75,7 +79,7 @@ pub(super) struct KeptSolutions<'a> {
     pub fixed: &'a Vec<usize>,
 }
 
-bits!(SetBasis { basis, leading, has_others, held_out });
+bits!(SetBasis { basis, leading, at_medians, has_others, held_out });
 bits!(HeldOut { drawn, modes });
 bits!(Drawn { closed, at });
 
@@ -92,58 +96,70 @@ pub(super) fn basis(
     let all = all_patches(case);
     let at_median = of_brake(case, &all, &naming_point(case, &all)?);
     let mut snapshots = Snapshots::new(system, rectangle(case), search_options(together));
-    let mut known = vec![at_median];
-    known.extend_from_slice(trained);
-    // What a basis was made of, until there is one.
-    let mut made_of: Vec<Snapshot<'_>> = Vec::new();
-    for points in known.chunks(together) {
+    let alone = || snapshots.modes_around(&at_median, &search_options(1));
+    let around = kept.modes(("solution around", &at_median), alone, progress)?;
+    let at_medians = snapshots.known(&at_median, around.clone());
+    snapshots.add(&at_medians)?;
+    // What the basis was made of, until there is one.
+    let mut made_of = vec![at_medians.clone()];
+    for points in trained.chunks(together) {
         for found in solved(&snapshots, points, kept, progress)? {
             snapshots.add(&found)?;
             made_of.push(found);
         }
     }
-    let at_medians = made_of[0].clone();
     let mut drawn_once: Vec<Drawn> = Vec::new();
     // There may be nothing that is drawn.
-    for drawn in draws(case, swept, MOST_SOLUTIONS + HELD_OUT)? {
-        if !known.contains(&drawn.at) && !drawn_once.contains(&drawn) {
+    for drawn in draws(case, swept, NEAR + MOST_SOLUTIONS + HELD_OUT)? {
+        if drawn.at != at_median && !trained.contains(&drawn.at) && !drawn_once.contains(&drawn) {
             drawn_once.push(drawn);
         }
     }
     let ([mut floor, _], mut held_out) = (FLOORS, Vec::new());
     let mut basis = None;
-    let (mut solutions, mut in_a_row) = (known.len(), 0);
-    'draws: for drawn in drawn_once.chunks(together) {
+    // Of fewer draws each is solved, and is all that there is to hold.
+    if drawn_once.len() >= NEAR + HELD_OUT {
+        let near = NearModes::new(system, &rectangle(case), &around, search_options(together).threads)?;
+        let led: Vec<OperatingPoint> = drawn_once.drain(..NEAR).map(|drawn| drawn.at).collect();
+        let one = |point: &OperatingPoint| kept.modes(("near", point), || near.at(point), progress);
+        for points in led.chunks(together) {
+            for (point, modes) in points.iter().zip(points.par_iter().map(one).collect::<Result<Vec<_>, Error>>()?) {
+                snapshots.add(&snapshots.known(point, modes))?;
+            }
+        }
+        basis = Some(holding(&snapshots, &std::mem::take(&mut made_of), &mut floor)?);
+    }
+    let (mut solutions, mut in_a_row) = (1 + trained.len(), 0);
+    while !drawn_once.is_empty() && in_a_row < HELD_OUT {
+        // No more than may be the last ones.
+        let count = if basis.is_some() { together.min(HELD_OUT - in_a_row) } else { together };
+        let drawn: Vec<Drawn> = drawn_once.drain(..count.min(drawn_once.len())).collect();
         let points: Vec<OperatingPoint> = drawn.iter().map(|drawn| drawn.at.clone()).collect();
-        for (drawn, found) in drawn.iter().zip(solved(&snapshots, &points, kept, progress)?) {
-            let error = basis.as_ref().map(|(basis, _)| found.error(basis)).transpose()?;
-            if error.is_some_and(|error| error <= WANTED_ERROR) || solutions >= MOST_SOLUTIONS {
-                held_out.push(HeldOut { drawn: drawn.clone(), modes: found.lambdas() });
+        for (drawn, found) in drawn.into_iter().zip(solved(&snapshots, &points, kept, progress)?) {
+            solutions += 1;
+            let Some((known, _)) = &basis else {
+                snapshots.add(&found)?;
+                made_of.push(found);
+                continue;
+            };
+            if found.error(known)? <= WANTED_ERROR || solutions > MOST_SOLUTIONS {
+                held_out.push(HeldOut { drawn, modes: found.lambdas() });
                 in_a_row += 1;
-                if in_a_row == HELD_OUT {
-                    break 'draws;
-                }
                 continue;
             }
             in_a_row = 0;
             snapshots.add(&found)?;
-            solutions += 1;
-            if solutions < FIRST_SOLUTIONS {
-                made_of.push(found);
-                continue;
-            }
-            made_of.clear();
             basis = Some(holding(&snapshots, &[found], &mut floor)?);
         }
     }
     let (basis, values) = match basis {
         Some(basis) => basis,
-        // So few that none of them was asked about.
         None => holding(&snapshots, &made_of, &mut { FEWEST })?,
     };
-    let ((basis, values), has_others) = without_others((system, &known[0]), &snapshots, &at_medians, (basis, values))?;
+    let ((basis, values), has_others) = without_others((system, &at_median), &snapshots, &at_medians, (basis, values))?;
     let leading = values.iter().take_while(|&&value| value > LEADING).count();
-    Ok(SetBasis { basis, leading, has_others, held_out })
+    let at_medians = around.into_iter().map(|mode| mode.lambda).collect();
+    Ok(SetBasis { basis, leading, at_medians, has_others, held_out })
 }
 
 /// A basis of all snapshots, with its singular values, that holds the modes `of` these: its floor is lowered until it does, or cannot be lowered further.
@@ -196,18 +212,31 @@ fn without_others(
 fn solved<'a>(
     snapshots: &Snapshots<'a>,
     points: &[OperatingPoint],
-    KeptSolutions { pieces, fixed }: &KeptSolutions<'_>,
+    kept: &KeptSolutions<'_>,
     progress: &dyn Progress,
 ) -> Result<Vec<Snapshot<'a>>, Error> {
     let one = |point: &OperatingPoint| {
-        progress.go_on()?;
-        let inputs = |to: &mut Vec<u8>| {
-            fixed.put(to);
-            point.put(to);
-        };
-        let modes = pieces.interim("solution", inputs, || Ok(snapshots.at(point)?.into_modes()))?;
-        progress.advance(1);
+        let modes = kept.modes(("solution", point), || Ok(snapshots.at(point)?.into_modes()), progress)?;
         Ok(snapshots.known(point, modes))
     };
     points.par_iter().map(one).collect()
+}
+
+impl KeptSolutions<'_> {
+    /// Modes at a point, which are kept under a name: an advance of the progress.
+    fn modes(
+        &self,
+        (name, point): (&str, &OperatingPoint),
+        find: impl FnOnce() -> Result<Vec<SnapshotMode>, ReductionError>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<SnapshotMode>, Error> {
+        progress.go_on()?;
+        let inputs = |to: &mut Vec<u8>| {
+            self.fixed.put(to);
+            point.put(to);
+        };
+        let modes = self.pieces.interim(name, inputs, || Ok(find()?))?;
+        progress.advance(1);
+        Ok(modes)
+    }
 }

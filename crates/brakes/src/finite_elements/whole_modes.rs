@@ -8,7 +8,7 @@ use sparse::{Eigenpair, Rectangle, SparseSecondOrder, eigenpairs_in};
 use study::{BandMode, ModeResidual, Scene};
 
 use super::FiniteElementBrake;
-use super::points::{naming_point, of_brake};
+use super::points::{all_patches, naming_point, of_brake};
 use super::reduced_set::{Part, ReducedSet};
 use super::set_basis::HeldOut;
 use super::together::search_options;
@@ -46,6 +46,10 @@ fn lambdas(pairs: Vec<Eigenpair>) -> Vec<Complex<f64>> {
     pairs.into_iter().map(|pair| pair.lambda).collect()
 }
 
+fn fastest(modes: &[Complex<f64>]) -> f64 {
+    modes.iter().map(|lambda| lambda.re).fold(0.0, f64::max)
+}
+
 /// All modes in a rectangle, and to the right of it up to what a reduced brake has there at least, but those that grow faster than they oscillate.
 fn pairs_in(
     system: &SparseSecondOrder,
@@ -53,8 +57,7 @@ fn pairs_in(
     reduced: &[Complex<f64>],
     together: usize,
 ) -> Result<Vec<Eigenpair>, Error> {
-    let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
-    rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
+    rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest(reduced));
     let mut found = eigenpairs_in(system, &rectangle, &search_options(together), &mut |_| {})?.pairs;
     found.retain(|pair| !grows_too_fast(pair.lambda));
     Ok(found)
@@ -96,8 +99,12 @@ pub(super) fn modes_at_medians(
     closed: &[usize],
     reduced: &[Complex<f64>],
 ) -> Result<Vec<Complex<f64>>, Error> {
+    let wanted = rectangle(case);
+    if closed == all_patches(case) && BEYOND * fastest(reduced) <= wanted.re[1] {
+        return Ok(set.at_medians.iter().copied().filter(|&lambda| wanted.contains(lambda, 0.0)).collect());
+    }
     let at = of_brake(case, closed, &naming_point(case, closed)?);
-    Ok(lambdas(pairs_in(&set.system.assemble(&at)?, rectangle(case), reduced, set.together.count())?))
+    Ok(lambdas(pairs_in(&set.system.assemble(&at)?, wanted, reduced, set.together.count())?))
 }
 
 /// True of an eigenvalue so near the imaginary axis that an error may change its verdict.

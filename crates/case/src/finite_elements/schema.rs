@@ -236,7 +236,7 @@ fn residual() -> f64 {
 }
 
 fn training() -> usize {
-    24
+    16
 }
 
 fn full_checks() -> u64 {

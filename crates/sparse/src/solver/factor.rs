@@ -198,7 +198,8 @@ impl<'a> Factor<'a> {
         residual
     }
 
-    fn substitute(&self, side: Side, x: &mut Mat<Complex<f64>>) {
+    /// `Q(sigma)^-1 b`, or `Q(sigma)^-T b`, in the place of b, as the factors give it: where nobody asks for the last digits.
+    pub(super) fn substitute(&self, side: Side, x: &mut Mat<Complex<f64>>) {
         match &self.numeric {
             Numeric::Symmetric(elimination, factors) => {
                 substitute(elimination, factors, side, x, self.threads);

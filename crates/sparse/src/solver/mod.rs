@@ -31,5 +31,6 @@ mod types;
 
 pub(crate) use blocks::PAR;
 pub use disc::Problem;
+pub use near::Guess;
 pub use rectangle::eigenpairs_in;
 pub use types::{Circle, Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};

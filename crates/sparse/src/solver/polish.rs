@@ -41,7 +41,7 @@ pub(super) const ROUNDING_ONLY: f64 = 16.0 * f64::EPSILON;
 /// Largest tolerance of a marginal eigenvalue, relative to |lambda|; the tolerance of `cea::certified`.
 const LARGEST_MARGINAL_TOLERANCE: f64 = 1e-6;
 
-type Vector = DVector<Complex<f64>>;
+pub(super) type Vector = DVector<Complex<f64>>;
 
 /// Eigenpair that a Ritz value became.
 pub(super) struct Polished {
@@ -170,7 +170,7 @@ impl Problem {
 }
 
 /// An eigenvalue with unit vectors, y the conjugate of the left one.
-struct Trial {
+pub(super) struct Trial {
     lambda: Complex<f64>,
     x: Vector,
     y: Vector,
@@ -195,8 +195,20 @@ impl Trial {
         (trial, next)
     }
 
+    pub(super) fn lambda(&self) -> Complex<f64> {
+        self.lambda
+    }
+
+    /// x or y.
+    pub(super) fn vector(&self, side: Side) -> &Vector {
+        match side {
+            Side::Right => &self.x,
+            Side::Left => &self.y,
+        }
+    }
+
     /// The eigenvalue by Rayleigh quotients, where they make the residual no larger.
-    fn new(pencil: &Pencil, lambda: Complex<f64>, x: Vector, y: Vector, parts: &Parts<'_>) -> Self {
+    pub(super) fn new(pencil: &Pencil, lambda: Complex<f64>, x: Vector, y: Vector, parts: &Parts<'_>) -> Self {
         let error_of = |lambda: Complex<f64>, residual: &Vector| residual.norm() / pencil.measure(lambda);
         let mut residual = parts.sum(&pencil.weights(lambda));
         let (mut best, mut error) = (lambda, error_of(lambda, &residual));
@@ -222,7 +234,7 @@ impl Trial {
         Self { lambda: best, x, y, error, slope }
     }
 
-    fn finish(mut self, pencil: &Pencil) -> Eigenpair {
+    pub(super) fn finish(mut self, pencil: &Pencil) -> Eigenpair {
         let coupling = y_dot(&self.y, &self.slope).norm();
         let (lambda, size, backward_error) = (self.lambda, pencil.measure(self.lambda), self.error);
         let condition = size / (lambda.norm() * coupling);
@@ -306,11 +318,11 @@ fn y_dot(y: &Vector, v: &Vector) -> Complex<f64> {
     y.dot(v)
 }
 
-fn unit(x: &[Complex<f64>]) -> Vector {
+pub(super) fn unit(x: &[Complex<f64>]) -> Vector {
     let norm = Complex::from(length(x));
     DVector::from_iterator(x.len(), x.iter().map(|value| value / norm))
 }
 
-fn columns(vectors: &[Vector]) -> Mat<Complex<f64>> {
+pub(super) fn columns(vectors: &[Vector]) -> Mat<Complex<f64>> {
     Mat::from_fn(vectors.first().map_or(0, Vector::len), vectors.len(), |i, j| vectors[j][i])
 }
