@@ -149,11 +149,15 @@ fn add_repeats(entries: &mut Vec<Entry>) -> Result<(), Problem> {
 fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stored, KnownBy, Option<Doubt>), Problem> {
     let square = head.rows == head.columns;
     let sides = Sides::of(entries);
-    // Of a list of entries it counts whether any has a mirror image; an array lists all there are.
+    // One whose sides differ in value is no symmetric matrix. Of a list each entry else needs its mirror image; an array lists all there are, so that
+    // it is whole also where entries without one are on both sides.
     let by_contents = |is_list: bool| {
         let is_whole = match sides {
             Sides { above: false, below: false } => true,
-            Sides { above: true, below: true } => !is_list || Pairs::of(entries, &mirrored(entries)).given_twice > 0,
+            Sides { above: true, below: true } => {
+                let pairs = Pairs::of(entries);
+                pairs.unsymmetric || pairs.first_alone.is_none() || !is_list && pairs.alone.only().is_none()
+            }
             _ => false,
         };
         let stored = if is_whole || !square { Stored::Whole } else { Stored::OneSide };
@@ -176,14 +180,10 @@ fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stor
         Stated::Symmetric | Stated::Skew | Stated::SymmetricOrWhole | Stated::SymmetricByDefault | Stated::Upper => {}
     }
     let images = mirrored(entries);
-    let pairs = Pairs::of(entries, &images);
+    let pairs = Pairs::of(entries);
     let both = |allowed| {
         let (row, column) = pairs.first.unwrap_or_default();
-        let place = |labels: &Option<Vec<Dof>>, at: u32| match labels.as_ref().and_then(|l| l.get(at as usize)) {
-            Some(dof) => dof.to_string(),
-            None => (at + 1).to_string(),
-        };
-        let (row, column) = (place(&head.row_labels, row), place(&head.column_labels, column));
+        let (row, column) = (place(head.row_labels.as_deref(), row), place(head.column_labels.as_deref(), column));
         Problem::BothTriangles { matrix: head.name.clone(), row, column, pairs: pairs.given_twice / 2, allowed }
     };
     // An entry and its mirror image are both counted, so that these two compare like with like.
@@ -203,6 +203,11 @@ fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stor
     entries.extend(images.into_iter().map(|entry| Entry { value: sign * entry.value, ..entry }));
     entries.sort_by_key(Entry::key);
     Ok((if stated == Stated::Skew { Stored::SkewTriangle } else { Stored::Triangle }, KnownBy::File, None))
+}
+
+/// The name of a row or column: its label, or its number from 1.
+pub(crate) fn place(labels: Option<&[Dof]>, at: u32) -> String {
+    labels.and_then(|all| all.get(at as usize)).map_or_else(|| (at + 1).to_string(), Dof::to_string)
 }
 
 /// Labels in the order in which they come, and their indices once they are sorted.

@@ -96,6 +96,20 @@ pub enum FormatsError {
         /// The side that has entries; `None` where they are on both, but none has a mirror image.
         side: Option<Symmetry>,
     },
+    /// Entries of which some have an equal mirror image and others have none, of which nothing says what they are.
+    #[error(
+        "the matrix \"{matrix}\" has an entry at {alone} without a mirror image and an equal pair at {paired}, and nothing says whether these are a triangle of \
+         a symmetric matrix that gives some entries twice, or all of an unsymmetric one, such as friction; allowed: symmetry = \"whole\" to take them as they \
+         are, or a file that lists either one triangle or both"
+    )]
+    PartlyMirrored {
+        /// The matrix.
+        matrix: String,
+        /// Row and column of the first entry without a mirror image: labels, or numbers from 1.
+        alone: String,
+        /// Row and column of the first entry with one.
+        paired: String,
+    },
     /// A word on the symmetry of a matrix that its file or its entries contradict.
     #[error("symmetry = \"{asked}\" of the matrix \"{matrix}\", which is {found}; allowed: {}", others(*.asked))]
     Symmetry {

@@ -14,9 +14,9 @@ pub enum Stored {
     Triangle,
     /// The lower triangle of a skew-symmetric matrix; the reader has mirrored it with the other sign.
     SkewTriangle,
-    /// Entries on one side of the diagonal, or on both of which none has a mirror image: nothing says whether they are a triangle of a symmetric matrix,
-    /// perhaps with its rows in another order, or an unsymmetric matrix (such as friction forces); nothing has been mirrored. [`Matrix::with_symmetry`](crate::Matrix::with_symmetry)
-    /// decides.
+    /// Entries on one side of the diagonal, or on both of which none has a mirror image, or of which some have an equal one: nothing says whether they are
+    /// a triangle of a symmetric matrix, perhaps with its rows in another order or with an entry given twice, or an unsymmetric matrix (such as friction
+    /// forces); nothing has been mirrored. [`Matrix::with_symmetry`](crate::Matrix::with_symmetry) decides.
     OneSide,
 }
 
@@ -73,6 +73,9 @@ pub enum Doubt {
     /// The file says that it lists the whole matrix, but entries off the diagonal are on this side of it alone, and the diagonal has an
     /// entry in each of their rows and columns: probably a triangle that was written under the wrong word.
     Triangle(Symmetry),
+    /// The file says that it lists the whole matrix, whose entries off the diagonal have equal mirror images, but for some that have none, all on
+    /// one side of it: perhaps a triangle in which some entries are given twice.
+    PartlyMirrored,
     /// The last line has no end: a file that was cut inside its last number looks like that.
     NoEnd,
     /// The file says that the matrix is symmetric, and its two sides differ.
@@ -85,7 +88,7 @@ impl Doubt {
     /// True if a word on the symmetry of the matrix settles it.
     #[must_use]
     pub fn is_of_symmetry(self) -> bool {
-        matches!(self, Self::Triangle(_) | Self::NotSymmetric)
+        matches!(self, Self::Triangle(_) | Self::PartlyMirrored | Self::NotSymmetric)
     }
 }
 
@@ -100,6 +103,10 @@ impl fmt::Display for Doubt {
                      symmetric matrix, say symmetry = \"{side}\", else \"whole\""
                 )
             }
+            Self::PartlyMirrored => f.write_str(
+                "it is taken as whole, as the file says, and is symmetric but for entries on one side of the diagonal that have no mirror image; if \
+                 that is meant, as of friction, say symmetry = \"whole\"",
+            ),
             Self::NoEnd => {
                 f.write_str("its last line has no end, as of a file that was cut inside its last number; a whole file ends with a line end")
             }
@@ -115,7 +122,7 @@ impl fmt::Display for Doubt {
 }
 
 /// Sides of the diagonal on which there are entries that are not zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Sides {
     pub above: bool,
     pub below: bool,
@@ -145,7 +152,11 @@ impl Sides {
 impl Doubt {
     /// The doubt about entries, without repeats, that a file calls all of a square matrix.
     pub(crate) fn of_whole(entries: &[Entry], order: usize, sides: Sides) -> Option<Self> {
-        let side = sides.only()?;
+        let Some(side) = sides.only() else {
+            let pairs = Pairs::of(entries);
+            let is_partly = pairs.given_twice > 0 && !pairs.unsymmetric && pairs.alone.only().is_some();
+            return is_partly.then_some(Self::PartlyMirrored);
+        };
         let mut on_diagonal = vec![false; order];
         let listed = || entries.iter().filter(|entry| entry.value != 0.0);
         listed().filter(|entry| entry.row == entry.column).for_each(|entry| on_diagonal[entry.row as usize] = true);
@@ -194,27 +205,52 @@ pub(crate) fn is_symmetric(entries: &[Entry]) -> bool {
     asymmetry(entries) <= ROUNDING * beside.map(|entry| entry.value.abs()).fold(0.0, f64::max)
 }
 
-/// Entries off the diagonal whose mirror images are in the list too.
+/// Entries off the diagonal whose mirror images are in the list too, and those whose are not.
 #[derive(Default)]
 pub(crate) struct Pairs {
-    /// Number of such entries; an entry and its image are both counted.
+    /// Number of entries with an image; an entry and its image are both counted.
     pub given_twice: usize,
-    /// Row and column, from 0, of the first such entry.
+    /// Row and column, from 0, of the first entry with an image.
     pub first: Option<(u32, u32)>,
     /// An entry differs from its image.
     pub unequal: bool,
+    /// An entry differs from its image by more than rounding, so that the matrix is not symmetric whatever a file may leave out.
+    pub unsymmetric: bool,
+    /// Sides on which entries larger than rounding have no image.
+    pub alone: Sides,
+    /// Row and column, from 0, of the first of these.
+    pub first_alone: Option<(u32, u32)>,
 }
 
 impl Pairs {
-    pub fn of(entries: &[Entry], mirrored: &[Entry]) -> Self {
+    /// The pairs of sorted entries. In columns from the left to the right, the images of the entries of a row come in the order of that column's rows.
+    pub fn of(entries: &[Entry]) -> Self {
+        let order = entries.iter().map(|entry| entry.row.max(entry.column) as usize + 1).max().unwrap_or(0);
+        let mut next = vec![0_usize; order + 1];
+        entries.iter().for_each(|entry| next[entry.column as usize + 1] += 1);
+        (0..order).for_each(|column| next[column + 1] += next[column]);
+        let ends = next[1..].to_vec();
+        let beside = || entries.iter().filter(|entry| entry.row != entry.column);
+        let rounding = ROUNDING * beside().map(|entry| entry.value.abs()).fold(0.0, f64::max);
         let mut found = Self::default();
-        let mut images = mirrored.iter().peekable();
-        for entry in entries {
-            while images.next_if(|image| image.key() < entry.key()).is_some() {}
-            if let Some(image) = images.next_if(|image| image.key() == entry.key()) {
-                found.given_twice += 1;
-                found.first.get_or_insert((entry.row, entry.column));
-                found.unequal |= image.value != entry.value;
+        for entry in beside() {
+            let (at, end) = (&mut next[entry.row as usize], ends[entry.row as usize]);
+            while *at < end && entries[*at].row < entry.column {
+                *at += 1;
+            }
+            match entries[*at..end].first().filter(|image| image.row == entry.column) {
+                Some(image) => {
+                    found.given_twice += 1;
+                    found.first.get_or_insert((entry.row, entry.column));
+                    found.unequal |= image.value != entry.value;
+                    found.unsymmetric |= (image.value - entry.value).abs() > rounding;
+                }
+                None if entry.value.abs() > rounding => {
+                    found.alone.above |= entry.row < entry.column;
+                    found.alone.below |= entry.row > entry.column;
+                    found.first_alone.get_or_insert((entry.row, entry.column));
+                }
+                None => {}
             }
         }
         found

@@ -1,6 +1,7 @@
 //! A matrix made whole: mirrored where its file lists one triangle of it.
 
 use crate::FormatsError;
+use crate::builder::place;
 use crate::entry::Entry;
 use crate::matrix::Matrix;
 use crate::symmetry::{KnownBy, Pairs, Sides, Stored, Symmetry, mirrored};
@@ -22,6 +23,9 @@ impl Matrix {
             Stored::Whole => format!("whole{by}"),
             Stored::Triangle => format!("one triangle, mirrored{by}"),
             Stored::SkewTriangle => format!("one triangle, mirrored with the other sign{by}"),
+            Stored::OneSide if Pairs::of(&self.entries).given_twice > 0 => {
+                "not decided: some entries have a mirror image".to_owned()
+            }
             Stored::OneSide => "not decided: no entry has a mirror image".to_owned(),
         }
     }
@@ -30,8 +34,8 @@ impl Matrix {
     /// the file itself, `otherwise`, the entries.
     ///
     /// # Errors
-    /// [`FormatsError::OneSided`] where nothing tells a triangle from an unsymmetric matrix; [`FormatsError::Symmetry`] where what
-    /// is asked for contradicts the file or the entries.
+    /// [`FormatsError::OneSided`] and [`FormatsError::PartlyMirrored`] where nothing tells a triangle from an unsymmetric matrix;
+    /// [`FormatsError::Symmetry`] where what is asked for contradicts the file or the entries.
     pub fn with_symmetry(self, asked: Option<Symmetry>, otherwise: Option<Symmetry>) -> Result<Self, FormatsError> {
         let refused = |asked: Symmetry, found: &str| FormatsError::Symmetry {
             matrix: crate::shortened::cut(&self.name),
@@ -67,7 +71,7 @@ impl Matrix {
             (Symmetry::Lower, Sides { above: true, .. }) => {
                 return Err(refused(side, "with entries above the diagonal"));
             }
-            (Symmetry::Triangle, _) if Pairs::of(&self.entries, &mirrored(&self.entries)).given_twice > 0 => {
+            (Symmetry::Triangle, _) if Pairs::of(&self.entries).given_twice > 0 => {
                 return Err(refused(side, "with entries and their mirror images"));
             }
             _ => {}
@@ -79,9 +83,17 @@ impl Matrix {
         Ok(Self { entries, stored: Stored::Triangle, known_by: KnownBy::Request, doubt: None, ..self })
     }
 
-    /// The refusal of entries on one side of the diagonal, a triangle or not, where nothing decides.
+    /// The refusal of entries without mirror images, a triangle or not, where nothing decides.
     pub(crate) fn one_sided(&self) -> FormatsError {
-        let side = Sides::of(&self.entries).only();
-        FormatsError::OneSided { matrix: crate::shortened::cut(&self.name), side }
+        let matrix = crate::shortened::cut(&self.name);
+        let pairs = Pairs::of(&self.entries);
+        let named =
+            |(row, column)| format!("({}, {})", place(self.row_labels(), row), place(self.column_labels(), column));
+        match (pairs.first_alone, pairs.first) {
+            (Some(alone), Some(paired)) => {
+                FormatsError::PartlyMirrored { matrix, alone: named(alone), paired: named(paired) }
+            }
+            _ => FormatsError::OneSided { matrix, side: Sides::of(&self.entries).only() },
+        }
     }
 }

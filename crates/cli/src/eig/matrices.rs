@@ -111,6 +111,7 @@ impl<'a> Given<'a> {
         let wanted = formats::Wanted { name, ..wanted(&args.symmetry, kind) };
         let matrix = read_with(file, options).and_then(|file| file.take(&wanted)).map_err(|source| match source {
             FormatsError::OneSided { side, .. } => one_sided(path, kind, side),
+            FormatsError::PartlyMirrored { alone, paired, .. } => partly_mirrored(path, kind, &alone, &paired),
             source => refused(source),
         })?;
         if let (Some(other), None) = (matrix.kind().filter(|&other| other != kind), name) {
@@ -156,6 +157,18 @@ fn one_sided(path: &Path, kind: Kind, side: Option<formats::Symmetry>) -> Error 
         allowed: format!(
             "a matrix of which it is known whether it is a triangle: it has entries {found}, and the file does not say \
              whether it is symmetric; say --symmetry {kind}=whole for an unsymmetric matrix, such as friction, or {mirrored}"
+        ),
+    }
+}
+
+/// Error for a matrix with an entry at `alone` without a mirror image, and an equal pair at `paired`.
+fn partly_mirrored(path: &Path, kind: Kind, alone: &str, paired: &str) -> Error {
+    Error::Option {
+        option: option(kind),
+        value: path.display().to_string(),
+        allowed: format!(
+            "a matrix that lists either one triangle or both: it has an entry at {alone} without a mirror image and an equal pair at {paired}; say \
+             --symmetry {kind}=whole for an unsymmetric matrix, such as friction"
         ),
     }
 }

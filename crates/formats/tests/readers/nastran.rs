@@ -1,7 +1,7 @@
 //! Nastran's DMIG and OUTPUT4.
 
 use formats::nalgebra::dmatrix;
-use formats::{Doubt, Format, Kind, Options, Stored, Symmetry, read, read_bytes};
+use formats::{Doubt, Format, FormatsError, Kind, Options, Stored, Symmetry, Wanted, read, read_bytes};
 
 use crate::{d, fixture, k, names};
 
@@ -164,17 +164,21 @@ fn an_op4_matrix_that_is_called_symmetric_and_is_not_is_in_doubt() {
         let path = dir.path().join("k.op4");
         let columns = [[4.0, -1.0, 0.5], [-1.0 + friction, 5.0, 0.0], [0.5, 0.0, 6.0]];
         std::fs::write(&path, op4_text(form, &columns)).unwrap();
-        read(&path).unwrap().matrix("K").unwrap().clone()
+        read(&path).unwrap()
     };
+    let whole = Wanted { symmetry: Some(Symmetry::Whole), ..Wanted::default() };
     // Rounding is no friction, and a square matrix need not be symmetric.
     for (form, friction) in [(6, 0.0), (6, 1e-12), (1, 0.3)] {
-        assert_eq!(read(form, friction).doubts(), [], "{form}, {friction}");
+        assert_eq!(read(form, friction).only().unwrap().doubts(), [], "{form}, {friction}");
     }
-    for friction in [0.3, -1e-3, 1.0] {
-        let found = read(6, friction);
+    for friction in [0.3, -1e-3] {
+        let found = read(6, friction).only().unwrap();
         assert_eq!(found.doubts(), [Doubt::NotSymmetric], "{friction}");
         let dense = found.to_dense();
         assert_eq!((dense[(0, 1)], dense[(1, 0)]), (-1.0 + friction, -1.0));
         assert_eq!(found.with_symmetry(Some(Symmetry::Whole), None).unwrap().doubts(), []);
     }
+    // Friction that takes an entry away leaves what may be a triangle with entries given twice.
+    assert!(matches!(read(6, 1.0).only(), Err(FormatsError::PartlyMirrored { .. })));
+    assert_eq!(read(6, 1.0).take(&whole).unwrap().to_dense()[(0, 1)], 0.0);
 }

@@ -297,6 +297,73 @@ fn rows_without_a_mirror_image_are_never_mirrored_unasked() {
     }
 }
 
+/// A triangle that gives some entries twice is no whole matrix, and a whole matrix that lacks some is no triangle: both look alike, and nothing is guessed.
+#[test]
+fn a_triangle_with_some_entries_mirrored_is_asked_about_in_every_format() {
+    let mut random = Random(0x007a_1f5e);
+    let whole = Wanted { symmetry: Some(Symmetry::Whole), ..Wanted::default() };
+    for round in 0..100 {
+        let order = 3 + random.below(9);
+        let all = matrix(&mut random, order, Shape::Symmetric);
+        let side = if round % 2 == 0 { Listed::Upper } else { Listed::Lower };
+        let mut listed = entries(&all, side, &mut random);
+        // Some of the entries off the diagonal are mirrored, and some, always the last of them, are not.
+        let beside: Vec<_> = listed.iter().copied().filter(|(i, j, _)| i != j).collect();
+        let count = 1 + random.below(beside.len() - 1);
+        let images = beside.iter().take(count).map(|&(i, j, value)| (j, i, value));
+        listed.splice(0..0, images);
+        let meant = DMatrix::from_fn(order, order, |i, j| {
+            listed.iter().find(|entry| (entry.0, entry.1) == (i, j)).map_or(0.0, |entry| entry.2)
+        });
+        assert!(meant != all && meant.transpose() != meant);
+        let mut cut = entries(&all, Listed::Whole, &mut random);
+        let lost = cut.iter().position(|(i, j, _)| i != j).unwrap();
+        let (row, column, _) = cut.remove(lost);
+        for bytes in [
+            coordinates(&listed).into_bytes(),
+            coordinates(&cut).into_bytes(),
+            abaqus(&listed, "").into_bytes(),
+            npy(&meant, false),
+        ] {
+            let read = || read_bytes(&bytes, None, Options::default()).unwrap();
+            let refused = read().only().unwrap_err();
+            assert!(matches!(refused, FormatsError::PartlyMirrored { .. }), "round {round}: {refused}");
+            assert!(!read().take(&whole).unwrap().to_dense().is_empty());
+        }
+        assert_eq!(
+            read_bytes(&npy(&meant, false), None, Options::default()).unwrap().take(&whole).unwrap().to_dense(),
+            meant
+        );
+        let named = read_bytes(coordinates(&cut).as_bytes(), None, Options::default()).unwrap().only().unwrap_err();
+        assert!(named.to_string().contains(&format!("an entry at ({}, {}) without", column + 1, row + 1)), "{named}");
+        // What a file calls symmetric has one triangle, and what it calls whole is so, with a line.
+        for text in [abaqus(&listed, "*MATRIX INPUT, NAME=K\n"), dmig(&listed, 6)] {
+            let refused = read_bytes(text.as_bytes(), None, Options::default()).unwrap_err().to_string();
+            assert!(refused.contains("and its mirror image"), "{refused}");
+        }
+        for text in [market(&all, &listed, "real", "general"), dmig(&listed, 1)] {
+            let read = read_bytes(text.as_bytes(), None, Options::default()).unwrap().only().unwrap();
+            assert_eq!((read.to_dense(), read.doubts().len()), (meant.clone(), 1));
+        }
+    }
+}
+
+/// Numbers of the size of rounding, of which the other side is exactly zero, do not make a symmetric matrix doubtful.
+#[test]
+fn rounding_without_a_mirror_image_is_no_doubt() {
+    let mut random = Random(0x00d1);
+    for _ in 0..50 {
+        let order = 3 + random.below(9);
+        let mut all = matrix(&mut random, order, Shape::Symmetric);
+        let (i, j) = (order - 1, order - 2);
+        (all[(i, j)], all[(j, i)]) = (1e-15, 0.0);
+        let listed = entries(&all, Listed::Whole, &mut random);
+        for bytes in [coordinates(&listed).into_bytes(), npy(&all, false)] {
+            assert_eq!(read_bytes(&bytes, None, Options::default()).unwrap().only().unwrap().to_dense(), all);
+        }
+    }
+}
+
 #[test]
 fn imaginary_parts_and_patterns_are_refused_by_name() {
     let market = "%%MatrixMarket matrix coordinate complex symmetric\n2 2 2\n1 1 4.0 0.0\n2 2 5.0 0.25\n";
