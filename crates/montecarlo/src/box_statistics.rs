@@ -17,11 +17,35 @@ pub fn quantile(sorted: &[f64], p: f64) -> Result<f64, MonteCarloError> {
     Ok(interpolate(below, above, fraction))
 }
 
+/// The number that the fraction `p` of the values, sorted in ascending order, does not exceed: the smallest of them of which that holds (type 1 of Hyndman and
+/// Fan, `inverted_cdf` of NumPy). It is a value that occurred, also where many values are equal; between values [`quantile`] interpolates.
+///
+/// # Errors
+/// No values, or `p` outside [0, 1].
+pub fn not_exceeded(sorted: &[f64], p: f64) -> Result<f64, MonteCarloError> {
+    let rank = rank_not_exceeded(sorted.len() as u64, p)?;
+    Ok(sorted[rank as usize])
+}
+
+/// The rank, from 0, of the value that the fraction `p` of `count` values does not exceed.
+pub(crate) fn rank_not_exceeded(count: u64, p: f64) -> Result<u64, MonteCarloError> {
+    if count == 0 {
+        return Err(MonteCarloError::Empty { statistic: "a quantile" });
+    }
+    check_probability(p)?;
+    // 0.1 times 30 is 3.0000000000000004: what is above an integer by rounding is that integer.
+    let number = (count as f64 * p * (1.0 - 4.0 * f64::EPSILON)).ceil() as u64;
+    Ok(number.clamp(1, count) - 1)
+}
+
+fn check_probability(p: f64) -> Result<(), MonteCarloError> {
+    let refused = MonteCarloError::Probability { name: "the quantile's probability", value: p, range: "in [0, 1]" };
+    if (0.0..=1.0).contains(&p) { Ok(()) } else { Err(refused) }
+}
+
 /// The rank, from 0, at or below the quantile `p`, and the fraction of the way to the next rank.
 pub(crate) fn rank(last: u64, p: f64) -> Result<(u64, f64), MonteCarloError> {
-    if !(0.0..=1.0).contains(&p) {
-        return Err(MonteCarloError::Probability { name: "the quantile's probability", value: p, range: "in [0, 1]" });
-    }
+    check_probability(p)?;
     let position = last as f64 * p;
     let rank = (position.floor() as u64).min(last);
     Ok((rank, position - rank as f64))
@@ -107,6 +131,19 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_exceeded_is_a_value_that_occurred() {
+        // numpy.quantile(values, p, method="inverted_cdf") of NumPy 2; of 0.1 of 30 it says 3, as it does not see the rounding.
+        let sorted = [1.0, 4.0, 9.0, 16.0];
+        for (p, expected) in [(0.0, 1.0), (0.25, 1.0), (0.26, 4.0), (0.5, 4.0), (0.9, 16.0), (1.0, 16.0)] {
+            assert_eq!(not_exceeded(&sorted, p).unwrap(), expected, "{p}");
+        }
+        let thirty: Vec<f64> = (1..=30).map(f64::from).collect();
+        assert_eq!(not_exceeded(&thirty, 0.1).unwrap(), 3.0);
+        assert!(matches!(not_exceeded(&[], 0.5), Err(MonteCarloError::Empty { .. })));
+        assert!(matches!(not_exceeded(&[1.0], -0.5), Err(MonteCarloError::Probability { .. })));
+    }
+
+    #[test]
     fn what_has_no_quantile_is_refused() {
         assert!(matches!(quantile(&[], 0.5), Err(MonteCarloError::Empty { .. })));
         assert!(matches!(quantile(&[1.0], 1.5), Err(MonteCarloError::Probability { .. })));
@@ -117,6 +154,16 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn what_is_not_exceeded_is_the_least_of_which_that_holds(mut values in prop::collection::vec(0u8..9, 1..300), percent in 1u32..=100) {
+            values.sort_unstable();
+            let sorted: Vec<f64> = values.iter().map(|&value| f64::from(value)).collect();
+            let found = not_exceeded(&sorted, f64::from(percent) / 100.0).unwrap();
+            let up_to = |at: f64| 100 * sorted.iter().filter(|&&value| value <= at).count() >= percent as usize * sorted.len();
+            prop_assert!(up_to(found));
+            prop_assert!(sorted.iter().filter(|&&value| value < found).all(|&value| !up_to(value)));
+        }
+
         #[test]
         fn the_five_numbers_are_ordered_and_no_value_is_lost(values in prop::collection::vec(-1e3f64..1e3, 1..60)) {
             let boxed = BoxStatistics::of(&values).unwrap();

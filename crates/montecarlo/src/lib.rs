@@ -87,7 +87,7 @@ mod stream;
 mod summary;
 
 pub use bounded_mean::{BoundedMean, Bounds};
-pub use box_statistics::{BoxStatistics, quantile};
+pub use box_statistics::{BoxStatistics, not_exceeded, quantile};
 pub use checkpoint::Checkpoint;
 pub use clopper_pearson::{clopper_pearson, exact_lower_limit, exact_upper_limit};
 pub use confidence::{Confidence, Interval};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use crate::box_statistics::{interpolate, rank};
+use crate::box_statistics::{interpolate, rank, rank_not_exceeded};
 use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
 use crate::merge::Merge;
@@ -89,6 +89,16 @@ impl QuantileSketch {
         let last = self.count.checked_sub(1).ok_or(MonteCarloError::Empty { statistic: "a quantile" })?;
         let (rank, fraction) = rank(last, p)?;
         Ok(interpolate(self.order_statistic(rank), self.order_statistic((rank + 1).min(last)), fraction))
+    }
+
+    /// The number that the fraction `p` of all values does not exceed, as [`not_exceeded`](crate::not_exceeded), where those that were NaN or infinite count as
+    /// larger than any: infinite if it is one of these.
+    ///
+    /// # Errors
+    /// No values at all, or `p` outside [0, 1].
+    pub fn not_exceeded(&self, p: f64) -> Result<f64, MonteCarloError> {
+        let rank = rank_not_exceeded(self.count + self.not_finite, p)?;
+        Ok(if rank < self.count { self.order_statistic(rank) } else { f64::INFINITY })
     }
 
     /// A confidence interval for the quantile at `p` of the distribution that the values come from: two order statistics,

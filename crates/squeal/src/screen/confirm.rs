@@ -264,18 +264,12 @@ impl ScreenTally {
     }
 }
 
-/// Quantile of the largest growth or loudness of each sample; without limits where one of them is not known.
+/// Number that the largest growth or loudness of a sample does not exceed in 95 % of them; without limits where one of them is not known.
 fn quantile(of: &QuantileSketch, confidence: Confidence, samples: u64) -> Option<Estimate> {
-    // Samples without a number, whose motions grow without bound or could not be followed, are louder than any: the quantile of all is a larger one of the others,
-    // or none of theirs.
-    let [numbers, all] = [of.count(), of.count() + of.not_finite()].map(|count| count.saturating_sub(1) as f64);
-    let part = if of.not_finite() == 0 { QUANTILE } else { QUANTILE * all / numbers };
-    if part > 1.0 {
-        return Some(Estimate { value: f64::INFINITY, lower: 0.0, upper: f64::INFINITY });
-    }
-    let value = of.quantile(part).ok()?;
+    // Samples without a number, whose motions grow without bound or could not be followed, are louder than any.
+    let value = of.not_exceeded(QUANTILE).ok()?;
     let limits = of.quantile_interval(QUANTILE, confidence).ok()?;
-    let (lower, upper) = match limits.filter(|_| of.count() == samples) {
+    let (lower, upper) = match limits.filter(|_| value.is_finite() && of.count() == samples) {
         Some(limits) => (limits.lower.min(value), limits.upper.max(value)),
         None => (0.0, f64::INFINITY),
     };
@@ -327,4 +321,35 @@ fn difference(differences: &BoundedMean, sides: [(&BoundedMean, f64); 2], by: f6
     let value = differences.mean()? / by;
     let limits = CountDifference { differences, failed: failed(differences), more, fewer }.interval(Confidence::P95);
     Some(Estimate { value, lower: limits.lower / by, upper: limits.upper / by })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Growth that 95 % of the draws do not exceed is that of a draw: 0 where 95 % of them are stable, and infinite where more than 5 % were not followed.
+    #[test]
+    fn what_95_percent_do_not_exceed_is_that_of_a_draw() {
+        for (stable, growing, lost, expected) in [
+            (285, 15, 0, 0.0),
+            (284, 16, 0, 4.0),
+            (19, 1, 0, 0.0),
+            (18, 2, 0, 4.0),
+            (0, 285, 15, 4.0),
+            (285, 0, 15, 0.0),
+            (284, 0, 16, f64::INFINITY),
+            (0, 0, 3, f64::INFINITY),
+        ] {
+            let mut sketch = QuantileSketch::default();
+            (0..stable).for_each(|_| sketch.record(0.0));
+            (0..growing).for_each(|_| sketch.record(4.0));
+            (0..lost).for_each(|_| sketch.record(f64::INFINITY));
+            let found = quantile(&sketch, Confidence::P95, stable + growing + lost).unwrap();
+            let is_near = found.value == expected
+                || (found.value - expected).abs() <= QuantileSketch::RELATIVE_ACCURACY * expected;
+            assert!(is_near, "{stable}, {growing}, {lost}: {found:?}");
+            assert!(found.lower <= found.value && found.value <= found.upper, "{found:?}");
+        }
+        assert!(quantile(&QuantileSketch::default(), Confidence::P95, 3).is_none());
+    }
 }

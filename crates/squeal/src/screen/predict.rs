@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, real_count, verdicts_beyond};
 use cycle::ContactSystem;
 use linsys::{OperatingPoint, SecondOrder};
-use montecarlo::{Progress, quantile, stream};
+use montecarlo::{Progress, not_exceeded, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -195,8 +195,8 @@ impl<'a> Probes<'a> {
         }
         fastest.sort_by(f64::total_cmp);
         loudest.sort_by(f64::total_cmp);
-        let loudness_quantile = self.following.as_ref().map(|_| quantile(&loudest, QUANTILE)).transpose()?;
-        Ok(Prediction { growth_quantile: quantile(&fastest, QUANTILE)?, loudness_quantile, ..sum })
+        let loudness_quantile = self.following.as_ref().map(|_| not_exceeded(&loudest, QUANTILE)).transpose()?;
+        Ok(Prediction { growth_quantile: not_exceeded(&fastest, QUANTILE)?, loudness_quantile, ..sum })
     }
 }
 
