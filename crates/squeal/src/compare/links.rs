@@ -1,5 +1,7 @@
 //! Which mode of one study is which of another.
 
+use std::cmp::Ordering;
+
 use cea::Mode;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -11,15 +13,18 @@ use super::folder::SetModes;
 const COMMON_DOFS: f64 = 0.5;
 /// Least MAC of a link by shapes; chosen: with less, modes of other shapes are linked; with more, modes are left without a link.
 const LEAST_MAC: f64 = 0.6;
-/// Least amount by which that MAC is above the next one; chosen: modes next to a coalescence are alike, so that a larger margin would leave them without links.
+/// Least amount by which that MAC is above the next one for it to decide alone; chosen: shapes that differ by less, as next to a coalescence, are alike.
 const MAC_MARGIN: f64 = 0.1;
+/// Largest distance of the eigenvalues of two modes with alike shapes, as a fraction of that to the next one; chosen: past a coalescence one of the two grows and the
+/// other decays, which tells them apart unless the pair has moved by more than that.
+const NEARER: f64 = 0.5;
 /// Largest distance of two frequencies that are linked, relative; chosen: with less, modes are left without a link; with more, other modes are linked.
 const FREQUENCY_DISTANCE: f64 = 0.05;
 
 /// Ground on which two modes are linked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LinkedBy {
-    /// Shapes: each has the largest MAC of all with the other, at least 0.6, and 0.1 more than with the next.
+    /// Shapes: each has the largest MAC of all with the other, at least 0.6; of those that have within 0.1 of it, the nearest eigenvalue.
     Shape {
         /// MAC of the two shapes over the degrees of freedom that both studies have, unweighted, because no folder has the masses.
         mac: f64,
@@ -98,37 +103,51 @@ fn by_shape(first: &SetModes, second: &SetModes) -> Option<Vec<Option<(usize, Li
     };
     let (a, b) = (over_common(&first.modes, &|pair| pair.0), over_common(&second.modes, &|pair| pair.1));
     let mac = DMatrix::from_fn(a.len(), b.len(), |i, j| a[i].shape.dotc(&b[j].shape).norm_sqr());
+    let to_second = |i: usize| clear_best(&a[i], i, mac.row(i).iter().copied(), &b);
+    let to_first = |j: usize| clear_best(&b[j], j, mac.column(j).iter().copied(), &a);
     let link = |i: usize| {
-        let j = clear_best(mac.row(i).iter().copied())?;
-        let is_mutual = clear_best(mac.column(j).iter().copied()) == Some(i);
-        is_mutual.then(|| (j, LinkedBy::Shape { mac: mac[(i, j)] }))
+        let j = to_second(i).filter(|&j| to_first(j) == Some(i))?;
+        Some((j, LinkedBy::Shape { mac: mac[(i, j)] }))
     };
     Some((0..a.len()).map(link).collect())
 }
 
-/// Place of the largest MAC, where it is enough for a link.
-fn clear_best(mac: impl Iterator<Item = f64>) -> Option<usize> {
-    let (mut best, mut next) = ((None, 0.0), 0.0);
-    for (at, mac) in mac.enumerate() {
-        if mac > best.1 {
-            (best, next) = ((Some(at), mac), best.1);
-        } else if mac > next {
-            next = mac;
-        }
+/// Place, among modes of the other study, of the mode that the mode `of` at place `at` is, by its MACs with them: the one with the largest, or of several with alike
+/// ones that with the nearest eigenvalue; `None` where neither is clear.
+fn clear_best(of: &Mode, at: usize, macs: impl Iterator<Item = f64>, others: &[Mode]) -> Option<usize> {
+    let macs: Vec<f64> = macs.collect();
+    let largest = macs.iter().copied().fold(0.0, f64::max);
+    let mut alike: Vec<usize> =
+        (0..macs.len()).filter(|&j| largest >= LEAST_MAC && largest - macs[j] < MAC_MARGIN).collect();
+    alike.sort_by(|&i, &j| nearer(of, at, (others, i), (others, j)));
+    let distance = |j: &usize| (others[*j].lambda - of.lambda).norm();
+    match alike[..] {
+        [] => None,
+        [only] => Some(only),
+        [nearest, next, ..] => (distance(&nearest) <= NEARER * distance(&next)).then_some(nearest),
     }
-    best.0.filter(|_| best.1 >= LEAST_MAC && best.1 - next >= MAC_MARGIN)
+}
+
+/// Order of two modes by the distance of their eigenvalues from that of `of`; of modes with the same eigenvalue by their places.
+fn nearer(of: &Mode, at: usize, one: (&[Mode], usize), other: (&[Mode], usize)) -> Ordering {
+    let distance = |(modes, j): (&[Mode], usize)| (modes[j].lambda - of.lambda).norm();
+    distance(one).total_cmp(&distance(other)).then(one.1.abs_diff(at).cmp(&other.1.abs_diff(at)))
 }
 
 fn by_frequency(first: &SetModes, second: &SetModes) -> Vec<Option<(usize, LinkedBy)>> {
-    let hz = |of: &SetModes| -> Vec<f64> { of.modes.iter().map(|mode| cea::frequency_hz(mode.lambda)).collect() };
-    let (a, b) = (hz(first), hz(second));
-    let nearest = |to: f64, among: &[f64]| {
-        (0..among.len()).min_by(|&i, &j| (among[i] - to).abs().total_cmp(&(among[j] - to).abs()))
+    let (a, b) = (&first.modes, &second.modes);
+    let apart = |one: &Mode, other: &Mode| (cea::frequency_hz(one.lambda) - cea::frequency_hz(other.lambda)).abs();
+    let nearest = |of: &Mode, at: usize, among: &[Mode]| {
+        let order = |&i: &usize, &j: &usize| {
+            apart(of, &among[i]).total_cmp(&apart(of, &among[j])).then(nearer(of, at, (among, i), (among, j)))
+        };
+        (0..among.len()).min_by(order)
     };
     let link = |at: usize| {
-        let to = nearest(a[at], &b)?;
-        let is_near = (b[to] - a[at]).abs() <= FREQUENCY_DISTANCE * a[at].max(b[to]);
-        (is_near && nearest(b[to], &a) == Some(at)).then_some((to, LinkedBy::Frequency))
+        let to = nearest(&a[at], at, b)?;
+        let larger = cea::frequency_hz(a[at].lambda).max(cea::frequency_hz(b[to].lambda));
+        let is_near = apart(&a[at], &b[to]) <= FREQUENCY_DISTANCE * larger;
+        (is_near && nearest(&b[to], to, a) == Some(at)).then_some((to, LinkedBy::Frequency))
     };
     (0..a.len()).map(link).collect()
 }
@@ -168,5 +187,55 @@ mod tests {
         // A shape between two is linked to neither.
         let between = set(&["x", "y", "z"], &[("1", 105.0, &[1.0, 1.0, 0.0])]);
         assert!(linked(&first, &between).iter().all(|(_, _, by)| by.is_empty()));
+    }
+
+    fn numbered(modes: Vec<Mode>, dofs: usize) -> SetModes {
+        let names = (1..=modes.len()).map(|number| number.to_string()).collect();
+        SetModes { names, modes, dofs: (0..dofs).map(|dof| format!("d{dof}")).collect() }
+    }
+
+    fn mode(lambda: [f64; 2], shape: &[f64]) -> Mode {
+        let shape: Vec<Complex<f64>> = shape.iter().map(|&u| Complex::from(u)).collect();
+        Mode { lambda: Complex::new(lambda[0], lambda[1]), shape: shape.into() }
+    }
+
+    /// Modes of any kind, among them pairs next to a coalescence, of which shapes and eigenvalues are nearly or exactly the same, and modes of equal frequency.
+    #[test]
+    fn a_study_is_linked_to_itself_mode_by_mode() {
+        let mut seed = 0x5eed_u64;
+        let mut random = move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        for apart in [0.0, 1e-12, 1e-6, 1e-2, 0.1, 0.3] {
+            for dofs in [0, 1, 2, 4, 7] {
+                let mut modes = Vec::new();
+                for _ in 0..3 {
+                    let (growth, omega) = (random(), 100.0 + 100.0 * random());
+                    let shape: Vec<f64> = (0..dofs).map(|_| random()).collect();
+                    let beside: Vec<f64> = shape.iter().map(|u| u + apart * random()).collect();
+                    modes.push(mode([growth, omega], &shape));
+                    modes.push(mode([growth - apart, omega], &beside));
+                }
+                let set = numbered(modes, dofs);
+                let found = linked(&set, &set);
+                assert_eq!(found.len(), 6, "{apart}, {dofs}: {found:?}");
+                assert!(found.iter().all(|(a, b, by)| a == b && !by.is_empty()), "{apart}, {dofs}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_alike_shapes_the_eigenvalue_decides_unless_it_has_moved_too_far() {
+        let pair = |omega: f64, growths: [f64; 2]| {
+            let shapes = [[1.0, 0.9], [1.0, 1.1]];
+            numbered((0..2).map(|at| mode([growths[at], omega], &shapes[at])).collect(), 2)
+        };
+        let first = pair(100.0, [3.0, -3.0]);
+        let text = |a: &str, b: &str, by| (a.to_owned(), b.to_owned(), by);
+        // The growing mode is the growing one, in whichever order they stand.
+        assert_eq!(linked(&first, &pair(101.0, [-2.0, 2.0])), [text("1", "2", "shape"), text("2", "1", "shape")]);
+        let far = linked(&first, &pair(120.0, [-2.0, 2.0]));
+        assert!(far.iter().all(|(_, _, by)| by.is_empty()), "{far:?}");
     }
 }
