@@ -42,6 +42,9 @@ pub enum Motion {
     NotPeriodic {
         /// Time that was looked at, s.
         time: f64,
+        /// True if its passages of a plane are alike to 1 %, come nearer to one another or have ceased in the last quarter of that time: it has not settled, and
+        /// may yet come to a cycle or to rest.
+        may_settle: bool,
         /// Measures of four equal stretches, the last half of that time; none where nothing was measured. There are no powers: a motion may end with another energy than
         /// it has at first.
         stretches: Vec<Measures>,
@@ -118,6 +121,7 @@ pub fn follow_telling(
     let until = settings.most_periods as f64 * period;
     let end_of_block = |blocks: &Blocks| ((blocks.measured.len() + 1) * BLOCK) as f64 * period;
     let mut passages: Vec<(f64, Vec<f64>)> = Vec::new();
+    let mut nearest: Vec<(f64, f64)> = Vec::new();
     let (mut next_try, mut wait, mut tried) = (0, WAIT, f64::INFINITY);
     let mut largest = amplitude(&motion.x, &scales);
     let mut told = 0;
@@ -153,25 +157,63 @@ pub fn follow_telling(
         }
         next_try = usize::saturating_sub(next_try, 1);
         let distances = passages.iter().rev().skip(1).map(|(_, x)| distance(x, &motion.x, &scales) / size);
-        blocks.nearest = distances.fold(blocks.nearest, f64::min);
+        let least = distances.fold(f64::INFINITY, f64::min);
+        nearest.push((motion.time, least));
+        blocks.nearest = blocks.nearest.min(least);
         let Some(((end, last), earlier)) = passages.split_last() else { continue };
         let near = if next_try == 0 { NEARLY } else { NEARLY.min(NEARER * tried) };
-        let alike = |(_, x): &&(f64, Vec<f64>)| distance(x, last, &scales) < near * size;
-        let Some((begin, x)) = earlier.iter().rev().find(alike) else { continue };
+        let Some((begin, x)) = before_alike(earlier, last, near * size, &scales) else { continue };
         tried = distance(x, last, &scales) / size;
-        let found = shoot(system, last.clone(), end - begin, &scales, settings.tolerance);
-        let is_near = |cycle: &Cycle| {
-            amplitude(&cycle.start, &scales) > 1e-3 * size
-                && distance(&cycle.start, last, &scales) < NEAR * size
-                && is_moving(system, cycle, &scales)
-        };
-        if let Some(cycle) = found.ok().filter(|cycle| is_near(cycle) && cycle.is_stable()) {
-            return Ok(Motion::Cycle(with_least_period(system, cycle, &scales, settings)));
+        if let Some(cycle) = closed(system, last, end - begin, &scales, settings) {
+            return Ok(Motion::Cycle(cycle));
         }
         // Not yet there, or not at all.
         (next_try, wait) = (wait, 2 * wait);
     }
-    Ok(Motion::NotPeriodic { time: motion.time, stretches: blocks.stretches() })
+    // Waits grow, so that a motion may have come to a cycle since the last try.
+    if let Some(((end, last), earlier)) = passages.split_last()
+        && let Some((begin, _)) = before_alike(earlier, last, NEARLY * amplitude(last, &scales), &scales)
+        && let Some(cycle) = closed(system, last, end - begin, &scales, settings)
+    {
+        return Ok(Motion::Cycle(cycle));
+    }
+    let may_settle = may_settle(&nearest, motion.time);
+    Ok(Motion::NotPeriodic { time: motion.time, may_settle, stretches: blocks.stretches() })
+}
+
+/// The last of the passages `earlier` that is nearer than this to the state `last`, in scales.
+fn before_alike<'a>(
+    earlier: &'a [(f64, Vec<f64>)],
+    last: &[f64],
+    near: f64,
+    scales: &[f64],
+) -> Option<&'a (f64, Vec<f64>)> {
+    earlier.iter().rev().find(|(_, x)| distance(x, last, scales) < near)
+}
+
+/// The stable cycle that shooting finds next to a passage.
+fn closed(system: &ContactSystem, passage: &[f64], period: f64, scales: &[f64], settings: &Settings) -> Option<Cycle> {
+    let size = amplitude(passage, scales);
+    let cycle = shoot(system, passage.to_vec(), period, scales, settings.tolerance).ok()?;
+    let is_near = amplitude(&cycle.start, scales) > 1e-3 * size
+        && distance(&cycle.start, passage, scales) < NEAR * size
+        && is_moving(system, &cycle, scales);
+    (is_near && cycle.is_stable()).then(|| with_least_period(system, cycle, scales, settings))
+}
+
+/// True of passages that are alike, come nearer to one another or cease towards the end, at `until`: of each the time and the distance to the nearest one before.
+fn may_settle(nearest: &[(f64, f64)], until: f64) -> bool {
+    let least = |from: f64, to: f64| {
+        let within = nearest.iter().filter(|(time, _)| (from * until..=to * until).contains(time));
+        within.map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min)
+    };
+    let (before, last) = (least(0.5, 0.75), least(0.75, 1.0));
+    last.is_infinite() || comes_nearer(before, last)
+}
+
+/// True if passages that were this far from each other at least, and are so far now, are alike or come nearer.
+fn comes_nearer(before: f64, now: f64) -> bool {
+    now < (COMING * before).max(NEARLY)
 }
 
 /// Blocks of a motion that is measured, one after the other.
@@ -212,7 +254,7 @@ impl Blocks {
         let velocities: Vec<f64> = self.stretches().iter().map(|stretch| stretch.kinetic_energy.sqrt()).collect();
         let (least, most) =
             velocities.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), v| (least.min(*v), most.max(*v)));
-        most - least <= settled * most && nearest(last) >= (COMING * nearest(before)).max(NEARLY)
+        most - least <= settled * most && !comes_nearer(nearest(before), nearest(last))
     }
 }
 

@@ -198,12 +198,12 @@ fn a_motion_that_does_not_repeat_is_measured_once_it_has_settled() {
     let system = ContactSystem::new(vec![masses], vec![belt, other]).unwrap();
     let settings = Settings { settled: Some(0.01), ..Settings::default() };
     let shape = [Complex::from(1.0), Complex::from(0.0)];
-    let Motion::NotPeriodic { time, stretches } =
+    let Motion::NotPeriodic { time, may_settle, stretches } =
         follow(&system, vec![0.1, 0.1, 0.0, 0.0], 1.0, &shape, &settings).unwrap()
     else {
         panic!("the periods of the masses have no common multiple")
     };
-    assert_eq!(stretches.len(), 4);
+    assert_eq!((stretches.len(), may_settle), (4, false));
     let periods = time / std::f64::consts::TAU;
     assert!((80.0..500.0).contains(&periods), "{periods}");
     let together = Measures::together(&stretches);
@@ -214,6 +214,36 @@ fn a_motion_that_does_not_repeat_is_measured_once_it_has_settled() {
     }
     let energy: f64 = alone.iter().map(|alone| alone.kinetic_energy).sum();
     assert!((together.kinetic_energy / energy - 1.0).abs() < 0.01);
+}
+
+/// Van der Pol's oscillator whose friction is so weak, eps, has a cycle of amplitude 2 to eps^2 and the multiplier exp(-2 pi eps), both by the averaged amplitude `a' = eps a (1 - a^2 / 4) / 2`,
+/// which also says how far a motion has come after 1,000 periods.
+#[test]
+fn slow_motions_come_to_their_cycle_or_are_said_not_to_have_settled() {
+    let belt = van_der_pol().contacts()[0].clone();
+    let mut fates = [0, 0];
+    for eps in [0.02, 0.01, 0.005, 0.003, 0.0025, 0.002, 0.0015, 0.001, 0.0003] {
+        let mass = part("mass", dmatrix![1.0], dmatrix![0.0], dmatrix![1.0]);
+        let system = ContactSystem::new(vec![mass], vec![SlidingContact { load: eps, ..belt.clone() }]).unwrap();
+        // a^2 = 4 / (1 + (4 / a_0^2 - 1) exp(-eps t)).
+        let start = 0.05;
+        let end = (4.0 / (1.0 + (4.0 / (start * start) - 1.0) * (-eps * 1000.0 * std::f64::consts::TAU).exp())).sqrt();
+        match motion(&system, vec![start, 0.0], 1.0, &ONE, 1e-9) {
+            Motion::Cycle(found) => {
+                assert!(end > 1.9, "{eps}: {end}");
+                let expected = (-std::f64::consts::TAU * eps).exp();
+                assert!((found.largest_multiplier() - expected).abs() < eps * eps, "{eps}: {found:?}");
+                assert!((found.period - std::f64::consts::TAU).abs() < eps * eps, "{eps}: {found:?}");
+                fates[0] += 1;
+            }
+            Motion::NotPeriodic { may_settle, .. } => {
+                assert!(may_settle && end < 1.95, "{eps}: {end}");
+                fates[1] += 1;
+            }
+            other => panic!("{eps}: {other:?}"),
+        }
+    }
+    assert!(fates[0] >= 5 && fates[1] >= 2, "{fates:?}");
 }
 
 #[test]

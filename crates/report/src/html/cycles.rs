@@ -206,6 +206,9 @@ fn sentence(of: &MotionOfMode) -> String {
         Motion::Unbounded => {
             format!("{from} the motion grows without bounds: no contact that opens or sticks stops it.")
         }
+        Motion::NotPeriodic { may_settle: true, .. } => format!(
+            "{from} the motion has not settled in the time that was looked at: it may yet come to a cycle or to rest."
+        ),
         Motion::NotPeriodic { .. } => {
             format!("{from} the motion does not repeat itself in the time that was looked at: it is not periodic.")
         }

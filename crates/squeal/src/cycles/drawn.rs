@@ -51,6 +51,8 @@ pub enum DrawnFate {
     },
     /// A motion that does not repeat itself.
     NotPeriodic {
+        /// True if it has not settled, and may yet come to a cycle.
+        may_settle: bool,
         /// Measures over four stretches of it together.
         measured: MeasuredMotion,
         /// Difference of the loudest and the least loud of the stretches, relative to their mean.
@@ -83,6 +85,7 @@ impl DrawnFate {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Cycle { .. } => "cycle",
+            Self::NotPeriodic { may_settle: true, .. } => "not settled",
             Self::NotPeriodic { .. } => "not periodic",
             Self::Rest => "rest",
             Self::Unbounded => "unbounded",
@@ -176,12 +179,13 @@ fn fate(
                 largest_multiplier: cycle.largest_multiplier(),
                 measured: measured(measure(system, &cycle, settings.tolerance)?),
             },
-            Motion::NotPeriodic { time, stretches } => {
+            Motion::NotPeriodic { time, may_settle, stretches } => {
                 let loudness = || stretches.iter().map(|stretch| measured(stretch.clone()).loudness);
                 let (least, most) = (loudness().fold(f64::INFINITY, f64::min), loudness().fold(0.0, f64::max));
                 let measured = measured(Measures::together(&stretches));
                 let spread = if measured.loudness > 0.0 { (most - least) / measured.loudness } else { 0.0 };
-                DrawnFate::NotPeriodic { measured, spread, periods: (time * omega / std::f64::consts::TAU).round() }
+                let periods = (time * omega / std::f64::consts::TAU).round();
+                DrawnFate::NotPeriodic { may_settle, measured, spread, periods }
             }
         })
     };

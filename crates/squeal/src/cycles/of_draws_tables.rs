@@ -19,7 +19,7 @@ const MOST_PRINTED: usize = 6;
 const EQUALLY_LOUD: f64 = 0.01;
 
 /// Kinds of motions, in the order of tables.
-const KINDS: [&str; 5] = ["cycle", "not periodic", "rest", "unbounded", "not followed"];
+const KINDS: [&str; 6] = ["cycle", "not periodic", "not settled", "rest", "unbounded", "not followed"];
 
 /// Numbers of some motions of a scene.
 struct Counted {
@@ -89,9 +89,10 @@ impl Counted {
         cells
     }
 
-    const COLUMNS: [&str; 15] = [
+    const COLUMNS: [&str; 16] = [
         "cycle",
         "not_periodic",
+        "not_settled",
         "rest",
         "unbounded",
         "not_followed",

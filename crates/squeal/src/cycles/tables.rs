@@ -203,6 +203,7 @@ fn kind(motion: &Motion) -> &'static str {
         Motion::Cycle(_) => "cycle",
         Motion::Rest => "rest",
         Motion::Unbounded => "unbounded",
+        Motion::NotPeriodic { may_settle: true, .. } => "not settled",
         Motion::NotPeriodic { .. } => "not periodic",
     }
 }
