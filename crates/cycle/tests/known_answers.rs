@@ -222,18 +222,20 @@ fn a_motion_that_does_not_repeat_is_measured_once_it_has_settled() {
 fn slow_motions_come_to_their_cycle_or_are_said_not_to_have_settled() {
     let belt = van_der_pol().contacts()[0].clone();
     let mut fates = [0, 0];
-    for eps in [0.02, 0.01, 0.005, 0.003, 0.0025, 0.002, 0.0015, 0.001, 0.0003] {
+    let from_rest = [0.02, 0.01, 0.005, 0.003, 0.0025, 0.002, 0.0015, 0.001, 0.0003].map(|eps| (eps, 0.05));
+    // These are within reach of shooting only in the last of 1,000 periods.
+    for (eps, start) in from_rest.into_iter().chain([(2e-4, 1.78), (1.5e-4, 1.8)]) {
         let mass = part("mass", dmatrix![1.0], dmatrix![0.0], dmatrix![1.0]);
         let system = ContactSystem::new(vec![mass], vec![SlidingContact { load: eps, ..belt.clone() }]).unwrap();
         // a^2 = 4 / (1 + (4 / a_0^2 - 1) exp(-eps t)).
-        let start = 0.05;
-        let end = (4.0 / (1.0 + (4.0 / (start * start) - 1.0) * (-eps * 1000.0 * std::f64::consts::TAU).exp())).sqrt();
+        let end = (4.0_f64 / (1.0 + (4.0_f64 / (start * start) - 1.0) * (-eps * 1000.0 * std::f64::consts::TAU).exp()))
+            .sqrt();
         match motion(&system, vec![start, 0.0], 1.0, &ONE, 1e-9) {
             Motion::Cycle(found) => {
-                assert!(end > 1.9, "{eps}: {end}");
+                assert!(end > 1.88, "{eps}: {end}");
                 let expected = (-std::f64::consts::TAU * eps).exp();
-                assert!((found.largest_multiplier() - expected).abs() < eps * eps, "{eps}: {found:?}");
-                assert!((found.period - std::f64::consts::TAU).abs() < eps * eps, "{eps}: {found:?}");
+                assert!((found.largest_multiplier() - expected).abs() < eps * eps + 3e-6, "{eps}: {found:?}");
+                assert!((found.period - std::f64::consts::TAU).abs() < eps * eps + 3e-6, "{eps}: {found:?}");
                 fates[0] += 1;
             }
             Motion::NotPeriodic { may_settle, .. } => {
@@ -243,7 +245,7 @@ fn slow_motions_come_to_their_cycle_or_are_said_not_to_have_settled() {
             other => panic!("{eps}: {other:?}"),
         }
     }
-    assert!(fates[0] >= 5 && fates[1] >= 2, "{fates:?}");
+    assert!(fates[0] >= 7 && fates[1] >= 2, "{fates:?}");
 }
 
 #[test]
