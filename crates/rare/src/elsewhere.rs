@@ -8,7 +8,7 @@
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 
-use crate::limit_state::{AT_ONCE, Counted, LimitState};
+use crate::limit_state::{AT_ONCE, Asked, Counted, LimitState};
 use crate::normal::length_density;
 use crate::search::{DesignPoint, design_point};
 use crate::vector::{norm, scaled, unit};

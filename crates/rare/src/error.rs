@@ -16,10 +16,6 @@ pub enum Error {
         /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A point that a search has asked for, and not been told yet: it goes on once others have asked. No user sees it.
-    #[doc(hidden)]
-    #[error("a point is not evaluated yet")]
-    Open,
     /// A system that fails where all inputs have their medians.
     #[error(
         "a mode of {:.6} Hz is unstable with all inputs at their medians, with a growth of {growth:.4} 1/s: that is not rare; allowed: \

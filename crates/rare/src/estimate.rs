@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::answer::{Estimate, Probability};
 use crate::elsewhere::{Elsewhere, elsewhere};
-use crate::limit_state::{Counted, LimitState};
+use crate::limit_state::{Asked, Counted, LimitState};
 use crate::line::PRECISION;
 use crate::normal::{tail, tail_point};
 use crate::one_input;

@@ -65,12 +65,58 @@ pub trait LimitState: Sync {
 /// Points evaluated together; chosen: full lanes.
 pub(crate) const AT_ONCE: usize = 16;
 
+/// Questions to a limit state: answered at once by [`Counted`], in step with other searches by [`InStep`].
+pub(crate) trait Asked: Sync {
+    /// What ends a search without a result.
+    type Error: From<Error>;
+
+    fn dimensions(&self) -> usize;
+
+    /// The mode of the largest margin.
+    fn worst(&self, u: &[f64]) -> Result<Mode, Self::Error>;
+
+    /// The mode of the largest margin at each point.
+    fn worst_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Mode>, Self::Error>;
+
+    /// The gradient of the margin of a mode.
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Self::Error>;
+
+    /// The direction in which the margin of a mode grows fastest, of length 1, and how fast; `None` where the margin has no such direction.
+    fn steepest(&self, u: &[f64], mode: &Mode) -> Result<Option<(Vec<f64>, f64)>, Self::Error> {
+        if !mode.margin.is_finite() {
+            return Ok(None);
+        }
+        let gradient = self.gradient(u, mode)?;
+        let slope = norm(&gradient);
+        Ok(unit(gradient).map(|direction| (direction, slope)))
+    }
+}
+
 /// A limit state whose evaluations are counted.
 pub(crate) struct Counted<'a, L> {
     of: &'a L,
     evaluations: AtomicU64,
-    /// Answers of a search that goes on in step with others; `None` of points that are evaluated at once.
-    answers: Option<&'a Mutex<Answers>>,
+}
+
+/// A limit state that knows the answers that a search has had so far: what it lacks is asked for together with what others lack.
+pub(crate) struct InStep<'a, L> {
+    of: &'a L,
+    answers: &'a Mutex<Answers>,
+}
+
+/// End of a search in step without a result.
+#[derive(Debug)]
+pub(crate) enum Ended<E> {
+    /// An answer is not there yet: the search begins anew once it is.
+    Open,
+    /// An error.
+    Failed(E),
+}
+
+impl<E: From<Error>> From<Error> for Ended<E> {
+    fn from(error: Error) -> Self {
+        Self::Failed(error.into())
+    }
 }
 
 /// Answers that a search has had so far, by the bits of what was asked, and the points that it asks for next.
@@ -87,28 +133,15 @@ fn bits(numbers: &[f64]) -> Vec<u64> {
 
 impl<'a, L: LimitState> Counted<'a, L> {
     pub fn new(of: &'a L) -> Self {
-        Self { of, evaluations: AtomicU64::new(0), answers: None }
+        Self { of, evaluations: AtomicU64::new(0) }
     }
 
     pub fn evaluations(&self) -> u64 {
         self.evaluations.load(Ordering::Relaxed)
     }
 
-    pub fn dimensions(&self) -> usize {
-        self.of.dimensions()
-    }
-
     pub fn proven(&self) -> Vec<[f64; 2]> {
         self.of.proven()
-    }
-
-    /// The mode of the largest margin.
-    pub fn worst(&self, u: &[f64]) -> Result<Mode, L::Error> {
-        if self.answers.is_some() {
-            return Ok(self.worst_of_all(&[u.to_vec()])?[0]);
-        }
-        self.evaluations.fetch_add(1, Ordering::Relaxed);
-        Ok(worst(self.of.modes(u)?)?)
     }
 
     /// Results of several searches. They go on in step, and the points that they ask for are evaluated together: a search is begun anew, with the
@@ -119,19 +152,20 @@ impl<'a, L: LimitState> Counted<'a, L> {
     pub fn in_step<J: Sync, T: Send>(
         &self,
         searches: &[J],
-        search: impl Fn(&Counted<'_, L>, &J) -> Result<T, L::Error> + Sync,
+        search: impl Fn(&InStep<'_, L>, &J) -> Result<T, Ended<L::Error>> + Sync,
     ) -> Result<Vec<T>, L::Error> {
         let known: Vec<Mutex<Answers>> = searches.iter().map(|_| Mutex::default()).collect();
         let mut found: Vec<Option<T>> = searches.iter().map(|_| None).collect();
         loop {
             let open = found.par_iter_mut().zip(searches).zip(&known).filter(|((found, _), _)| found.is_none());
-            open.try_for_each(|((found, of_search), known)| {
-                let of = Counted { of: self.of, evaluations: AtomicU64::new(0), answers: Some(known) };
-                match search(&of, of_search) {
-                    Err(error) if held(known).open.is_empty() => return Err(error),
-                    answer => *found = answer.ok(),
+            open.try_for_each(|((found, of_search), answers)| {
+                match search(&InStep { of: self.of, answers }, of_search) {
+                    Err(Ended::Failed(error)) => Err(error),
+                    answer => {
+                        *found = answer.ok();
+                        Ok(())
+                    }
                 }
-                Ok(())
             })?;
             let asked: Vec<(usize, Vec<f64>)> = known
                 .iter()
@@ -149,45 +183,60 @@ impl<'a, L: LimitState> Counted<'a, L> {
             }
         }
     }
+}
 
-    /// The mode of the largest margin at each point.
-    pub fn worst_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Mode>, L::Error> {
-        if let Some(answers) = self.answers {
-            let mut answers = held(answers);
-            let is_known = |u: &&Vec<f64>| answers.worst.contains_key(&bits(u));
-            answers.open = points.iter().filter(|u| !is_known(u)).cloned().collect();
-            return match points.iter().map(|u| answers.worst.get(&bits(u)).copied()).collect() {
-                Some(worst) => Ok(worst),
-                None => Err(Error::Open.into()),
-            };
-        }
+impl<L: LimitState> Asked for Counted<'_, L> {
+    type Error = L::Error;
+
+    fn dimensions(&self) -> usize {
+        self.of.dimensions()
+    }
+
+    fn worst(&self, u: &[f64]) -> Result<Mode, L::Error> {
+        self.evaluations.fetch_add(1, Ordering::Relaxed);
+        Ok(worst(self.of.modes(u)?)?)
+    }
+
+    fn worst_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Mode>, L::Error> {
         self.evaluations.fetch_add(points.len() as u64, Ordering::Relaxed);
         let worst = self.of.modes_of_all(points)?.into_iter().map(worst).collect::<Result<_, Error>>()?;
         Ok(worst)
     }
 
-    /// The direction in which the margin of a mode grows fastest, of length 1, and how fast; `None` where the margin has no such direction.
-    pub fn steepest(&self, u: &[f64], mode: &Mode) -> Result<Option<(Vec<f64>, f64)>, L::Error> {
-        if !mode.margin.is_finite() {
-            return Ok(None);
-        }
-        let gradient = match self.answers {
-            None => self.of.gradient(u, mode)?,
-            Some(answers) => {
-                let asked = bits(&[u, &[mode.growth, mode.omega]].concat());
-                let known = held(answers).gradients.get(&asked).cloned();
-                match known {
-                    Some(gradient) => gradient,
-                    None => {
-                        let gradient = self.of.gradient(u, mode)?;
-                        held(answers).gradients.insert(asked, gradient.clone());
-                        gradient
-                    }
-                }
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, L::Error> {
+        self.of.gradient(u, mode)
+    }
+}
+
+impl<L: LimitState> Asked for InStep<'_, L> {
+    type Error = Ended<L::Error>;
+
+    fn dimensions(&self) -> usize {
+        self.of.dimensions()
+    }
+
+    fn worst(&self, u: &[f64]) -> Result<Mode, Self::Error> {
+        Ok(self.worst_of_all(&[u.to_vec()])?[0])
+    }
+
+    fn worst_of_all(&self, points: &[Vec<f64>]) -> Result<Vec<Mode>, Self::Error> {
+        let mut answers = held(self.answers);
+        let is_known = |u: &&Vec<f64>| answers.worst.contains_key(&bits(u));
+        answers.open = points.iter().filter(|u| !is_known(u)).cloned().collect();
+        points.iter().map(|u| answers.worst.get(&bits(u)).copied()).collect::<Option<_>>().ok_or(Ended::Open)
+    }
+
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Self::Error> {
+        let asked = bits(&[u, &[mode.growth, mode.omega]].concat());
+        let known = held(self.answers).gradients.get(&asked).cloned();
+        match known {
+            Some(gradient) => Ok(gradient),
+            None => {
+                let gradient = self.of.gradient(u, mode).map_err(Ended::Failed)?;
+                held(self.answers).gradients.insert(asked, gradient.clone());
+                Ok(gradient)
             }
-        };
-        let slope = norm(&gradient);
-        Ok(unit(gradient).map(|direction| (direction, slope)))
+        }
     }
 }
 
@@ -209,6 +258,9 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+
+    /// Ends of a bisection, and the steepest direction there.
+    type Found = (f64, f64, Option<(Vec<f64>, f64)>);
 
     /// Failure beyond a straight line, which keeps how many points it was asked for at once.
     struct Beyond(Mutex<Vec<usize>>);
@@ -240,7 +292,7 @@ mod tests {
     #[test]
     fn searches_in_step_find_what_they_find_alone_from_fewer_calls() {
         // A bisection on a ray, of as many points as the ray says, and the gradient at its end.
-        let search = |of: &Counted<'_, Beyond>, ray: &(usize, Vec<f64>)| {
+        fn search<A: Asked>(of: &A, ray: &(usize, Vec<f64>)) -> Result<Found, A::Error> {
             let (mut low, mut high) = (0.0, 10.0);
             for _ in 0..ray.0 {
                 let middle = 0.5 * (low + high);
@@ -249,12 +301,12 @@ mod tests {
             }
             let mode = of.worst_of_all(&[vec![high, low]])?[0];
             Ok((low, high, of.steepest(&[high, low], &mode)?))
-        };
+        }
         let rays: Vec<(usize, Vec<f64>)> = (0..5).map(|at| (at + 3, vec![1.0, 0.3 * at as f64])).collect();
         let [one, other] = [(); 2].map(|()| Beyond(Mutex::default()));
         let (alone, together) = (Counted::new(&one), Counted::new(&other));
         let expected: Vec<_> = rays.iter().map(|ray| search(&alone, ray).unwrap()).collect();
-        assert_eq!(together.in_step(&rays, search).unwrap(), expected);
+        assert_eq!(together.in_step(&rays, |of, ray| search(of, ray)).unwrap(), expected);
         assert_eq!(together.evaluations(), alone.evaluations());
         assert_eq!(*other.0.lock().unwrap(), [5, 5, 5, 5, 4, 3, 2, 1]);
     }
@@ -262,9 +314,9 @@ mod tests {
     #[test]
     fn the_error_of_a_search_in_step_is_its_own() {
         let state = Beyond(Mutex::default());
-        let search = |of: &Counted<'_, Beyond>, at: &usize| {
+        let search = |of: &InStep<'_, Beyond>, at: &usize| {
             of.worst(&[*at as f64, 0.0])?;
-            if *at == 1 { Err(Error::NoMargin { omega: 7.0 }) } else { Ok(()) }
+            if *at == 1 { Err(Error::NoMargin { omega: 7.0 }.into()) } else { Ok(()) }
         };
         let found = Counted::new(&state).in_step(&[0, 1, 2], search);
         assert!(matches!(found, Err(Error::NoMargin { omega: 7.0 })), "{found:?}");

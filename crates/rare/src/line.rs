@@ -75,7 +75,7 @@ fn comes_to_zero(places: &[Place]) -> bool {
     let curvature = (first + second) / (0.5 * (c - a));
     let slope = (second * (b - a) - first * (c - b)) / (c - a);
     // Twice as deep as the parabola: a margin may bend more in the middle.
-    here.abs() < slope * slope / curvature
+    here.abs() < slope * (slope / curvature)
 }
 
 /// The place between two at which a margin changes its sign, to a precision, by the method of Illinois kept from standing still by bisection.

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use crate::answer::{Estimate, Probability};
-use crate::limit_state::{AT_ONCE, Counted, LimitState};
+use crate::limit_state::{AT_ONCE, Asked, Counted, LimitState};
 use crate::normal::{Interval, tail};
 use crate::options::Options;
 use crate::sampled::Witness;
@@ -151,7 +151,7 @@ fn nearest(interval: &Interval) -> f64 {
 }
 
 /// The likeliest failure of an interval.
-fn design_point<L: LimitState>(of: &Counted<'_, L>, interval: &Interval) -> Result<DesignPoint, L::Error> {
+fn design_point<A: Asked>(of: &A, interval: &Interval) -> Result<DesignPoint, A::Error> {
     let at = nearest(interval);
     let mode = of.worst(&[at])?;
     let outwards = if at < 0.0 { -1.0 } else { 1.0 };

@@ -12,7 +12,7 @@
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 
-use crate::limit_state::{Counted, LimitState};
+use crate::limit_state::{Asked, Counted, InStep, LimitState};
 use crate::line::{STEP, failing};
 use crate::normal::Interval;
 use crate::options::Options;
@@ -81,7 +81,7 @@ impl Sampled {
                     (point, numbers[point] - 1)
                 })
                 .collect();
-            let line = |of: &Counted<'_, L>, &(point, number): &(usize, usize)| {
+            let line = |of: &InStep<'_, L>, &(point, number): &(usize, usize)| {
                 let stream = ((point as u64 + 1) << 32) + number as u64;
                 line(
                     of,
@@ -146,13 +146,13 @@ impl Sampled {
 }
 
 /// A line in the direction of a design point, across at random.
-fn line<L: LimitState>(
-    of: &Counted<'_, L>,
+fn line<A: Asked>(
+    of: &A,
     (points, windows): (&[&DesignPoint], &[Option<Window>]),
     (own, spread): (usize, &Spread),
     reach: f64,
     rng: &mut montecarlo::StreamRng,
-) -> Result<Line, L::Error> {
+) -> Result<Line, A::Error> {
     let direction = &points[own].direction;
     let drawn: Vec<f64> = (0..of.dimensions()).map(|_| StandardNormal.sample(rng)).collect();
     let across = along(&drawn, -dot(&drawn, direction), direction);
@@ -160,7 +160,7 @@ fn line<L: LimitState>(
     let (across, ratio) = spread.drawn(across, width < 0.5);
     let margins = |places: &[f64]| {
         let points: Vec<Vec<f64>> = places.iter().map(|t| along(&across, *t, direction)).collect();
-        Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
+        Ok::<Vec<f64>, A::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
     };
     // The windows of all design points are looked at: the weights take it that failure of each is found on every line.
     let (mut narrowest, mut seen) = (STEP, Vec::new());

@@ -5,7 +5,7 @@
 //! 1978, with exact onsets in place of linear ones). The gradient is taken on the surface alone: where two modes coalesce into flutter the margin
 //! is flat before.
 
-use crate::limit_state::{Counted, LimitState, Mode};
+use crate::limit_state::{Asked, Counted, LimitState, Mode};
 use crate::line::{OF_WINDOW, PRECISION, STEP, crossing, failing};
 use crate::vector::{along, dot, norm, scaled, unit};
 use crate::window::Window;
@@ -55,7 +55,7 @@ impl DesignPoint {
     ///
     /// # Errors
     /// Those of the limit state.
-    pub(crate) fn window<L: LimitState>(&self, of: &Counted<'_, L>) -> Result<Option<Window>, L::Error> {
+    pub(crate) fn window<A: Asked>(&self, of: &A) -> Result<Option<Window>, A::Error> {
         let foot = along(&self.point, -dot(&self.point, &self.direction), &self.direction);
         Window::from(of, &|t| along(&foot, t, &self.direction), dot(&self.point, &self.direction))
     }
@@ -91,7 +91,7 @@ pub(crate) fn design_points<L: LimitState>(
 }
 
 /// A failing point in this direction: at the reach, up the gradient of the worst mode from there, or nearer; `None` where no such point fails.
-fn climb<L: LimitState>(of: &Counted<'_, L>, direction: &[f64]) -> Result<Option<Vec<f64>>, L::Error> {
+fn climb<A: Asked>(of: &A, direction: &[f64]) -> Result<Option<Vec<f64>>, A::Error> {
     let mut u = scaled(REACH, direction);
     let mut worst = of.worst(&u)?;
     for _ in 0..MOST_CLIMBS {
@@ -112,12 +112,12 @@ fn climb<L: LimitState>(of: &Counted<'_, L>, direction: &[f64]) -> Result<Option
 }
 
 /// True if the onset on the ray to a failing point is on the tangent plane of a design point that is known, to a tenth of the distance from the medians.
-fn is_explained<L: LimitState>(of: &Counted<'_, L>, known: &[DesignPoint], failing: &[f64]) -> Result<bool, L::Error> {
+fn is_explained<A: Asked>(of: &A, known: &[DesignPoint], failing: &[f64]) -> Result<bool, A::Error> {
     let onset = |point: &DesignPoint| {
         Some(point.beta / dot(&point.direction, failing)).filter(|part| (0.0..0.95).contains(part))
     };
     let Some(part) = known.iter().filter_map(onset).min_by(f64::total_cmp) else { return Ok(false) };
-    let fails = |part: f64| Ok::<bool, L::Error>(of.worst(&scaled(part, failing))?.margin > 0.0);
+    let fails = |part: f64| Ok::<bool, A::Error>(of.worst(&scaled(part, failing))?.margin > 0.0);
     Ok(!fails(0.9 * part)? && fails((1.1 * part).min(1.0))?)
 }
 
@@ -125,12 +125,12 @@ fn is_explained<L: LimitState>(of: &Counted<'_, L>, known: &[DesignPoint], faili
 ///
 /// # Errors
 /// Those of the limit state.
-pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> Result<Option<DesignPoint>, L::Error> {
+pub(crate) fn design_point<A: Asked>(of: &A, from: &[f64]) -> Result<Option<DesignPoint>, A::Error> {
     let Some(mut ray) = unit(from.to_vec()) else { return Ok(None) };
     let length = norm(from);
     let margins = |places: &[f64]| {
         let points: Vec<Vec<f64>> = places.iter().map(|t| scaled(*t, &ray)).collect();
-        Ok::<Vec<f64>, L::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
+        Ok::<Vec<f64>, A::Error>(of.worst_of_all(&points)?.iter().map(|mode| mode.margin).collect())
     };
     // The interval that the point itself lies in: others before it have other points.
     let own =
@@ -161,7 +161,7 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
         let found = match window {
             Some(window) => match window.on(of, &line, plane + 0.5 * window.width)? {
                 Some(seen) => {
-                    let onset = seen.onset(&mut |t| Ok::<f64, L::Error>(of.worst(&line(t))?.margin))?;
+                    let onset = seen.onset(&mut |t| Ok::<f64, A::Error>(of.worst(&line(t))?.margin))?;
                     onset.map(|onset| (onset, Some(seen.window())))
                 }
                 None => None,
@@ -183,12 +183,7 @@ pub(crate) fn design_point<L: LimitState>(of: &Counted<'_, L>, from: &[f64]) -> 
 }
 
 /// A point of a ray at an onset, or as little beyond it as its precision asks for, and its worst mode: one that fails, as before the onset of flutter margins are flat.
-fn just_beyond<L: LimitState>(
-    of: &Counted<'_, L>,
-    onset: f64,
-    ray: &[f64],
-    precision: f64,
-) -> Result<(Vec<f64>, Mode), L::Error> {
+fn just_beyond<A: Asked>(of: &A, onset: f64, ray: &[f64], precision: f64) -> Result<(Vec<f64>, Mode), A::Error> {
     let point = scaled(onset, ray);
     let mode = of.worst(&point)?;
     if mode.margin > 0.0 {
@@ -201,13 +196,13 @@ fn just_beyond<L: LimitState>(
 }
 
 /// The onset on a line, looked for between two ends, from `near` downwards if `near` fails, else upwards; `None` where no onset is found.
-pub(crate) fn onset_near<L: LimitState>(
-    of: &Counted<'_, L>,
+pub(crate) fn onset_near<A: Asked>(
+    of: &A,
     line: &dyn Fn(f64) -> Vec<f64>,
     near: f64,
     [least, most]: [f64; 2],
-) -> Result<Option<f64>, L::Error> {
-    let mut margin = |t: f64| Ok::<f64, L::Error>(of.worst(&line(t))?.margin);
+) -> Result<Option<f64>, A::Error> {
+    let mut margin = |t: f64| Ok::<f64, A::Error>(of.worst(&line(t))?.margin);
     let start = near.min(most);
     let mut here = (start, margin(start)?);
     let is_failing = here.1 > 0.0;

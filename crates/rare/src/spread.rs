@@ -12,7 +12,7 @@
 use nalgebra::DMatrix;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::limit_state::{Counted, LimitState};
+use crate::limit_state::Asked;
 use crate::normal::{density, tail};
 use crate::search::{DesignPoint, onset_near};
 use crate::vector::{along, dot, norm, scaled};
@@ -40,11 +40,11 @@ impl Spread {
     ///
     /// # Errors
     /// Those of the limit state.
-    pub fn at<L: LimitState>(
-        of: &Counted<'_, L>,
+    pub fn at<A: Asked>(
+        of: &A,
         (point, window): (&DesignPoint, Option<Window>),
         rng: &mut montecarlo::StreamRng,
-    ) -> Result<Self, L::Error> {
+    ) -> Result<Self, A::Error> {
         let normal = &point.direction;
         let mut directions: Vec<Vec<f64>> = Vec::new();
         let mut products: Vec<Vec<f64>> = Vec::new();
@@ -102,18 +102,18 @@ impl Spread {
 /// Curvature of the onset at a design point times a direction across, from the direction of the gradient on the onset one deviation beside the point: its
 /// components across over its component in the direction of the point. It is positive where the onset bends towards the medians. `None` where there is no
 /// onset, or no gradient.
-fn bent<L: LimitState>(
-    of: &Counted<'_, L>,
+fn bent<A: Asked>(
+    of: &A,
     (point, window): (&DesignPoint, Option<Window>),
     direction: &[f64],
-) -> Result<Option<Vec<f64>>, L::Error> {
+) -> Result<Option<Vec<f64>>, A::Error> {
     let normal = &point.direction;
     let base = along(direction, dot(&point.point, normal), normal);
     let beside = |t: f64| along(&base, t, normal);
     let found = match window {
         Some(window) => match window.at(of, [&point.point, normal], [direction, normal])? {
             Some(seen) => {
-                let onset = seen.onset(&mut |t| Ok::<f64, L::Error>(of.worst(&along(direction, t, normal))?.margin))?;
+                let onset = seen.onset(&mut |t| Ok::<f64, A::Error>(of.worst(&along(direction, t, normal))?.margin))?;
                 onset.map(|t| along(direction, t, normal))
             }
             None => None,
@@ -131,6 +131,7 @@ mod tests {
     use rand_distr::StandardUniform;
 
     use super::*;
+    use crate::limit_state::{Counted, LimitState};
     use crate::{Error, Mode};
 
     /// Onset `u_0 = 4.5 - sum_i curvatures_i u_i^2 / 2`, in turned coordinates.

@@ -3,7 +3,7 @@
 //! Steps of one deviation pass over it, and where the margin is flat outside (two modes that meet and part again) nothing tells that it is there.
 //! Where one place of it is known it moves from line to line without a jump: it is followed, place by place, to the line that is asked for.
 
-use crate::limit_state::{Counted, LimitState};
+use crate::limit_state::Asked;
 use crate::line::{OF_WINDOW, Place, STEP, crossing};
 use crate::vector::{along, dot};
 
@@ -43,16 +43,12 @@ impl Window {
     ///
     /// # Errors
     /// Those of the limit state.
-    pub fn from<L: LimitState>(
-        of: &Counted<'_, L>,
-        line: &dyn Fn(f64) -> Vec<f64>,
-        onset: f64,
-    ) -> Result<Option<Self>, L::Error> {
+    pub fn from<A: Asked>(of: &A, line: &dyn Fn(f64) -> Vec<f64>, onset: f64) -> Result<Option<Self>, A::Error> {
         let worst = of.worst_of_all(&BEYOND.map(|distance| line(onset + distance)))?;
         let margins = || BEYOND.into_iter().zip(worst.iter().map(|mode| mode.margin));
         let Some(inside) = margins().find(|place| place.1 > 0.0) else { return Ok(None) };
         let Some(outside) = margins().find(|place| place.0 > inside.0 && place.1 <= 0.0) else { return Ok(None) };
-        let mut margin = |t: f64| Ok::<f64, L::Error>(of.worst(&line(onset + t))?.margin);
+        let mut margin = |t: f64| Ok::<f64, A::Error>(of.worst(&line(onset + t))?.margin);
         let width = crossing(&mut margin, inside, outside, OF_WIDTH * inside.0)?;
         Ok(Some(Self { middle: onset + 0.5 * width, width }))
     }
@@ -61,12 +57,12 @@ impl Window {
     ///
     /// # Errors
     /// Those of the limit state.
-    pub fn on<L: LimitState>(
+    pub fn on<A: Asked>(
         &self,
-        of: &Counted<'_, L>,
+        of: &A,
         line: &dyn Fn(f64) -> Vec<f64>,
         expected: f64,
-    ) -> Result<Option<Seen>, L::Error> {
+    ) -> Result<Option<Seen>, A::Error> {
         let about = |place: i32| expected + SPACING * self.width * f64::from(place);
         let at: Vec<f64> = (-ON_A_SIDE..=ON_A_SIDE).map(about).collect();
         let points: Vec<Vec<f64>> = at.iter().map(|t| line(*t)).collect();
@@ -79,12 +75,12 @@ impl Window {
     ///
     /// # Errors
     /// Those of the limit state.
-    pub fn at<L: LimitState>(
+    pub fn at<A: Asked>(
         mut self,
-        of: &Counted<'_, L>,
+        of: &A,
         [point, towards]: [&[f64]; 2],
         [across, direction]: [&[f64]; 2],
-    ) -> Result<Option<Seen>, L::Error> {
+    ) -> Result<Option<Seen>, A::Error> {
         let cosine = dot(towards, direction);
         if cosine < LEAST_COSINE {
             return Ok(None);

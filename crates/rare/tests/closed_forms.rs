@@ -75,6 +75,47 @@ fn found(dimensions: usize, margins: Margins, options: Options) -> Result<Estima
     estimate(&System { dimensions, margins }, &options)
 }
 
+/// A system whose margins are in another unit.
+struct InUnit {
+    system: System,
+    unit: f64,
+}
+
+impl LimitState for InUnit {
+    type Error = Error;
+
+    fn dimensions(&self) -> usize {
+        self.system.dimensions()
+    }
+
+    fn modes(&self, u: &[f64]) -> Result<Vec<Mode>, Error> {
+        Ok(self.system.modes(u)?.into_iter().map(|mode| Mode { margin: self.unit * mode.margin, ..mode }).collect())
+    }
+
+    fn gradient(&self, u: &[f64], mode: &Mode) -> Result<Vec<f64>, Error> {
+        Ok(self.system.gradient(u, mode)?.into_iter().map(|rate| self.unit * rate).collect())
+    }
+}
+
+#[test]
+fn a_margin_may_have_any_unit() {
+    let systems: [(usize, Margins); 3] = [(2, hoffmann(1)), (4, two_in_series), (1, |u| vec![u[0] - 4.5])];
+    for (dimensions, margins) in systems {
+        let in_unit =
+            |unit: f64| estimate(&InUnit { system: System { dimensions, margins }, unit }, &Options::default());
+        let expected = in_unit(1.0).unwrap();
+        for power in [-1000, -700, -530, -500, -100, 100, 500, 700, 1000] {
+            let found = in_unit(2_f64.powi(power)).unwrap_or_else(|error| panic!("{dimensions}, 2^{power}: {error}"));
+            let relative = found.probability.value / expected.probability.value - 1.0;
+            assert!(relative.abs() < 1e-9, "{dimensions}, 2^{power}: {relative}");
+            assert_eq!(found.design_points.len(), expected.design_points.len(), "{dimensions}, 2^{power}");
+            for (point, other) in found.design_points.iter().zip(&expected.design_points) {
+                assert!((point.beta - other.beta).abs() < 1e-9 && point.is_settled == other.is_settled, "2^{power}");
+            }
+        }
+    }
+}
+
 /// Share of `seeds` whose interval contains `exact`, and the mean of the estimates relative to it.
 fn coverage(dimensions: usize, margins: Margins, exact: f64, seeds: u64) -> (f64, f64) {
     let (mut covered, mut answers, mut sum) = (0, 0, 0.0);

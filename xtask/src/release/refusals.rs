@@ -94,12 +94,9 @@ fn sources(dir: &Path) -> Result<Vec<PathBuf>, TaskError> {
     Ok(all)
 }
 
-/// Entries for the variants of an enum that have a message of their own and are shown to users.
+/// Entries for the variants of an enum that have a message of their own.
 fn of_enum(item: &ItemEnum) -> String {
-    let is_hidden = |attribute: &Attribute| {
-        attribute.path().is_ident("doc") && attribute.parse_args::<syn::Ident>().is_ok_and(|word| word == "hidden")
-    };
-    item.variants.iter().filter(|variant| !variant.attrs.iter().any(is_hidden)).filter_map(of_variant).collect()
+    item.variants.iter().filter_map(of_variant).collect()
 }
 
 fn of_variant(variant: &Variant) -> Option<String> {
