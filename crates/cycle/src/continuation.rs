@@ -66,6 +66,11 @@ const UPRIGHT: f64 = 1e-8;
 /// Steps shorter than this part of the longest are given up; chosen.
 const SHORTEST: f64 = 1e-4;
 
+/// Distances along the parameter, as parts of the longest step, at which a branch is looked for beyond a corner, and the largest distance of a point that is found so from the
+/// last one before it, as such a part; chosen, from where steps are given up.
+const BEYOND: [f64; 5] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.56e-2];
+const NOT_FAR: f64 = 0.1;
+
 /// Largest distance from the guess of a step to the point that is found from it, as a part of the step; chosen: a point farther away is one of another branch, of
 /// steady sliding for example, which all amplitudes are solutions next to.
 const FARTHEST: f64 = 1.0;
@@ -143,20 +148,54 @@ impl Balance {
         // The amplitude of the first kink is the length by which the series are measured.
         let longest = reach.longest_step * points[0].cycle.series.norm() / points[0].amplitude;
         let mut step = 0.1 * longest;
+        // At an end of the range a rounding error beyond it is none.
+        let within = |at: f64| system_at(at.clamp(low, high));
+        // Number of steps over a corner since the last along a tangent: each goes farther.
+        let mut over = 0;
         while points.len() < reach.most_points {
             let guess = &x + &tangent * step;
             let condition = Condition { value: tangent.dot(&guess), row: tangent.clone() };
             let found = solve(self, system_at, mode, guess.clone(), &condition, width);
             let is_next = |cycle: &BalancedCycle| (unknowns(cycle) - &guess).norm() <= FARTHEST * step;
             let (cycle, bordered, corrections) = match found {
-                Ok(found) if is_next(&found.0) => found,
+                Ok(found) if is_next(&found.0) => {
+                    over = 0;
+                    found
+                }
                 other => {
                     step *= 0.25;
-                    if step < SHORTEST * longest {
-                        let reason = other.err().map_or_else(|| ANOTHER_BRANCH.to_owned(), |error| error.to_string());
-                        return Ok((points, BranchEnd::Lost(reason)));
+                    if step >= SHORTEST * longest {
+                        continue;
                     }
-                    continue;
+                    let lost = || {
+                        let reason = other.err().map_or_else(|| ANOTHER_BRANCH.to_owned(), |error| error.to_string());
+                        BranchEnd::Lost(reason)
+                    };
+                    if direction == 0.0 {
+                        return Ok((points, lost()));
+                    }
+                    // Where the system has a kink over the parameter the branch has a corner, which no tangent leads around: it goes on along the parameter.
+                    let (way, end) = (direction.signum(), if direction > 0.0 { high } else { low } / width);
+                    let beyond = BEYOND.iter().skip(over).find_map(|part| {
+                        let at = way * (way * x[last] + part * longest).min(way * end);
+                        let condition = Condition { row: unit(last) * way, value: way * at };
+                        let mut guess = x.clone();
+                        guess[last] = at;
+                        let found = solve(self, &within, mode, guess, &condition, width).ok()?;
+                        let is_near = (unknowns(&found.0) - &x).norm() <= NOT_FAR * longest;
+                        is_near.then_some((found, at == end))
+                    });
+                    match beyond {
+                        None => return Ok((points, lost())),
+                        Some(((cycle, ..), true)) => {
+                            points.push(BranchPoint { amplitude: amplitude_of(&cycle)?, cycle, is_fold: false });
+                            return Ok((points, BranchEnd::Range));
+                        }
+                        Some((found, false)) => {
+                            (step, over) = (0.1 * longest, over + 1);
+                            found
+                        }
+                    }
                 }
             };
             let next = unknowns(&cycle);
@@ -180,7 +219,7 @@ impl Balance {
                 let part = (end / width - x[last]) / (next[last] - x[last]);
                 let guess = &x + (&next - &x) * part;
                 let condition = Condition { row: unit(last), value: end / width };
-                return match solve(self, system_at, mode, guess, &condition, width) {
+                return match solve(self, &within, mode, guess, &condition, width) {
                     Ok((cycle, ..)) => {
                         points.push(BranchPoint { amplitude: amplitude_of(&cycle)?, cycle, is_fold });
                         Ok((points, BranchEnd::Range))

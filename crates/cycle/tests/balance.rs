@@ -102,6 +102,62 @@ fn a_parameter_that_moves_the_load_too_has_the_same_branch() {
     }
 }
 
+/// Hoffmann's oscillator whose coefficient is a table of a parameter, which has no value beyond its ends.
+fn by_table<'a>(points: &'a [(f64, f64)]) -> impl Fn(f64) -> Result<cycle::ContactSystem, Error> + 'a {
+    |at| {
+        let piece = points.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&at));
+        let Some(&[(a, low), (b, high)]) = piece.map(|pair| <&[_; 2]>::try_from(pair).unwrap()) else {
+            return Err(Error::Setting { field: "argument", value: at, allowed: "within the table".into() });
+        };
+        Ok(hoffmann(low + (at - a) / (b - a) * (high - low), 1.0))
+    }
+}
+
+/// The branch over a parameter of which the coefficient is a function has the amplitudes of the branch over the coefficient itself: over kinks of the
+/// function, also where it turns, up to the ends of its range, and down again to steady sliding.
+#[test]
+fn a_branch_goes_over_the_kinks_of_a_table_to_its_ends() {
+    let onset = (1.0 + 2.0 * 0.05 * 0.05) / (4.0 / 3.0);
+    let (lambda, shape) = hoffmann_mode(onset);
+    let mode = (lambda.im, &shape[..]);
+    let balance = Balance::new(5, 128).unwrap();
+    let reach = |from: f64, to: f64, longest_step: f64| Reach { range: [from, to], longest_step, most_points: 900 };
+    let straight = |mu: f64| Ok::<_, Error>(hoffmann(mu, 1.0));
+    let (of_mu, _) = balance.branch_from_onset(&straight, mode, onset, &reach(0.7, 1.3, 0.04)).unwrap();
+    // Between points of the branch over mu, by linear interpolation.
+    let omega_at = |mu: f64| {
+        let pair = of_mu.windows(2).rfind(|pair| (pair[0].cycle.parameter..=pair[1].cycle.parameter).contains(&mu));
+        let [a, b] = [0, 1].map(|at| &pair.unwrap()[at].cycle);
+        a.omega + (mu - a.parameter) / (b.parameter - a.parameter) * (b.omega - a.omega)
+    };
+    let tables: [(&[(f64, f64)], BranchEnd); 6] = [
+        (&[(0.0, 0.7), (0.5, 0.9), (1.0, 1.1)], BranchEnd::Range),
+        (&[(0.0, 0.7), (0.5, 0.9), (1.0, 1.3)], BranchEnd::Range),
+        (&[(0.0, 0.7), (0.5, 1.0), (1.0, 0.9)], BranchEnd::Range),
+        (&[(0.0, 0.7), (0.3, 0.8), (0.5, 0.85), (0.7, 1.0), (0.9, 0.95), (1.0, 1.1)], BranchEnd::Range),
+        (&[(0.0, 0.7), (0.4, 1.0), (0.5, 1.0), (0.51, 1.1), (1.0, 0.8)], BranchEnd::Range),
+        (&[(0.0, 0.7), (0.5, 0.95), (1.0, 0.7)], BranchEnd::Sliding),
+    ];
+    for (table, expected) in tables {
+        let at = by_table(table);
+        let first = table[0].1;
+        let start = table[1].0 * (onset - first) / (table[1].1 - first);
+        let (points, end) = balance.branch_from_onset(&at, mode, start, &reach(0.0, 1.0, 0.2)).unwrap();
+        assert_eq!(end, expected, "{table:?}: {:?}", points.last().map(|point| point.cycle.parameter));
+        if end == BranchEnd::Range {
+            assert!((points.last().unwrap().cycle.parameter - 1.0).abs() < 1e-9, "{table:?}");
+        }
+        for point in points.iter().filter(|point| point.amplitude > 1.01) {
+            let mu =
+                table.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&point.cycle.parameter)).map(|pair| {
+                    pair[0].1 + (point.cycle.parameter - pair[0].0) / (pair[1].0 - pair[0].0) * (pair[1].1 - pair[0].1)
+                });
+            let error = (point.cycle.omega / omega_at(mu.unwrap()) - 1.0).abs();
+            assert!(error < 5e-4, "{table:?}: {} {error}", point.cycle.parameter);
+        }
+    }
+}
+
 #[test]
 fn a_branch_that_is_cut_says_why() {
     let onset = (1.0 + 2.0 * 0.05 * 0.05) / (4.0 / 3.0);
