@@ -35,7 +35,7 @@ pub struct Complementary {
 pub enum Unsolved {
     /// The path of Lemke's method ends in a ray: where M has a semi-definite symmetric part there is no solution, else it may have missed one.
     Ray,
-    /// The path did not end, or lost so many digits that what it ends with is no solution.
+    /// The path lost so many digits that it did not end, or that what it ends with is no solution.
     Steps,
 }
 
@@ -73,6 +73,24 @@ pub fn active_set(q: &DVector<f64>, m: &DMatrix<f64>) -> Option<Complementary> {
 /// assert!(found.is_some_and(|found| (found.z - dvector![0.5, 0.0]).amax() < 1e-15));
 /// ```
 pub fn lemke(q: &DVector<f64>, m: &DMatrix<f64>) -> Result<Complementary, Unsolved> {
+    match lemke_by(Ties::LargestPivot, q, m) {
+        Err(Unsolved::Steps) => lemke_by(Ties::Lexicographic, q, m),
+        ended => ended,
+    }
+}
+
+/// Choice among variables that reach zero together.
+#[derive(Clone, Copy, PartialEq)]
+enum Ties {
+    /// That with the largest pivot: the fewest digits are lost, but the path may come back to where it was.
+    LargestPivot,
+    /// That whose row of the inverse of the basis, over its pivot, is the least in lexicographic order: no basis comes twice (Cottle, Pang and Stone, The Linear
+    /// Complementarity Problem, 4.9), so that the path ends, also of the degenerate problems of contacts that are alike.
+    Lexicographic,
+}
+
+/// Lemke's method with a choice among ties.
+fn lemke_by(ties: Ties, q: &DVector<f64>, m: &DMatrix<f64>) -> Result<Complementary, Unsolved> {
     let n = q.len();
     let scale = q.amax();
     if q.iter().all(|&q| q >= 0.0) {
@@ -88,7 +106,11 @@ pub fn lemke(q: &DVector<f64>, m: &DMatrix<f64>) -> Result<Complementary, Unsolv
         tableau[(row, right)] = q[row] / scale;
     }
     let mut basis: Vec<usize> = (0..n).collect();
-    let (mut row, mut entering) = (tableau.column(right).imin(), cover);
+    let least = tableau.column(right).min();
+    let mut lowest = (0..n).filter(|&row| tableau[(row, right)] == least);
+    // Of equal ones the last has the least row of the inverse, which is the identity here.
+    let first = if ties == Ties::Lexicographic { lowest.next_back() } else { lowest.next() };
+    let (mut row, mut entering) = (first.unwrap_or_default(), cover);
     for _ in 0..STEPS * (n + 2) {
         eliminate(&mut tableau, row, entering);
         let leaving = std::mem::replace(&mut basis[row], entering);
@@ -97,18 +119,36 @@ pub fn lemke(q: &DVector<f64>, m: &DMatrix<f64>) -> Result<Complementary, Unsolv
             return solved(q, m, &opened).ok_or(Unsolved::Steps);
         }
         entering = if leaving < n { leaving + n } else { leaving - n };
-        row = leaving_row(&tableau, entering, &basis, cover).ok_or(Unsolved::Ray)?;
+        row = leaving_row(&tableau, entering, &basis, (cover, ties)).ok_or(Unsolved::Ray)?;
     }
     Err(Unsolved::Steps)
 }
 
-/// The row whose variable reaches zero first; of several the covering variable, else that with the largest pivot.
-fn leaving_row(tableau: &DMatrix<f64>, entering: usize, basis: &[usize], cover: usize) -> Option<usize> {
+/// The row whose variable reaches zero first; of several the covering variable, else one by the rule for ties.
+fn leaving_row(
+    tableau: &DMatrix<f64>,
+    entering: usize,
+    basis: &[usize],
+    (cover, ties): (usize, Ties),
+) -> Option<usize> {
     let right = tableau.ncols() - 1;
     let rows = (0..tableau.nrows()).filter(|&row| tableau[(row, entering)] > PIVOT);
     let ratio = |row: usize| tableau[(row, right)].max(0.0) / tableau[(row, entering)];
     let least = rows.clone().map(ratio).fold(f64::INFINITY, f64::min);
     let first = rows.filter(|&row| ratio(row) <= least + PIVOT * (1.0 + least));
+    if ties == Ties::Lexicographic {
+        let mut tied: Vec<usize> = first.collect();
+        if let Some(&row) = tied.iter().find(|&&row| basis[row] == cover) {
+            return Some(row);
+        }
+        // The columns of w are the inverse of the basis.
+        for column in 0..tableau.nrows() {
+            let part = |row: &usize| tableau[(*row, column)] / tableau[(*row, entering)];
+            let least = tied.iter().map(part).fold(f64::INFINITY, f64::min);
+            tied.retain(|row| part(row) <= least + NEGATIVE * (1.0 + least.abs()));
+        }
+        return tied.first().copied();
+    }
     first.max_by(|&a, &b| {
         let rank = |row: usize| (basis[row] == cover, tableau[(row, entering)]);
         rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1))
@@ -207,6 +247,37 @@ mod tests {
                 false => assert!(matches!(found, Err(ContactError::Value { value, .. }) if value == n as f64), "{n}"),
             }
         }
+    }
+
+    /// Whole numbers with many ties, as of contacts that are alike: the path ends in a solution or in a ray, never nowhere, where the largest pivot alone
+    /// goes round and round.
+    #[test]
+    fn degenerate_problems_come_to_an_end() {
+        let mut seed = 1_u64;
+        let mut random = |most: usize| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as usize % most
+        };
+        let (mut went_round, mut solved) = (0, 0);
+        for round in 0..3000 {
+            let n = 4 + random(9);
+            let of = 1 + random(n);
+            let mut whole = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| random(3) as f64 - 1.0);
+            let (a, b, q) = (whole(n, of), whole(of, n), whole(n, 1).column(0).into_owned());
+            // Of every third problem the matrix has a semi-definite symmetric part.
+            let m = if round % 3 == 0 { &a * a.transpose() } else { a * b };
+            went_round += usize::from(lemke_by(Ties::LargestPivot, &q, &m) == Err(Unsolved::Steps));
+            match lemke(&q, &m) {
+                Ok(found) => {
+                    solved += 1;
+                    let scale = 1.0 + found.z.amax() * m.amax();
+                    assert!((&found.w - &q - &m * &found.z).amax() < 1e-9 * scale, "{q} {m}");
+                    assert!(found.z.component_mul(&found.w).amax() < 1e-9 * scale, "{q} {m}");
+                }
+                Err(ended) => assert_eq!(ended, Unsolved::Ray, "{q} {m}"),
+            }
+        }
+        assert!(went_round > 5 && solved > 300, "{went_round} {solved}");
     }
 
     proptest! {

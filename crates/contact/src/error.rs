@@ -192,7 +192,9 @@ pub enum ContactError {
         residual: f64,
     },
     /// A complementarity problem that Lemke's method leaves without an answer: it took all steps that it may, or lost its digits.
-    #[error("the equilibrium of {unknowns} contact points was not found: Lemke's method came to no end")]
+    #[error(
+        "the equilibrium of {unknowns} contact points was not found: rounding took too many digits from the path of Lemke's method"
+    )]
     NotSolved {
         /// Number of contact points.
         unknowns: usize,
