@@ -276,7 +276,11 @@ impl PythonBrake {
             Ok(Some(columns)) => {
                 let with = |(at, point): (usize, Result<OperatingPoint, squeal::study::Error>)| {
                     let mut point = point?;
-                    for ((_, target), column) in computed.targets.iter().zip(&columns) {
+                    for ((name, target), column) in computed.targets.iter().zip(&columns) {
+                        if !column[at].is_finite() {
+                            let found = format!("coefficients: {name:?} = {}; allowed: a finite number", column[at]);
+                            return Err(squeal::study::Error::Brake(found.into()));
+                        }
                         match *target {
                             Target::Coefficient(term) => point.coefficients[term] = column[at],
                             Target::Mu(channel) => point.channels[channel].mu = column[at],

@@ -90,7 +90,7 @@ def mapped(argument: str, given: Any, of: str) -> Mapping[str, Any]:
     return given
 
 
-def _doubles(argument: str, given: Any) -> Floats:
+def doubles(argument: str, given: Any) -> Floats:
     """An array of doubles as Rust reads them, aligned."""
     # The values below a mask are none.
     if any(map(np.ma.is_masked, given if isinstance(given, list | tuple) else [given])):
@@ -113,7 +113,7 @@ def _not_finite(argument: str, place: Sequence[int], value: np.float64) -> Argum
 
 def real(argument: str, given: Any) -> Floats:
     """An array of finite doubles."""
-    array = _doubles(argument, given)
+    array = doubles(argument, given)
     if not np.isfinite(array).all():
         place = tuple(np.argwhere(~np.isfinite(array))[0])
         raise _not_finite(argument, place, array[place])
@@ -168,7 +168,7 @@ def columns(argument: str, given: Any, order: int | None = None) -> Columns:
         _square(argument, given.shape, order)
         csc = given.tocsc(copy=True)
         csc.sum_duplicates()
-        values = _doubles(argument, csc.data)
+        values = doubles(argument, csc.data)
         if not np.isfinite(values).all():
             entry = int(np.argmin(np.isfinite(values)))
             column = int(np.searchsorted(csc.indptr, entry, side="right")) - 1

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _squeal, _toml
-from ._arrays import Floats, dense, listed, mapped, names as names_of, number, path_of, real, text
+from ._arrays import Floats, dense, doubles, listed, mapped, names as names_of, number, path_of, real, text
 from ._errors import CaseWarning, refused
 from .distributions import Distribution
 
@@ -353,17 +353,20 @@ def _check_computed(names: Sequence[str], terms: Sequence[Term], contacts: Seque
 
 
 def computed(callable_: Coefficients, given: dict[str, Floats], names: list[str], length: int) -> list[Floats]:
-    """What a callable computes for a block: of each name an array, checked. Called by the native module."""
-    return _checked(callable_(given), names, length)
+    """What a callable computes for a block: of each name an array, checked. Called by the native module.
+
+    Of a sample for which a number is not finite the native module says that it failed.
+    """
+    return _checked(callable_(given), names, length, doubles)
 
 
-def _checked(found: object, names: list[str], length: int) -> list[Floats]:
+def _checked(found: object, names: list[str], length: int, array_of: Callable[[str, Any], Floats] = real) -> list[Floats]:
     if not isinstance(found, Mapping) or set(found) != set(names):
         keys = sorted(map(str, found)) if isinstance(found, Mapping) else type(found).__name__
         raise refused("coefficients", f"a callable that returns {keys}", f"{sorted(names)}, as at the medians")
     columns = []
     for name in names:
-        array = real(f"coefficients: {name!r}", found[name])
+        array = array_of(f"coefficients: {name!r}", found[name])
         if array.shape not in ((), (length,)):
             raise refused(f"coefficients: {name!r}", f"an array of shape {array.shape}", f"({length},), one for each sample, or a number")
         columns.append(np.broadcast_to(array, (length,)).copy())
