@@ -133,6 +133,7 @@ impl DrawnInputs<Vec<f64>> for MatricesBrake {
             coordinate: at as u32,
             is_correlated: self.case.correlation.as_ref().is_some_and(|correlation| correlation.holds(at)),
             has_atoms: parameter.distribution.has_atoms(),
+            jumps: parameter.distribution.jumps(),
         };
         self.varying().map(input).collect()
     }

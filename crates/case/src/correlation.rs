@@ -135,8 +135,17 @@ impl Check<'_> {
     /// of its scores.
     fn no_atoms(&self, places: &[usize], all: &[(&str, &Distribution)]) -> Result<(), CaseError> {
         let Some(&at) = places.iter().find(|&&at| all[at].1.has_atoms()) else { return Ok(()) };
-        let allowed = "parameters none of whose values has a probability of its own, as discrete and measured values that repeat have";
-        Err(self.value("correlation.parameters", format!("{:?}", all[at].0), allowed))
+        let (name, distribution) = all[at];
+        let found = match distribution {
+            Distribution::Empirical { values, .. } | Distribution::Quantiles { values, .. } => {
+                let repeated = values.windows(2).find(|pair| pair[0] == pair[1]).map_or(f64::NAN, |pair| pair[0]);
+                let times = values.iter().filter(|value| **value == repeated).count();
+                format!("{name:?}, whose value {repeated} is there {times} times")
+            }
+            _ => format!("{name:?}, which is discrete or has one value alone"),
+        };
+        let allowed = "parameters none of whose values has a probability of its own: with what is correlated with it such a value would have to be drawn anew";
+        Err(self.value("correlation.parameters", found, allowed))
     }
 
     /// The correlation of what holds in each contact alike, between its parameters and over the contacts.

@@ -17,6 +17,8 @@ pub struct Input {
     pub is_correlated: bool,
     /// True if the input has a value with a probability of its own, above 0, and so may keep it where its coordinate changes.
     pub has_atoms: bool,
+    /// True if the input is no continuous function of its coordinate, or has but one value.
+    pub jumps: bool,
 }
 
 /// Samples as functions of numbers that are drawn: for influence, for samples that are kept, and for estimators that need fewer samples

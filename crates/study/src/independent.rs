@@ -193,6 +193,7 @@ impl<F: Fn(&Scene, &[f64]) -> Result<OperatingPoint, Error> + Sync> DrawnInputs<
             coordinate: place as u32,
             is_correlated: false,
             has_atoms: parameter.distribution.has_atoms(),
+            jumps: parameter.distribution.jumps(),
         };
         self.varying().map(input).collect()
     }

@@ -68,6 +68,7 @@ impl DrawnInputs<FiniteElementSample> for FiniteElementBrake {
             coordinate: self.first_parameter() + at as u32,
             is_correlated: self.case.correlation.as_ref().is_some_and(|of| of.holds(self.friction_values() + at)),
             has_atoms: parameter.distribution.has_atoms(),
+            jumps: parameter.distribution.jumps(),
         }));
         inputs
     }

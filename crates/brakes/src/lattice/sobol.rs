@@ -78,11 +78,12 @@ impl DrawnFriction<'_> {
                     .correlation
                     .is_some_and(|of| of.holds(contact * FrictionDistributions::DRAWN.len() + place)),
                 has_atoms: self.from.of_draw()[place].has_atoms(),
+                jumps: self.from.of_draw()[place].jumps(),
             });
         }
         if speed {
             let (name, unit) = ("v".into(), "m/s".into());
-            inputs.push(Input { name, unit, coordinate: SPEED, is_correlated: false, has_atoms: false });
+            inputs.push(Input { name, unit, coordinate: SPEED, is_correlated: false, has_atoms: false, jumps: false });
         }
         inputs
     }

@@ -188,6 +188,16 @@ impl Distribution {
         }
     }
 
+    /// True if the quantile function jumps, or has but one value: of a discrete distribution, of one value alone. That of measured values that repeat is
+    /// flat there, and continuous.
+    #[must_use]
+    pub fn jumps(&self) -> bool {
+        match self {
+            Self::Quantiles { values, .. } | Self::Empirical { values, .. } => values.first() == values.last(),
+            _ => self.has_atoms(),
+        }
+    }
+
     /// A value drawn from the distribution.
     ///
     /// # Errors

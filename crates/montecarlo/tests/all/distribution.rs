@@ -309,6 +309,7 @@ fn atoms_are_where_the_quantile_function_is_flat() {
     let point = Distribution::Uniform { from: 1.0, to: 1.0 };
     let all = [
         measured(&[1.0, 2.0, 2.0, 3.0]),
+        measured(&[2.0, 2.0]),
         measured(&[1.0, 2.0, 3.0]),
         discrete,
         point,
@@ -316,9 +317,12 @@ fn atoms_are_where_the_quantile_function_is_flat() {
         Distribution::Normal { mean: 0.0, deviation: 1.0, at_least: -1.0, at_most: Some(1.0) },
     ];
     for distribution in all {
-        let mut steps = (1..1000).map(|at| distribution.quantile(f64::from(at) / 1000.0));
-        let mut last = f64::NAN;
-        let is_flat = steps.any(|value| std::mem::replace(&mut last, value) == value);
+        let steps: Vec<f64> = (1..1000).map(|at| distribution.quantile(f64::from(at) / 1000.0)).collect();
+        let is_flat = steps.windows(2).any(|pair| pair[0] == pair[1]);
         assert_eq!(distribution.has_atoms(), is_flat, "{distribution:?}");
+        // A step of a continuous one is a small part of all of them.
+        let range = steps[998] - steps[0];
+        let jumps = range == 0.0 || steps.windows(2).any(|pair| pair[1] - pair[0] > 0.1 * range);
+        assert_eq!(distribution.jumps(), jumps, "{distribution:?}");
     }
 }

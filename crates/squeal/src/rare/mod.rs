@@ -119,11 +119,10 @@ pub fn rare<B: UncertainBrake>(
     if inputs.is_empty() {
         return Err(Error::NoInputs { study: plan.source(), scene: plan.describe(of_scene) });
     }
-    if let Some(discrete) = inputs.iter().find(|input| input.has_atoms) {
-        let (value, allowed) = (
-            "discrete, has a range without width, or has measured values that repeat".into(),
-            "distributions that are continuous".into(),
-        );
+    // Measured values that repeat are flat places of a continuous quantile function, which lines go over.
+    if let Some(discrete) = inputs.iter().find(|input| input.jumps) {
+        let (value, allowed) =
+            ("discrete, or has a range without width".into(), "distributions that are continuous".into());
         return Err(Error::Input { input: discrete.name.clone(), value, allowed });
     }
     let solver = WholeSpectra(solver);

@@ -157,6 +157,7 @@ impl DrawnInputs<Sample> for Slider {
             coordinate,
             is_correlated: false,
             has_atoms: false,
+            jumps: false,
         };
         (self.faults.inputs)(DRAWN.iter().zip(0..).map(input).collect())
     }

@@ -359,6 +359,52 @@ fn answers_that_are_torn_damaged_or_of_another_brake_are_solved_for() {
     assert!(found.unwrap() == of_other && known == 0);
 }
 
+/// Measured coefficients that repeat, alone and beside a log-normal dashpot: the probability beyond the onset is that of their quantile function, which is flat at a
+/// value that repeats.
+#[test]
+fn measured_values_that_repeat_are_as_rare_as_their_quantile_function_says() {
+    // 300 values of a normal distribution in steps of 0.01, most of them several times, and one far above.
+    let normal = Distribution::Normal { mean: 0.5, deviation: 0.05, at_least: 0.0, at_most: None };
+    let mut values: Vec<f64> =
+        (0..300).map(|at| (100.0 * normal.quantile((f64::from(at) + 0.5) / 300.0)).round() / 100.0).collect();
+    values.push(0.96);
+    let onset = |c: f64| (1.0 + 2.0 * c * c) / (4.0 / 3.0);
+    // P(mu > x) of values at (i - 1) / (n - 1), linear between them.
+    let beyond = |x: f64| {
+        let above = values.partition_point(|value| *value <= x);
+        if above == values.len() {
+            return 0.0;
+        }
+        let (low, high) = (values[above - 1], values[above]);
+        1.0 - ((above - 1) as f64 + (x - low) / (high - low)) / (values.len() - 1) as f64
+    };
+    let text = std::fs::read_to_string(paper().with_file_name("hoffmann.toml")).unwrap();
+    let uniform = "distribution = \"uniform\"\nfrom = 0.5\nto = 1.1";
+    let measured = format!("distribution = \"empirical\"\nvalues = {values:?}");
+    let alone = text.replace(uniform, &measured);
+    let drawn = "[parameters.c]\ndistribution = \"log-normal\"\nmedian = 0.3\nsigma = 0.2\n[[terms]]\nname = \"dashpots\"\ncoefficient = \"c\"\n";
+    let both = alone
+        .replace("[[terms]]\nname = \"dashpots\"\n", drawn)
+        .replace("damping = [[0.05, 0.0], [0.0, 0.05]]", "damping = [[1.0, 0.0], [0.0, 1.0]]");
+    assert!(alone != text && both.contains("coefficient") && both.contains("damping = [[1.0"));
+    let step = 1e-3;
+    let term = |i: i32| {
+        let z = step * f64::from(i);
+        (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt() * beyond(onset(0.3 * (0.2 * z).exp()))
+    };
+    let by_quadrature = (-9_000..=9_000).map(term).sum::<f64>() * step;
+    for (text, exact) in [(alone, beyond(onset(0.05))), (both, by_quadrature)] {
+        let brake = MatricesBrake::new(MatricesCase::parse(Path::new("measured.toml"), text).unwrap()).unwrap();
+        let found = found(&brake, &Options::default()).unwrap();
+        assert!(exact > 1e-4 && exact < 5e-3, "{exact}");
+        assert!(
+            holds(&found, exact) && (found.probability.value / exact - 1.0).abs() < 0.1,
+            "{exact} {:?}",
+            found.probability
+        );
+    }
+}
+
 #[test]
 fn a_brake_of_which_it_cannot_be_asked_is_refused_in_one_line() {
     let refused = |brake: &MatricesBrake, said: &str| {

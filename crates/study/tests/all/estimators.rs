@@ -73,7 +73,14 @@ impl UncertainBrake for Oscillator {
 
 impl DrawnInputs<f64> for Oscillator {
     fn inputs(&self, _: &Scene) -> Vec<Input> {
-        vec![Input { name: "w".into(), unit: "1/s".into(), coordinate: 0, is_correlated: false, has_atoms: false }]
+        vec![Input {
+            name: "w".into(),
+            unit: "1/s".into(),
+            coordinate: 0,
+            is_correlated: false,
+            has_atoms: false,
+            jumps: false,
+        }]
     }
 
     fn input_values(&self, _: &Scene, w: &f64) -> Vec<f64> {
