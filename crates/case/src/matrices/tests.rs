@@ -398,15 +398,17 @@ fn values_with_a_probability_of_their_own_are_not_correlated_and_are_drawn_alone
         match parse(&correlated(&text)) {
             Err(error) => {
                 let error = error.to_string();
-                assert!(
-                    error.contains("correlation.parameters = \"mu\"; allowed: parameters none of whose values"),
-                    "{error}"
-                );
+                let is_named = error.contains("correlation.parameters = \"mu\", wh");
+                assert!(is_named && error.contains("; allowed: parameters none of whose values"), "{error}");
             }
             Ok(_) => panic!("{distribution}"),
         }
         assert!(parse(&text).is_ok(), "{distribution}");
     }
+    let repeated = "distribution = \"empirical\"\nvalues = [0.2, 0.4, 0.6, 0.4, 0.4]";
+    assert!(parse(&with(repeated)).is_ok());
+    let error = parse(&correlated(&with(repeated))).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(error.contains("\"mu\", whose value 0.4 is there 3 times"), "{error}");
     for distribution in SMOOTH {
         assert!(parse(&correlated(&with(distribution))).is_ok(), "{distribution}");
     }
