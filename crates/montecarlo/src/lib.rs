@@ -44,7 +44,7 @@
 //! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
 //! | when may a run stop? | [`interim_looks`], [`distance`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
-//! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
+//! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`not_exceeded`], [`BoxStatistics`] |
 //! | do two quantities order things alike? | [`rank_correlation`] |
 //! | which input makes an output vary? | [`first_order_by_ranks`], [`PickFreeze`], [`SobolIndex`] |
 //! | how uncertain is an estimate? | [`Confidence`], [`Interval`] |
