@@ -6,7 +6,7 @@ use cea::{EigenSolver as _, QrSolver, Workspace};
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint};
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use reduction::{ReductionError, Snapshots, compared};
+use reduction::{NearModes, ReductionError, Snapshots, compared};
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
 
@@ -175,4 +175,32 @@ fn a_basis_without_points_or_modes_is_refused() {
     beyond.add(&modes).unwrap();
     let none = beyond.basis(FLOOR, 300);
     assert!(modes.lambdas().is_empty() && matches!(none, Err(ReductionError::NoModes)), "{none:?}");
+}
+
+/// Modes at one point, led to others by a correction each, make a basis that holds all modes there, and at points in between: with open patches modes at the one point alone do not.
+#[test]
+fn modes_led_to_other_points_hold_the_modes_there() {
+    for n in [15, 30, 60] {
+        let system = strings(n);
+        let mut snapshots = Snapshots::new(&system, BAND, sparse::Options::default());
+        let median = at(n, 0.45, None);
+        let around = snapshots.modes_around(&median, &sparse::Options::default()).unwrap();
+        let near = NearModes::new(&system, &BAND, &around, 1).unwrap();
+        snapshots.add(&snapshots.known(&median, around)).unwrap();
+        let (of_one, _) = snapshots.basis(FLOOR, 200).unwrap();
+        for point in taken(n) {
+            let led = near.at(&point).unwrap();
+            assert!(led.len() >= snapshots.at(&point).unwrap().lambdas().len(), "{n}: a mode is missing");
+            snapshots.add(&snapshots.known(&point, led)).unwrap();
+        }
+        let (basis, _) = snapshots.basis(FLOOR, 200).unwrap();
+        let opened = (0..PATCHES).flat_map(|patch| [0.2, 0.45, 0.7].map(|mu| at(n, mu, Some(patch))));
+        for point in opened.chain([0.1, 0.3, 0.8].map(|mu| at(n, mu, None))) {
+            let found = snapshots.at(&point).unwrap();
+            let [before, error] = [&of_one, &basis].map(|basis| found.error(basis).unwrap());
+            assert!(error < 1e-8, "{n}: {error:e}");
+            assert!(before > 1e-4 || point.coefficients == median.coefficients, "{n}: {before:e}");
+        }
+        assert!(matches!(NearModes::new(&system, &BAND, &[], 1), Err(ReductionError::NoModes)));
+    }
 }

@@ -85,7 +85,9 @@ pub enum SparseError {
         copies: usize,
     },
     /// A group of eigenvalues that were not found again in the space of their vectors.
-    #[error("{found} eigenvalues next to {lambda:.6e} rad/s were found, but {settled} in the space of their vectors")]
+    #[error(
+        "{found} eigenvalues next to {lambda:.6e} rad/s were found, of which {settled} could be settled together in the space of their vectors"
+    )]
     GroupLost {
         /// Eigenvalue of the group, one of them, rad/s.
         lambda: Complex<f64>,
