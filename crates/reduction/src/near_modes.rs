@@ -70,13 +70,11 @@ impl<'a> NearModes<'a> {
         };
         let mut guesses = Vec::with_capacity(lambdas.len());
         for [right, left] in vectors(&[small], std::slice::from_ref(&lambdas))? {
-            let both = right.iter().zip(&left).zip(&lambdas);
-            let guess = |((right, left), &lambda): ((&DVector<Complex<f64>>, &DVector<Complex<f64>>), _)| Guess {
-                lambda,
-                right: lifted(right),
-                left: lifted(left).conjugate(),
-            };
-            guesses.extend(both.map(guess));
+            guesses.extend((0..lambdas.len()).map(|at| Guess {
+                lambda: lambdas[at],
+                right: lifted(&right[at]),
+                left: lifted(&left[at]).conjugate(),
+            }));
         }
         let problem = Problem::new(&self.system.assemble(point)?)?.with_threads(self.threads);
         let mut found: Vec<SnapshotMode> =
