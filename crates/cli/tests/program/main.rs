@@ -35,6 +35,7 @@ mod sizes;
 mod strengths;
 mod study_tables;
 mod sweep;
+mod sweep_ranges;
 mod tables;
 mod tables_of_points;
 mod terminal;

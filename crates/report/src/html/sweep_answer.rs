@@ -1,7 +1,10 @@
 //! The answer of a sweep in words: which modes grow, and where they begin to, or how much of a map is stable.
 
+use std::collections::BTreeMap;
+
 use output::hertz;
 use squeal::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, SweepOnset, named, not_looked_for};
+use squeal::tracking::BranchPoint;
 
 use super::text::{capitalised, escaped};
 
@@ -47,17 +50,8 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
     }
     let mut onsets: Vec<&SweepOnset> = sweep.onsets.iter().collect();
     onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
-    let mut modes: Vec<&str> = Vec::new();
-    let exchanges = onsets.extract_if(.., |onset| onset.of == ChangeOf::Exchange).collect::<Vec<_>>();
-    for onset in &onsets {
-        if !modes.contains(&onset.mode.as_str()) {
-            modes.push(&onset.mode);
-        }
-    }
-    for &mode in modes.iter().take(MOST_MODES) {
-        let own: Vec<&SweepOnset> = onsets.iter().copied().filter(|onset| onset.mode == mode).collect();
-        sentences.push(format!("{} is unstable {}.", in_words(mode, &own), ranges(name, &own)));
-    }
+    sentences.extend(anything(sweep, &onsets));
+    sentences.extend(of_modes(sweep, &onsets));
     for onset in onsets.iter().filter(|onset| onset.of == ChangeOf::Band).take(MOST_MODES) {
         let does = onset.event(&sweep.threshold);
         sentences.push(format!(
@@ -66,18 +60,12 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
             onset.mode
         ));
     }
-    if modes.len() > MOST_MODES {
-        sentences.push(format!(
-            "{} more modes become unstable or stable; the table below has them.",
-            modes.len() - MOST_MODES
-        ));
-    }
-    for onset in exchanges.iter().take(MOST_MODES) {
+    for onset in onsets.iter().filter(|onset| onset.of == ChangeOf::Exchange).take(MOST_MODES) {
         let does = onset.event(&sweep.threshold);
         sentences.push(format!("At {name} = {} {does} (mode {}); both are instability.", short(onset.at), onset.mode));
     }
     let is_open = !(sweep.unresolved.is_empty() && sweep.miscounts.is_empty());
-    if modes.is_empty() && exchanges.is_empty() && !is_open {
+    if onsets.is_empty() && !is_open {
         sentences.push(format!("That stays so up to {name} = {}: no mode crosses.", sweep.parameter.to));
     }
     if !sweep.openings.is_empty() {
@@ -101,28 +89,150 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
     sentences
 }
 
-/// A mode with its frequency at its first onset.
-fn in_words(mode: &str, onsets: &[&SweepOnset]) -> String {
+/// A mode with its frequency at its first onset, or, without one, at the lower end of the parameter.
+fn in_words(mode: &str, sweep: &Sweep, onsets: &[&SweepOnset]) -> String {
     if mode == DIVERGENCE {
         return "The brake by divergence (a real eigenvalue, no vibration)".into();
     }
-    let omega = onsets.first().map_or(0.0, |onset| onset.omega);
+    let first = onsets.iter().find(|onset| onset.mode == mode).map(|onset| onset.omega);
+    let own = sweep.branches.iter().filter(|branch| branch.mode == mode).flat_map(|branch| branch.points.first());
+    let omega = first.or_else(|| own.map(|(_, point)| point.lambda.im).find(|omega| *omega > 0.0)).unwrap_or(0.0);
     format!("Mode {mode} ({} Hz)", hertz(omega / std::f64::consts::TAU))
 }
 
-/// Ranges in which a mode is unstable, by its onsets in ascending order.
-fn ranges(name: &str, onsets: &[&SweepOnset]) -> String {
-    let mut words = Vec::new();
-    let mut from: Option<f64> = None;
-    for onset in onsets {
-        match (onset.starts, from.take()) {
-            (true, _) => from = Some(onset.at),
-            (false, Some(start)) => words.push(format!("from {} to {}", short(start), short(onset.at))),
-            (false, None) => words.push(format!("up to {name} = {}", short(onset.at))),
+/// Places, ascending, at which the number of unstable eigenvalues changes, each with the change.
+type Changes = Vec<(f64, i64)>;
+
+/// Changes of the number of unstable eigenvalues of one name, or of those that diverge, by all onsets in ascending order.
+fn changes_of(mode: &str, onsets: &[&SweepOnset]) -> Changes {
+    let by = |onset: &&SweepOnset| match (onset.of, onset.mode == mode) {
+        // A growing pair becomes two real eigenvalues.
+        (ChangeOf::Exchange, _) if mode == DIVERGENCE => Some((onset.at, 2 * onset.by())),
+        (ChangeOf::Exchange, true) => Some((onset.at, -onset.by())),
+        (_, true) => Some((onset.at, onset.by())),
+        (_, false) => None,
+    };
+    onsets.iter().filter_map(by).collect()
+}
+
+/// Number of unstable eigenvalues of each name at one end of a sweep, 0 for its lower and 1 for its upper one, by its branches; `None` where they do not
+/// count as many as the spectrum does.
+fn unstable_at(sweep: &Sweep, end: usize, diverging: i64) -> Option<BTreeMap<String, i64>> {
+    let (at, by_spectrum) = match end {
+        0 => (sweep.parameter.from, sweep.unstable_at_start),
+        _ => (sweep.parameter.to, sweep.unstable_at_end),
+    };
+    let mut found = BTreeMap::new();
+    for branch in &sweep.branches {
+        let last = if end == 0 { branch.points.first() } else { branch.points.last() };
+        let is_unstable = |(value, point): &&(f64, BranchPoint)| {
+            *value == at && point.lambda.im > 0.0 && sweep.threshold.margin(point.lambda) > 0.0
+        };
+        if last.filter(is_unstable).is_some() {
+            *found.entry(branch.mode.clone()).or_default() += 1;
         }
     }
-    words.extend(from.map(|start| format!("from {name} = {} on", short(start))));
+    let is_all = found.values().sum::<i64>() + diverging == by_spectrum as i64 && sweep.growing_beside == [None; 2];
+    found.insert(DIVERGENCE.to_owned(), diverging);
+    is_all.then_some(found)
+}
+
+/// Ranges in which at least so many are unstable, of a number at the lower end of the parameter and its changes, as words.
+fn ranges(name: &str, at_start: i64, changes: &Changes, least: i64) -> String {
+    let mut words = Vec::new();
+    let (mut number, mut from) = (at_start, None);
+    for &(at, by) in changes {
+        let was = number >= least;
+        number += by;
+        match (was, number >= least) {
+            (false, true) => from = Some(at),
+            (true, false) => words.push(match from.take() {
+                Some(start) => format!("from {name} = {} to {}", short(start), short(at)),
+                None => format!("up to {name} = {}", short(at)),
+            }),
+            _ => {}
+        }
+    }
+    if number >= least {
+        words.push(from.map_or("over the whole range".into(), |start| format!("from {name} = {} on", short(start))));
+    }
     words.join(" and ")
+}
+
+/// Ranges in which eigenvalues of one name are unstable, with those in which several are.
+fn ranges_of_all(name: &str, at_start: i64, changes: &Changes) -> String {
+    let mut number = at_start;
+    let numbers = changes.iter().map(|(_, by)| {
+        number += by;
+        number
+    });
+    let most = numbers.fold(at_start, i64::max);
+    let first = ranges(name, at_start, changes, 1);
+    let several = (2..=most).map(|least| {
+        let words = ranges(name, at_start, changes, least);
+        let words = if words == first { String::new() } else { format!(" {words}") };
+        format!(", by {least} eigenvalues{words}")
+    });
+    several.fold(first.clone(), |all, words| all + &words)
+}
+
+/// Onsets of one name where branches do not tell which of them belong to the same eigenvalue: what happens at each.
+fn events(name: &str, mode: &str, onsets: &[&SweepOnset], sweep: &Sweep) -> String {
+    let own = onsets.iter().filter(|onset| onset.mode == mode);
+    let words = own.map(|onset| format!("{} at {name} = {}", onset.event(&sweep.threshold), short(onset.at)));
+    words.collect::<Vec<_>>().join(", ")
+}
+
+/// True if a number that changes so is never below zero, and in the end is the one that is known.
+fn agrees(at_start: i64, changes: &Changes, at_end: Option<i64>) -> bool {
+    let mut number = at_start;
+    let is_possible = changes.iter().all(|(_, by)| {
+        number += by;
+        number >= 0
+    });
+    is_possible && at_end.is_none_or(|at_end| number == at_end)
+}
+
+/// Sentence on where the brake is unstable, by whatever modes; `None` where nothing is, and where that is in doubt.
+fn anything(sweep: &Sweep, onsets: &[&SweepOnset]) -> Option<String> {
+    let changes: Changes = onsets.iter().map(|onset| (onset.at, onset.by())).collect();
+    let at_start = sweep.unstable_at_start as i64;
+    let is_sure = sweep.miscounts.is_empty() && sweep.unresolved.is_empty();
+    let is_any = at_start > 0 || !changes.is_empty();
+    let is_known = is_any && is_sure && agrees(at_start, &changes, Some(sweep.unstable_at_end as i64));
+    is_known.then(|| format!("The brake is unstable {}.", ranges(&sweep.parameter.name, at_start, &changes, 1)))
+}
+
+/// Sentences on the modes, each with the ranges in which it is unstable, or with its onsets where its branches do not tell these.
+fn of_modes(sweep: &Sweep, onsets: &[&SweepOnset]) -> Vec<String> {
+    let name = &sweep.parameter.name;
+    let diverging = sweep.diverging_at_start as i64;
+    let at_start = unstable_at(sweep, 0, diverging);
+    let diverging_at_end = diverging + changes_of(DIVERGENCE, onsets).iter().map(|(_, by)| by).sum::<i64>();
+    let at_end = unstable_at(sweep, 1, diverging_at_end);
+    let mut modes: Vec<&str> = Vec::new();
+    let with_onsets = onsets.iter().filter(|onset| onset.of != ChangeOf::Exchange).map(|onset| onset.mode.as_str());
+    let all_along = at_start.iter().flatten().filter(|(_, number)| **number > 0).map(|(mode, _)| mode.as_str());
+    for mode in with_onsets.chain(all_along) {
+        if !modes.contains(&mode) {
+            modes.push(mode);
+        }
+    }
+    let sentence = |&mode: &&str| {
+        let changes = changes_of(mode, onsets);
+        let number = |at: &Option<BTreeMap<String, i64>>| at.as_ref().map(|all| all.get(mode).copied().unwrap_or(0));
+        let words = match number(&at_start) {
+            Some(first) if agrees(first, &changes, number(&at_end)) => {
+                format!("is unstable {}", ranges_of_all(name, first, &changes))
+            }
+            _ => events(name, mode, onsets, sweep),
+        };
+        format!("{} {words}.", in_words(mode, sweep, onsets))
+    };
+    let more = modes.len().saturating_sub(MOST_MODES);
+    let more =
+        (more > 0).then(|| format!("{more} more modes are unstable somewhere; the table below has their onsets."));
+    modes.iter().take(MOST_MODES).map(sentence).filter(|words| !words.ends_with(" .")).chain(more).collect()
 }
 
 fn of_map(map: &StabilityMap) -> Vec<String> {
