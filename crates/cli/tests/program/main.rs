@@ -19,6 +19,7 @@ mod how_sure;
 mod instability;
 mod measured;
 mod memory;
+mod more_than_modes;
 mod names;
 mod own_brake;
 mod parquet;

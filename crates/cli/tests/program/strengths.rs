@@ -162,7 +162,7 @@ fn frequencies_and_lights_are_those_of_the_unstable_draws() {
     let mut reds = 0;
     for (caption, rows) in tables_under(&summary, "In which bands") {
         let set = set_of(caption);
-        for row in rows.iter().skip(2) {
+        for row in rows.iter().skip(2).filter(|row| row[0] != "anything") {
             let middle = (10.0 * row[0].parse::<f64>().unwrap().log10()).round();
             let is_here = |hz: f64| (10.0 * hz.log10()).round() == middle;
             let has_any = unstable.iter().any(|(of, _, hz)| *of == set && is_here(*hz));

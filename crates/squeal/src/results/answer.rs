@@ -108,9 +108,9 @@ fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
         ("", "") if is_nothing_sure => {
             format!("{no_mode_was} {surely}unstable, nor was there {sure}divergence")
         }
-        ("", "") if is_single => "no mode squeals in most of the draws, for sure".to_owned(),
+        ("", "") if is_single => "no single mode squeals in most of the draws, for sure".to_owned(),
         (all, _) if is_single => format!("most of the draws squeal with {all}"),
-        ("", "") => "in no panel does any mode squeal in most of the draws, for sure".to_owned(),
+        ("", "") => "in no panel does any single mode squeal in most of the draws, for sure".to_owned(),
         ("", some) => format!("no mode squeals in most of the draws in every panel, but in some panels do {some}"),
         (all, "") => format!("in every panel most of the draws squeal with {all}"),
         (all, some) => {

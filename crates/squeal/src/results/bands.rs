@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
 use output::{Block, Cell, Cells, significant};
-use study::{Strength, ThirdOctave};
+use study::{Panel, Strength, ThirdOctave};
 
 use super::Results;
 use super::findings::{LIKELY, SetFindings};
-use super::study_results::Estimate;
+use super::study_results::{ArrangementOccurrence, Estimate};
 
 /// Bands below the highest that are listed, at most; chosen: four decades.
 const MOST_BANDS: u16 = 40;
@@ -26,7 +26,9 @@ pub(super) fn lights(has_one_arrangement: bool) -> String {
         "Red: in most of the draws{of}, and surely so, some mode of this third octave is unstable, whichever name it has. Amber: in some of the \
          draws, or it may be. Green: in none, and nothing there is open. The occurrence is {largest}of all modes of the third octave together, \
          each draw once. A mode is listed where the median of its frequency lies, over the draws in which it is unstable; in parentheses where \
-         only some of these draws reach the band. A light with * is of a band that was studied in part."
+         only some of these draws reach the band. A light with * is of a band that was studied in part. The last row is of anything at all, modes of \
+         all third octaves and divergence together, each draw once: modes that alternate from draw to draw are more often unstable together than in \
+         any band."
     )
 }
 
@@ -56,7 +58,7 @@ fn is_whole(results: &Results, octave: ThirdOctave) -> bool {
     results.plan().band.is_none_or(|[from, to]| from <= ends[0] && ends[1] <= to)
 }
 
-/// Occurrence of any unstable mode of a third octave, over all arrangements of a set of constraints.
+/// Occurrence of any unstable mode of a third octave, or of anything unstable, over all arrangements of a set of constraints.
 struct Occurring {
     /// Occurrence in the arrangement where it is largest.
     largest: Estimate,
@@ -67,11 +69,11 @@ struct Occurring {
 }
 
 impl Occurring {
-    fn new(results: &Results, set: usize, octave: ThirdOctave) -> Self {
+    fn new(results: &Results, set: usize, of_panel: impl Fn(&Panel) -> Vec<ArrangementOccurrence>) -> Self {
         let none = Estimate { value: 0.0, lower: 0.0, upper: 0.0 };
         let mut found = Self { largest: none, lower: 0.0, is_ever: false };
         for panel in results.panels().iter().filter(|panel| panel.key.constraints == set) {
-            for occurrence in results.third_octave_occurrence(panel, octave) {
+            for occurrence in of_panel(panel) {
                 let estimate = occurrence.estimate();
                 found.is_ever |= occurrence.proportion.hits() + occurrence.proportion.ambiguous() > 0;
                 found.lower = found.lower.max(estimate.lower);
@@ -82,6 +84,25 @@ impl Occurring {
         }
         found
     }
+
+    /// The traffic light, of a study whose reduction is doubtful or not.
+    fn light(&self, is_doubtful: bool) -> &'static str {
+        match self {
+            of if of.lower > LIKELY => "red",
+            of if of.is_ever || is_doubtful => "amber",
+            _ => "green",
+        }
+    }
+
+    /// The occurrence in percent, as a cell; a dash where nothing ever is unstable.
+    fn cell(&self) -> Cell {
+        number_or_none(self.is_ever.then_some(self.largest.value), |part| format!("{:.1}\u{a0}%", 100.0 * part))
+    }
+}
+
+/// Number as a cell; a dash for none.
+fn number_or_none(value: Option<f64>, text: impl Fn(f64) -> String) -> Cell {
+    Cell { text: value.map_or_else(|| "-".into(), text), value: Some(value.unwrap_or(0.0)) }
 }
 
 /// Unstable modes of a set of constraints by third octaves, with the strength of each; `None` of a set without a mode that has a frequency.
@@ -121,33 +142,34 @@ pub(super) fn by_third_octaves(
         let middle = octave.middle();
         let modes = bands.get(&octave).map_or(&[][..], Vec::as_slice);
         let here = || modes.iter().filter(|of| of.is_median);
-        let occurring = Occurring::new(results, set, octave);
-        let light = match &occurring {
-            occurring if occurring.lower > LIKELY => "red",
-            occurring if occurring.is_ever || is_doubtful => "amber",
-            _ => "green",
-        };
+        let occurring = Occurring::new(results, set, |panel| results.third_octave_occurrence(panel, octave));
+        let light = occurring.light(is_doubtful);
         let names: Vec<String> =
             modes.iter().map(|of| if of.is_median { of.label.clone() } else { format!("({})", of.label) }).collect();
         let largest = |of: &dyn Fn(&InBand) -> Option<f64>| here().filter_map(of).max_by(f64::total_cmp);
-        let occurrence = occurring.is_ever.then_some(occurring.largest.value);
         let growth = largest(&|of| Some(of.strength.as_ref()?.growth.range()?.upper));
         let damping = largest(&|of| Some(-of.strength.as_ref()?.damping_ratio.range()?.lower)).map(|least| -least);
-        let number_or_none = |value: Option<f64>, text: &dyn Fn(f64) -> String| Cell {
-            text: value.map_or_else(|| "-".into(), text),
-            value: Some(value.unwrap_or(0.0)),
-        };
         vec![
             Cell { text: significant(middle, 5), value: Some(middle) },
             format!("{light}{}", if is_whole(results, octave) { "" } else { " *" }).into(),
             if names.is_empty() { "-".to_owned() } else { names.join(", ") }.into(),
-            number_or_none(occurrence, &|part| format!("{:.1}\u{a0}%", 100.0 * part)),
-            number_or_none(growth, &|rate| significant(rate, 3)),
-            number_or_none(damping, &|ratio| significant(ratio, 3)),
+            occurring.cell(),
+            number_or_none(growth, |rate| significant(rate, 3)),
+            number_or_none(damping, |ratio| significant(ratio, 3)),
         ]
     };
     let columns =
         ["Third octave, Hz", LIGHT, "Modes", "Largest occurrence", "Largest growth, 1/s", "Worst damping ratio"];
-    let rows = first.up_to(last).map(row).collect();
+    let anything = Occurring::new(results, set, |panel| results.any_occurrence(panel));
+    let dash = || Cell::from("-".to_owned());
+    let of_all = vec![
+        "anything".to_owned().into(),
+        anything.light(is_doubtful).to_owned().into(),
+        dash(),
+        anything.cell(),
+        dash(),
+        dash(),
+    ];
+    let rows = first.up_to(last).map(row).chain([of_all]).collect();
     Some(Block::Table(Cells { caption, columns: columns.map(str::to_owned).to_vec(), rows }))
 }

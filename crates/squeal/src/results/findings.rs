@@ -84,13 +84,23 @@ impl<'a> SetFindings<'a> {
         Ok(Self { unstable, stable, stable_upper, anything })
     }
 
-    /// Sentence on the fraction of the samples in which anything is unstable, with each estimate worded by `with_limits`; `None` if nothing but modes
-    /// with names is unstable.
+    /// True if the occurrences of single modes do not tell the occurrence of anything: something is unstable without a mode's name, or modes alternate from
+    /// draw to draw, so that more draws are surely unstable than by any one of them.
+    pub fn has_more_than_modes(&self) -> bool {
+        let likeliest = |of: fn(&ModeRange<'a>) -> Estimate| {
+            self.unstable.iter().map(|(_, range)| of(range).value).fold(0.0, f64::max)
+        };
+        let alternate = [likeliest(|range| range.least.0), likeliest(|range| range.most.0)];
+        self.unstable.iter().any(|(name, _)| !name.is_mode())
+            || self.anything.iter().zip(alternate).any(|(anything, mode)| anything.lower > mode)
+    }
+
+    /// Sentence on the fraction of the samples in which anything is unstable, with each estimate worded by `with_limits`; `None` where the occurrences of
+    /// single modes tell it.
     pub fn anything_in_words(&self, with_limits: impl Fn(&Estimate) -> String) -> Option<String> {
         let [least, most] = self.anything.each_ref().map(with_limits);
         let range = if least == most { least } else { format!("{least} in one panel to {most} in another") };
-        let has_others = self.unstable.iter().any(|(name, _)| !name.is_mode());
-        has_others.then(|| {
+        self.has_more_than_modes().then(|| {
             format!(
                 "Anything at all, modes with names or without and divergence, is unstable in {range} of the samples"
             )

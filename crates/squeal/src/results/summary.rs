@@ -64,10 +64,17 @@ impl Results {
                     "{margin}{what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4}){open}\n"
                 ))
             };
-            // The total, where the lines of single modes do not tell it: an unstable mode without a name, divergence, or a mode whose name or verdict is open.
+            // The total, where the lines of single modes do not tell it: an unstable mode without a name, divergence, a mode whose name or verdict is open, or
+            // modes that alternate from draw to draw, so that more draws are surely unstable than by any one of them.
             let is_open = |of: &ArrangementOccurrence| of.proportion.ambiguous() > of.failed;
-            if !others.is_empty() || modes.values().flatten().any(is_open) {
-                text += &line("anything".into(), &self.any_occurrence(panel))?;
+            let any = self.any_occurrence(panel);
+            let mut likeliest: f64 = 0.0;
+            for of_mode in modes.values() {
+                likeliest = likeliest.max(self.median(of_mode)?.value);
+            }
+            let alternate = self.median(&any)?.lower > likeliest;
+            if !others.is_empty() || modes.values().flatten().any(is_open) || alternate {
+                text += &line("anything".into(), &any)?;
             }
             for (name, of_mode) in &modes {
                 text += &line(self.in_words(panel.key.constraints, *name), of_mode)?;

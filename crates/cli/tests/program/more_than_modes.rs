@@ -1,0 +1,74 @@
+//! Brakes of which the modes one by one do not tell what squeals: modes that alternate from draw to draw, and modes whose names are always open.
+
+use std::fmt::Write as _;
+
+use output::Table;
+
+use super::common::run;
+
+/// Case of oscillators of two degrees of freedom without coupling to each other: of each the factor of its stiffness, and its friction.
+pub(super) fn oscillators(parameters: &str, of_each: &[(f64, &str)], more: &str) -> String {
+    let size = 2 * of_each.len();
+    let matrix = |entry: &dyn Fn(usize, usize) -> f64| {
+        let row = |i: usize| {
+            let of = |j: usize| if i / 2 == j / 2 { entry(i, j) } else { 0.0 };
+            format!("[{}]", (0..size).map(|j| format!("{:?}", of(j))).collect::<Vec<_>>().join(", "))
+        };
+        format!("[{}]", (0..size).map(row).collect::<Vec<_>>().join(", "))
+    };
+    let stiffness = |i: usize, j: usize| {
+        let of = if i == j { [2.2e7, 2.6e7][i % 2] } else { -5e6 };
+        of * of_each[i / 2].0
+    };
+    let damping = |i: usize, j: usize| if i == j { [50.0, 70.0][i % 2] * of_each[i / 2].0.sqrt() } else { 0.0 };
+    let dofs: Vec<String> = (1..=size).map(|at| format!("\"q{at}\"")).collect();
+    let mut text = format!(
+        "[study]\nname = \"m\"\nsamples = 400\nseed = 1\n\n[brake]\nkind = \"matrices\"\ndofs = [{}]\n\n{parameters}\n\
+         [[terms]]\nname = \"s\"\nmass = {}\ndamping = {}\nstiffness = {}\nsymmetry = \"whole\"\n",
+        dofs.join(", "),
+        matrix(&|i, j| f64::from(u8::from(i == j))),
+        matrix(&damping),
+        matrix(&stiffness)
+    );
+    for (at, (factor, mu)) in of_each.iter().enumerate() {
+        let _ = write!(
+            text,
+            "\n[[contacts]]\nname = \"c{at}\"\nforce = {{ q{} = 1.0 }}\nreading = {{ q{} = {:?} }}\nmu = \"{mu}\"\n",
+            2 * at + 1,
+            2 * at + 2,
+            1.6e7 * factor
+        );
+    }
+    text + more
+}
+
+/// Of two oscillators one squeals for x < 0 and the other one for x > 0: each in half of the draws, some in all of them, which is what a reader asks.
+#[test]
+fn a_brake_that_squeals_in_every_draw_is_told_as_that_whichever_mode_does() {
+    let x = "[parameters.x]\ndistribution = \"uniform\"\nfrom = -1.0\nto = 1.0\n";
+    // Anything in all draws, and in half of them by either of two modes that squeal together, which single modes tell.
+    for (friction, anything, light) in
+        [(["0.37-0.3*x", "0.37+0.3*x"], Some("1.0000"), "red"), (["0.37+0.3*x", "0.37+0.3*x"], None, "amber")]
+    {
+        let dir = tempfile::tempdir().unwrap();
+        let (case, out) = (dir.path().join("brake.toml"), dir.path().join("study"));
+        std::fs::write(&case, oscillators(x, &[(1.0, friction[0]), (9.0, friction[1])], "")).unwrap();
+        let text = run(&case, &out, &["--keep-samples"]);
+        let panels = Table::read(&out.join("panels.csv")).unwrap().unwrap();
+        let unstable: u64 = panels.column("any_unstable").unwrap().next().unwrap().parse().unwrap();
+        assert_eq!(unstable == 400, anything.is_some(), "{unstable}");
+        let line = text.lines().find(|line| line.starts_with("anything: unstable in "));
+        assert_eq!(line.map(|line| line.split(' ').nth(3).unwrap()), anything, "{text}");
+        for page in ["summary.md", "report.html"] {
+            let page = std::fs::read_to_string(out.join(page)).unwrap().replace('\u{a0}', " ");
+            assert_eq!(
+                page.contains("is unstable in 100.0 % (99.0 to 100.0) of the samples"),
+                anything.is_some(),
+                "{page}"
+            );
+        }
+        let summary = std::fs::read_to_string(out.join("summary.md")).unwrap();
+        let row = summary.lines().find(|line| line.starts_with("| anything |")).unwrap();
+        assert_eq!(row.split(" | ").nth(1), Some(light), "{row}");
+    }
+}
