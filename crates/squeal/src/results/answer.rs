@@ -254,7 +254,8 @@ fn modes(results: &Results, set: usize, found: &SetFindings<'_>) -> Block {
     let has_arrangements = results.panels().iter().any(|panel| panel.key.constraints == set && panel.arrangements > 1);
     let occurrence = |e: &Estimate| Cell { text: with_limits(e), value: Some(e.value) };
     let row = |(name, range): &(ModeLabel, ModeRange<'_>)| {
-        let (unstable, at_medians) = (results.unstable_hertz(set, *name), results.frequency(set, *name));
+        let unstable = results.unstable_hertz(set, *name).filter(|hz| hz.range.is_some());
+        let at_medians = results.frequency(set, *name);
         let mut cells = vec![
             results.mode_label(set, *name).into(),
             Cell {

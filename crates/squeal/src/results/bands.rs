@@ -26,7 +26,7 @@ pub(super) fn lights(has_one_arrangement: bool) -> String {
         "Red: in most of the draws{of}, and surely so, some mode of this third octave is unstable, whichever name it has. Amber: in some of the \
          draws, or it may be. Green: in none, and nothing there is open. The occurrence is {largest}of all modes of the third octave together, \
          each draw once. A mode is listed where the median of its frequency lies, over the draws in which it is unstable; in parentheses where \
-         only some of these draws reach the band. A light with * is of a band that was studied in part. The last row is of anything at all, modes of \
+         only some of these draws reach the band, and nowhere where its name is open in all of them. A light with * is of a band that was studied in part. The last row is of anything at all, modes of \
          all third octaves and divergence together, each draw once: modes that alternate from draw to draw are more often unstable together than in \
          any band."
     )
@@ -114,10 +114,12 @@ pub(super) fn by_third_octaves(
 ) -> Option<Block> {
     let mut bands: BTreeMap<ThirdOctave, Vec<InBand>> = BTreeMap::new();
     for (name, _) in &found.unstable {
-        let Some(hz) = results.unstable_hertz(set, *name) else { continue };
+        // A mode that never was surely the one that was unstable lies in no band that is known.
+        let Some((hz, range)) = results.unstable_hertz(set, *name).and_then(|hz| Some((hz, hz.range?))) else {
+            continue;
+        };
         let median = ThirdOctave::of_hertz(hz.median);
-        let ends = hz.range.map(|of| [of.lower.max(f64::MIN_POSITIVE), of.upper].map(ThirdOctave::of_hertz));
-        let [first, last] = ends.unwrap_or([median; 2]);
+        let [first, last] = [range.lower.max(f64::MIN_POSITIVE), range.upper].map(ThirdOctave::of_hertz);
         for octave in first.up_to(last) {
             let (label, strength) = (results.mode_label(set, *name), results.strength(set, *name));
             bands.entry(octave).or_default().push(InBand { label, strength, is_median: octave == median });

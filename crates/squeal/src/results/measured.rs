@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
+use montecarlo::{Confidence, Proportion};
 use output::{Block, Cell, Cells, Table, significant};
-use study::{Measured, MeasuredFrequency, ModeLabel};
+use study::{Measured, MeasuredFrequency, ModeLabel, ThirdOctave};
 
 use super::findings::SetFindings;
 use super::{Estimate, Results, UnstableHertz};
@@ -12,15 +13,20 @@ use super::{Estimate, Results, UnstableHertz};
 pub(super) const RULE: &str = "A measured frequency is hit where the occurrence of a mode within its tolerance surely is above the \
      share in some arrangement; open where it may be, as with few samples, or where modes some of whose draws reach the tolerance may be above the share \
      together, as where one squeal has other names from draw to draw; missed else. A mode lies where the median of its frequency \
-     does, over the draws in which it is unstable; the median is known to 1 in 2048, and within the tolerance where it may be. Modes that are unstable in some draw, and may be in more than the share of them, next to no \
+     does, over the draws in which it is unstable; the median is known to 1 in 2048, and within the tolerance where it may be. One whose name is \
+     open in all of these draws has no such frequency, as that at the medians is not where it squeals: a measured frequency is open where it may be it, by \
+     what is unstable in the third octaves of the tolerance. Modes that are unstable in some draw, and may be in more than the share of them, next to no \
      measured frequency, stand below as not measured.";
+
+/// Finding on a mode whose frequency where it is unstable is not known.
+const NOT_PLACED: &str = "not placed";
 
 /// Finding on a measured frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Found {
     /// A mode within the tolerance surely squeals in more than the share of the draws.
     Hit,
-    /// One may, or a mode without a frequency may be there.
+    /// One may, or a mode without a known frequency may be there.
     Open,
     /// None does.
     Missed,
@@ -55,12 +61,15 @@ pub(super) struct Beside<'a> {
     measured: Vec<(&'a MeasuredFrequency, Found)>,
     /// Modes with a frequency that are ever unstable, or may be in more than the share of the draws, ascending.
     modes: Vec<Placed>,
+    /// Modes that are unstable, and may be in more than the share of the draws, at frequencies that are not known: in all of these draws their names are
+    /// open. That at the medians says nothing of where they are then.
+    unplaced: Vec<Placed>,
     share: f64,
 }
 
 impl<'a> Beside<'a> {
     fn new(results: &'a Results, set: usize, found: &SetFindings<'_>, measured: &'a Measured) -> Self {
-        let (mut modes, mut has_unplaced) = (Vec::new(), false);
+        let (mut modes, mut unplaced, mut has_unplaced) = (Vec::new(), Vec::new(), false);
         let all = found.unstable.iter().map(|mode| (mode, true)).chain(found.stable.iter().map(|mode| (mode, false)));
         for ((name, range), is_ever_unstable) in all.filter(|((name, _), _)| *name != ModeLabel::DIVERGENCE) {
             let [lower, upper] = range.greatest_limits;
@@ -71,7 +80,13 @@ impl<'a> Beside<'a> {
             match results.unstable_hertz(set, *name) {
                 Some(hz) => {
                     let label = results.mode_label(set, *name);
-                    modes.push(Placed { name: *name, label, hz, occurrence, is_ever_unstable });
+                    let mode = Placed { name: *name, label, hz, occurrence, is_ever_unstable };
+                    if !is_placed(&mode) {
+                        has_unplaced |= upper > measured.share;
+                        unplaced.extend((upper > measured.share).then_some(mode));
+                    } else {
+                        modes.push(mode);
+                    }
                 }
                 None => has_unplaced |= is_ever_unstable && upper > measured.share,
             }
@@ -92,7 +107,7 @@ impl<'a> Beside<'a> {
                 Found::Open
             } else if is_outside(frequency) {
                 Found::NotStudied
-            } else if has_unplaced {
+            } else if has_unplaced && upper_near(results, set, frequency) > measured.share {
                 Found::Open
             } else {
                 Found::Missed
@@ -100,7 +115,7 @@ impl<'a> Beside<'a> {
             (frequency, found)
         };
         let measured_frequencies = measured.frequencies.iter().map(verdict).collect();
-        Self { set, measured: measured_frequencies, modes, share: measured.share }
+        Self { set, measured: measured_frequencies, modes, unplaced, share: measured.share }
     }
 
     fn near(&self, frequency: &MeasuredFrequency) -> Vec<&Placed> {
@@ -120,6 +135,11 @@ impl<'a> Beside<'a> {
     }
 }
 
+/// True of a mode with a frequency: where it is unstable or, of one that never is, at the medians.
+fn is_placed(mode: &Placed) -> bool {
+    mode.hz.range.is_some() || !mode.is_ever_unstable
+}
+
 /// True if a mode may be within the tolerance of a measured frequency: its own is known to an error.
 fn is_near(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
     (mode.hz.median - frequency.hz).abs() <= frequency.tolerance_hz + mode.hz.error
@@ -128,7 +148,24 @@ fn is_near(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
 /// True if a mode may be within the tolerance of a measured frequency in any of the draws in which it is unstable.
 fn reaches(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
     let [from, to] = [-1.0, 1.0].map(|side| frequency.hz + side * (frequency.tolerance_hz + mode.hz.error));
-    mode.is_ever_unstable && mode.hz.range.is_none_or(|range| range.lower <= to && range.upper >= from)
+    mode.is_ever_unstable && mode.hz.range.is_some_and(|range| range.lower <= to && range.upper >= from)
+}
+
+/// Largest upper limit, 0 to 1, in any arrangement of a set of constraints of the occurrence of any mode, whatever its name, in the third octaves that
+/// the tolerance of a measured frequency meets.
+fn upper_near(results: &Results, set: usize, frequency: &MeasuredFrequency) -> f64 {
+    let end = |side: f64| (frequency.hz + side * frequency.tolerance_hz).max(f64::MIN_POSITIVE);
+    let [first, last] = [-1.0, 1.0].map(|side| ThirdOctave::of_hertz(end(side)));
+    let upper = |&scene: &usize| {
+        let tally = &results.summary.tally.scenes[scene];
+        let counts = tally.third_octaves.range(first..=last).map(|(_, found)| [found.unstable, found.perhaps]);
+        // A draw may be in several of them.
+        let [unstable, perhaps] = counts.fold([0, 0], |[a, b], [unstable, perhaps]| [a + unstable, b + perhaps]);
+        let proportion = Proportion::of_counts(unstable, perhaps, tally.solved).and_unknown(results.failed(scene));
+        proportion.interval(Confidence::P95).upper
+    };
+    let panels = results.panels().iter().filter(|panel| panel.key.constraints == set);
+    panels.flat_map(|panel| &panel.scenes).map(upper).fold(0.0, f64::max)
 }
 
 impl Results {
@@ -158,6 +195,14 @@ impl Results {
             if !others.is_empty() {
                 let _ = writeln!(text, "  unstable and not measured: {}", others.join(", "));
             }
+            let unplaced: Vec<String> = beside.unplaced.iter().map(without_place).collect();
+            if !unplaced.is_empty() {
+                let _ = writeln!(
+                    text,
+                    "  unstable at frequencies that are not known, as names are open: {}",
+                    unplaced.join(", ")
+                );
+            }
         }
         Ok(text)
     }
@@ -169,9 +214,19 @@ fn shares(share: f64) -> String {
 }
 
 fn in_words(mode: &Placed) -> String {
+    format!("mode {} ({} Hz) {}", mode.label, mode.hz, with_limits(mode))
+}
+
+/// Words for a mode whose frequency where it is unstable is not known.
+fn without_place(mode: &Placed) -> String {
+    format!("mode {} ({} Hz at the medians) {}", mode.label, mode.hz, with_limits(mode))
+}
+
+/// Occurrence of a mode in percent, with its limits.
+fn with_limits(mode: &Placed) -> String {
     let Estimate { value, lower, upper } = mode.occurrence;
     let [value, lower, upper] = [value, lower, upper].map(|part| 100.0 * part);
-    format!("mode {} ({} Hz) {value:.1} % ({lower:.1} to {upper:.1})", mode.label, mode.hz)
+    format!("{value:.1} % ({lower:.1} to {upper:.1})")
 }
 
 /// Table of a set of constraints for people.
@@ -184,7 +239,8 @@ pub(super) fn in_cells(beside: &Beside<'_>, caption: String) -> Block {
             let Estimate { value, lower, upper } = mode.occurrence;
             let [percent, lower, upper] = [value, lower, upper].map(|part| 100.0 * part);
             let limits = format!("{percent:.1}\u{a0}% ({lower:.1} to {upper:.1})");
-            vec![mode.label.clone().into(), number(mode.hz.median, mode.hz.to_string()), number(value, limits)]
+            let hz = if is_placed(mode) { number(mode.hz.median, mode.hz.to_string()) } else { dash() };
+            vec![mode.label.clone().into(), hz, number(value, limits)]
         }
     };
     let mut rows = Vec::new();
@@ -206,6 +262,10 @@ pub(super) fn in_cells(beside: &Beside<'_>, caption: String) -> Block {
         let first = [dash(), dash(), "not measured".to_owned().into()];
         rows.push(first.into_iter().chain(of_mode(Some(mode))).collect());
     }
+    for mode in &beside.unplaced {
+        let first = [dash(), dash(), NOT_PLACED.to_owned().into()];
+        rows.push(first.into_iter().chain(of_mode(Some(mode))).collect());
+    }
     let columns = ["Measured, Hz", "Tolerance, Hz", "Found", "Mode", "Hz", "Largest occurrence"];
     let (hits, all) = (beside.count(Found::Hit), beside.measured.len());
     let caption = format!("{caption}: {hits} of {all} frequencies hit, {}", shares(beside.share));
@@ -221,8 +281,9 @@ pub(super) fn table(results: &Results, all: &[Beside<'_>]) -> Table {
             let Some(Placed { name, label, hz, occurrence: Estimate { value, lower, upper }, .. }) = mode else {
                 return vec![String::new(); 6];
             };
-            let numbers = [&hz.median, value, lower, upper].map(ToString::to_string);
-            [name.to_string(), label.clone()].into_iter().chain(numbers).collect()
+            let hz = mode.filter(|mode| is_placed(mode)).map_or(String::new(), |_| hz.median.to_string());
+            let numbers = [value, lower, upper].map(ToString::to_string);
+            [name.to_string(), label.clone(), hz].into_iter().chain(numbers).collect()
         };
         for (frequency, found) in &beside.measured {
             let (near, MeasuredFrequency { hz, tolerance_hz }) = (beside.near(frequency), frequency);
@@ -234,6 +295,9 @@ pub(super) fn table(results: &Results, all: &[Beside<'_>]) -> Table {
         let first = [set.clone(), String::new(), String::new(), "not measured".to_owned()];
         let others = beside.not_measured().into_iter();
         rows.extend(others.map(|mode| first.iter().cloned().chain(of_mode(Some(mode))).collect::<Vec<_>>()));
+        let first = [set.clone(), String::new(), String::new(), NOT_PLACED.to_owned()];
+        let unplaced = beside.unplaced.iter();
+        rows.extend(unplaced.map(|mode| first.iter().cloned().chain(of_mode(Some(mode))).collect::<Vec<_>>()));
     }
     let header = [
         "constraints",

@@ -47,9 +47,13 @@ impl Results {
         })
     }
 
-    /// Words for the frequency of a mode where it is unstable, with that at the medians where it is another.
+    /// Words for the frequency of a mode where it is unstable, with that at the medians where it is another; that at the medians alone, as such, of a
+    /// mode that never was surely the one that was unstable.
     pub(super) fn hertz_in_words(&self, constraints: usize, name: ModeLabel) -> Option<String> {
         let unstable = self.unstable_hertz(constraints, name)?;
+        if unstable.range.is_none() {
+            return Some(format!("{unstable} Hz at the medians, where unstable not known"));
+        }
         let other = self.frequency(constraints, name).filter(|hz| (hz - unstable.median).abs() > unstable.error);
         let other = other.map_or_else(String::new, |hz| format!(", at the medians {} Hz", hertz(hz)));
         Some(format!("{unstable} Hz{other}"))
