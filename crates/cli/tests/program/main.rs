@@ -9,6 +9,7 @@ mod command_line;
 mod common;
 mod compare;
 mod cycle;
+mod cycle_beside;
 mod digests;
 mod documents;
 mod estimates;

@@ -9,6 +9,7 @@ use squeal::cycle::{ContactMoment, ContactState, Motion, Shares};
 use squeal::cycles::{Branch, Branches, Cycles, MotionOfMode};
 use squeal::fingerprint;
 use squeal::study::Plan;
+use squeal::sweep::{Sweep, event};
 
 use super::FILE;
 use super::facts::{case, described, program};
@@ -119,7 +120,8 @@ pub fn write_branches_page(
             harmonics,
         }
     });
-    let mut sentences: Vec<String> = branches.branches.iter().map(|of| sentence_of_branch(of, parameter)).collect();
+    let mut sentences: Vec<String> =
+        branches.branches.iter().map(|of| sentence_of_branch(of, &branches.sweep)).collect();
     let from = branches.sweep.parameter.from;
     sentences.extend(match branches.growing_at_start() {
         0 => None,
@@ -235,7 +237,8 @@ fn sentence(of: &MotionOfMode) -> String {
 }
 
 /// Course of a branch and how much of it is stable, in a sentence.
-fn sentence_of_branch(of: &Branch, parameter: &str) -> String {
+fn sentence_of_branch(of: &Branch, sweep: &Sweep) -> String {
+    let parameter = &sweep.parameter.name;
     let in_time = of.cycles.iter().filter_map(|cycle| cycle.in_time.as_ref());
     let (known, stable) =
         in_time.fold((0, 0), |(known, stable), (cycle, _)| (known + 1, stable + usize::from(cycle.is_stable())));
@@ -246,9 +249,10 @@ fn sentence_of_branch(of: &Branch, parameter: &str) -> String {
         folds => format!("{folds} folds"),
     };
     format!(
-        "Mode {} starts to grow at {parameter} = {} with {} Hz. Of {} cycles on its branch {known} were found in time, of which {stable} are stable; it has \
+        "Mode {} {} at {parameter} = {} with {} Hz. Of {} cycles on its branch {known} were found in time, of which {stable} are stable; it has \
          {folds}. Where it ends: {}.",
         of.mode,
+        event(of.starts, &sweep.threshold),
         short(of.onset),
         hertz(of.onset_hz),
         of.cycles.len(),

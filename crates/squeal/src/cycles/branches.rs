@@ -47,12 +47,14 @@ impl Branches {
 /// The branch of cycles that starts at an onset.
 #[derive(Debug, Clone)]
 pub struct Branch {
-    /// Name of the mode that begins to grow at the onset.
+    /// Name of the mode that begins or ceases to grow at the onset.
     pub mode: String,
     /// Value of the parameter at the onset.
     pub onset: f64,
     /// Frequency at the onset, Hz.
     pub onset_hz: f64,
+    /// True if the mode grows where the parameter is larger than at the onset, false if it does where that is smaller.
+    pub starts: bool,
     /// The cycles, along the branch.
     pub cycles: Vec<BranchCycle>,
     /// Why it ends.
@@ -179,6 +181,7 @@ pub fn branches<B: UncertainBrake>(
             mode: onset.mode.clone(),
             onset: onset.at,
             onset_hz: onset.omega / std::f64::consts::TAU,
+            starts: onset.starts,
             cycles,
             end,
             last,

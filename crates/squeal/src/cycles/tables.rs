@@ -1,10 +1,11 @@
 //! Tables of motions and branches.
 
+use cea::Threshold;
 use cycle::{Cycle, Measures, Motion};
 use output::Table;
 
 use super::{Branch, Branches, Cycles, MotionOfMode};
-use crate::sweep::SweptParameter;
+use crate::sweep::{SweptParameter, event};
 
 /// Column of the power that the outer faces radiate at radiation efficiency 1.
 const RADIATED: &str = "radiated_power_at_efficiency_1_w";
@@ -238,7 +239,8 @@ impl Branches {
     #[must_use]
     pub fn text(&self) -> String {
         let SweptParameter { name, from, .. } = &self.sweep.parameter;
-        let mut text: String = self.branches.iter().map(|branch| branch.text(name)).collect();
+        let threshold = &self.sweep.threshold;
+        let mut text: String = self.branches.iter().map(|branch| branch.text(name, threshold)).collect();
         text += "amplitude: of the first harmonic, in that at which the first contact opens or sticks\n";
         if self.branches.iter().flat_map(|branch| &branch.cycles).any(|cycle| cycle.is_fold) {
             text += "fold: the balance turned since the line above; its sliding is smoothed, and motions in time may turn elsewhere: where their multiplier is 1\n";
@@ -290,12 +292,13 @@ impl Branch {
         row
     }
 
-    fn text(&self, name: &str) -> String {
+    fn text(&self, name: &str, threshold: &Threshold) -> String {
         let mut text = format!(
-            "mode {}, onset at {name} = {:.6}, {} Hz\n{:>12}  {:>12}  {:>12}  {:>10}  {:>10}  {:>6}  {:>6}  {:>8}\n",
+            "mode {}, onset at {name} = {:.6}, {} Hz, where it {}\n{:>12}  {:>12}  {:>12}  {:>10}  {:>10}  {:>6}  {:>6}  {:>8}\n",
             self.mode,
             self.onset,
             output::hertz(self.onset_hz),
+            event(self.starts, threshold),
             name,
             "balance Hz",
             "cycle Hz",
