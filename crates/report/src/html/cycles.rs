@@ -84,7 +84,8 @@ pub fn write_cycle_page(
             format!("{:.1e}", cycles.tangent_deviation),
         ),
     ];
-    let sentences: Vec<String> = cycles.motions.iter().map(sentence).collect();
+    let diverges = cycles.divergence_in_words().map(|words| capitalised(&words) + ".");
+    let sentences: Vec<String> = diverges.into_iter().chain(cycles.motions.iter().map(sentence)).collect();
     let found = Found {
         title: format!("{}: the motion after the onset", plan.name),
         sentences,
@@ -122,6 +123,7 @@ pub fn write_branches_page(
     });
     let mut sentences: Vec<String> =
         branches.branches.iter().map(|of| sentence_of_branch(of, &branches.sweep)).collect();
+    sentences.extend(branches.divergence_in_words().map(|words| capitalised(&words) + "."));
     let from = branches.sweep.parameter.from;
     sentences.extend(match branches.growing_at_start() {
         0 => None,

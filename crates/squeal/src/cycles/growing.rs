@@ -1,6 +1,6 @@
 //! The modes from which motions start.
 
-use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, by_frequency, verdicts_beyond};
+use cea::{CountedSpectrum, EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, by_frequency, verdicts_beyond};
 use num_complex::Complex;
 use study::{ModeSource, Plan, Scene, UncertainBrake};
 
@@ -20,29 +20,36 @@ impl GrowingMode {
     }
 }
 
-/// Unstable modes of a scene at its medians, in ascending frequency.
+/// Unstable modes of a scene at its medians, in ascending frequency, and real eigenvalues that diverge, 1/s; of a reduced brake these are refused, as all that
+/// grows outside of its band.
 ///
 /// # Errors
 /// [`Error::GrowsOutside`].
-pub(super) fn growing_modes<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<Vec<GrowingMode>, Error> {
+pub(super) fn growing_modes<B: UncertainBrake>(
+    brake: &B,
+    scene: &Scene,
+) -> Result<(Vec<GrowingMode>, Vec<f64>), Error> {
     let system = brake.system(scene, &brake.median())?;
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(&system, &mut work).map_err(study::Error::from)?;
     if let Some(source) = brake.mode_source() {
         grows_in_band(brake.plan(), scene, brake.error_of_reduction(scene), &spectrum.eigenvalues)?;
-        return in_band(brake, scene, source, &spectrum.eigenvalues);
+        return Ok((in_band(brake, scene, source, &spectrum.eigenvalues)?, Vec::new()));
     }
     let modes = Modes::classify(&system, &spectrum, &mut work).map_err(study::Error::from)?;
     let threshold = &brake.plan().threshold;
     let verdicts =
         verdicts_beyond(threshold, &system, &modes.oscillatory, &spectrum, &mut work).map_err(study::Error::from)?;
+    let is_real = |lambda: Complex<f64>| cea::real_count(lambda) > 0;
+    let diverging = CountedSpectrum::of_some(threshold, &system, &spectrum, is_real, &mut work);
+    let diverging = diverging.map_err(study::Error::from)?.divergence;
     let growing =
         modes.oscillatory.iter().enumerate().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable);
     let mode = |((index, &lambda), _): ((usize, &Complex<f64>), Verdict)| {
         let shape = Mode::at(&system, &[lambda], &mut work).map_err(study::Error::from)?.swap_remove(0).shape;
         Ok(GrowingMode { rank: modes.rank(index), lambda, shape: shape.iter().copied().collect() })
     };
-    growing.map(mode).collect()
+    Ok((growing.map(mode).collect::<Result<_, Error>>()?, diverging))
 }
 
 /// Checks that a reduced brake whose eigenvalues have this relative error grows in its band alone: a motion in time has all of its spectrum, and its basis was made for

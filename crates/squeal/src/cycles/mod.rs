@@ -77,6 +77,8 @@ pub struct Cycles {
     pub harmonics: usize,
     /// The motions, by their starts.
     pub motions: Vec<MotionOfMode>,
+    /// Growth rates of real eigenvalues that diverge, ascending, 1/s: what deviates along them grows without oscillation, whatever the modes do.
+    pub diverging: Vec<f64>,
     /// Part of the area of the outer faces, 0 to 1, that counts as at rest though nothing is known to hold it: its nodes have no rows; `None` of a brake
     /// without faces.
     pub outer_without_rows: Option<f64>,
@@ -188,7 +190,7 @@ pub fn cycles<B: UncertainBrake>(
     let (contacts, balance, plan) = (contacts_of(brake)?, checked(options)?, brake.plan());
     let system = contacts.contact_system(scene, &[], options.stick)?;
     let of_cea = brake.system(scene, &brake.median())?;
-    let modes = growing_modes(brake, scene)?;
+    let (modes, diverging) = growing_modes(brake, scene)?;
     let Some(fastest) = modes.iter().max_by(|a, b| a.lambda.re.total_cmp(&b.lambda.re)) else {
         return Err(Error::NeverSqueals { scene: plan.describe(scene) });
     };
@@ -227,6 +229,7 @@ pub fn cycles<B: UncertainBrake>(
         tangent_deviation,
         harmonics: options.harmonics,
         motions,
+        diverging,
         outer_without_rows: sound.as_ref().map(Sound::without_rows),
         bodies: of_scene.bodies.iter().map(|body| (body.name.clone(), body.dofs.clone())).collect(),
         has_peaks: plan.band.is_none(),

@@ -5,7 +5,7 @@ use cycle::{Cycle, Measures, Motion};
 use output::Table;
 
 use super::{Branch, Branches, Cycles, MotionOfMode};
-use crate::sweep::{SweptParameter, event};
+use crate::sweep::{ChangeOf, Sweep, SweptParameter, event};
 
 /// Column of the power that the outer faces radiate at radiation efficiency 1.
 const RADIATED: &str = "radiated_power_at_efficiency_1_w";
@@ -131,7 +131,8 @@ impl Cycles {
     /// The motions in words, a line each with the loudest body.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut text = format!(
+        let mut text = self.divergence_in_words().map_or(String::new(), |words| format!("WARNING: {words}\n\n"));
+        text += &format!(
             "{:>7}  {:>12}  {:>11}  {:>12}  {:>12}  {:>10}  {:>6}  {:>6}  {:>8}  kind, loudest body\n",
             "from", "CEA Hz", "growth 1/s", "cycle Hz", "balance Hz", "multiplier", "open", "stuck", "rms m/s"
         );
@@ -169,6 +170,20 @@ impl Cycles {
              the motion's tangent deviates from the complex eigenvalue analysis by {:.1e}; powers sum to zero within {imbalance:.1e}\n",
             self.tangent_deviation
         ) + &self.at_rest()
+    }
+
+    /// Sentence on the divergence of the brake beside its modes; `None` where it does not diverge.
+    #[must_use]
+    pub fn divergence_in_words(&self) -> Option<String> {
+        let fastest = output::significant(*self.diverging.last()?, 6);
+        let eigenvalues = match self.diverging.len() {
+            1 => format!("a real eigenvalue grows by {fastest} 1/s"),
+            count => format!("{count} real eigenvalues grow, by up to {fastest} 1/s"),
+        };
+        Some(format!(
+            "the brake DIVERGES too, without oscillation: {eigenvalues}. A motion that starts in a mode alone may not show it, and any deviation along it \
+             leaves what is said of the motion here"
+        ))
     }
 
     /// A line on the outer faces that count as at rest for want of rows, where there are any.
@@ -249,12 +264,31 @@ impl Branches {
             let modes = self.growing_at_start();
             text += &format!("modes that grow at {name} = {from} already, whose cycles are not followed: {modes}\n");
         }
+        text += &self.divergence_in_words().map_or(String::new(), |words| format!("WARNING: {words}\n"));
         for (from, to) in &self.sweep.unresolved {
             text += &format!(
                 "{name} = {from} to {to}: a mode comes so near its threshold that it may have an onset or not\n"
             );
         }
         text
+    }
+}
+
+impl Branches {
+    /// Sentence on the divergence of the brake in the range of the parameter, beside its modes; `None` where it does not diverge.
+    #[must_use]
+    pub fn divergence_in_words(&self) -> Option<String> {
+        let Sweep { parameter: SweptParameter { name, from, .. }, onsets, diverging_at_start, .. } = &self.sweep;
+        let at_start = (*diverging_at_start > 0).then(|| format!("at {name} = {from} already"));
+        let changes = onsets.iter().filter(|onset| matches!(onset.of, ChangeOf::Divergence | ChangeOf::Exchange));
+        let words = changes.map(|onset| format!("it {} at {}", onset.event(&self.sweep.threshold), onset.at));
+        let all: Vec<String> = at_start.into_iter().chain(words).collect();
+        (!all.is_empty()).then(|| {
+            format!(
+                "the brake DIVERGES too, without oscillation, and cycles do not show it: {}. Where it diverges any deviation along it leaves the cycle",
+                all.join(", ")
+            )
+        })
     }
 }
 
