@@ -65,6 +65,13 @@ pub(super) fn is_of(lambda: Complex<f64>, why: &Why) -> bool {
     (lambda - why.lambda).norm() <= EQUAL_BUT_FOR_ROUNDING * lambda.norm()
 }
 
+/// Place of the mode of an answer among the eigenvalues of the modes that are listed; of equal ones the first answer belongs to the first.
+pub(super) fn place_of(lambdas: impl Iterator<Item = Complex<f64>>, all: &[Why], why: &Why) -> Option<usize> {
+    let before = all.iter().take_while(|other| !std::ptr::eq(*other, why));
+    let earlier = before.filter(|other| is_of(other.lambda, why)).count();
+    lambdas.enumerate().filter(|(_, lambda)| is_of(*lambda, why)).nth(earlier).map(|(place, _)| place)
+}
+
 /// Answers, each under a heading with the name of its mode.
 pub(super) fn reasons(whys: &Whys, name: impl Fn(&Why) -> String) -> String {
     let one = |why: &Why| {

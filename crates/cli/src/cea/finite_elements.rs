@@ -16,7 +16,7 @@ use super::CeaArgs;
 use super::shapes::{ShapeAndWork, add_shape, pairs_of_numbers};
 use super::words::{divergence_in_words, verdict_in_words};
 use crate::Error;
-use crate::reasons::{Whys, is_of, reasons, whys};
+use crate::reasons::{Whys, is_of, place_of, reasons, whys};
 
 impl CeaArgs {
     /// The modes of a finite element brake at median parameters, each with its residual in the whole one.
@@ -109,7 +109,7 @@ impl CeaArgs {
             + "\nrank: by frequency, of the modes listed here; a study numbers its modes so, at the medians with all patches in contact; damping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in \
                the unreduced brake\n"
             + &reasons(&whys, |why| {
-                let rank = whys.counterparts.iter().position(|lambda| is_of(*lambda, why));
+                let rank = place_of(whys.counterparts.iter().copied(), &whys.of_modes, why);
                 rank.map_or_else(String::new, |place| format!(" {}", place + 1))
             }))
     }

@@ -13,7 +13,7 @@ use squeal::why::Why;
 
 use self::table::{analyse, json_text, table};
 use super::options::MemoryArgs;
-use super::reasons::{Whys, first_scene, is_of, reasons};
+use super::reasons::{Whys, first_scene, place_of, reasons};
 use super::scene::{SceneArgs, counts_from};
 use super::sized;
 use crate::Error;
@@ -79,8 +79,8 @@ impl CeaArgs {
             true => json_text(&brake.scene_json(), &rows, &real, &modes, &whys.of_modes),
             false => {
                 let name = |why: &Why| {
-                    let row = rows.iter().find(|row| is_of(row.lambda, why));
-                    row.map_or(String::new(), |row| format!(" {}", row.rank))
+                    let place = place_of(rows.iter().map(|row| row.lambda), &whys.of_modes, why);
+                    place.map_or(String::new(), |place| format!(" {}", rows[place].rank))
                 };
                 format!("{heading}\n\n{}{}", table(&rows, &real, &modes, plan.brake(scene)), reasons(&whys, name))
             }

@@ -102,3 +102,18 @@ fn a_mode_whose_names_are_always_open_is_nowhere_for_sure() {
         .collect();
     assert!(rows.len() >= 2 && rows.iter().take(2).all(|row| row[1] == "-" && row[2] != "-"), "{rows:?}");
 }
+
+/// Of two equal oscillators that squeal each mode is asked why, under its own rank.
+#[test]
+fn equal_modes_have_reasons_under_their_own_ranks() {
+    let dir = tempfile::tempdir().unwrap();
+    let case = dir.path().join("brake.toml");
+    let parameters = "[parameters.mu]\ndistribution = \"constant\"\nvalue = 0.45\n";
+    std::fs::write(&case, oscillators(parameters, &[(1.0, "mu"), (1.0, "mu")], "")).unwrap();
+    let said = super::common::answer("cea", &case, &["--why"]);
+    let of = |line: &str| line.strip_prefix("Why mode ").map(|rest| rest.split(' ').next().unwrap().to_owned());
+    let mut ranks: Vec<String> = said.lines().filter_map(of).collect();
+    assert_eq!(ranks.len(), 2, "{said}");
+    ranks.dedup();
+    assert_eq!(ranks.len(), 2, "{said}");
+}
