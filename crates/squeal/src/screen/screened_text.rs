@@ -61,7 +61,11 @@ impl Screen {
         if ranked.iter().all(|(set, _)| Some(set.kind) == first) {
             return String::new();
         }
-        ranked.sort_by(|(_, a), (_, b)| self.criterion.effect(b).total_cmp(&self.criterion.effect(a)));
+        // Of equal effects the one of fewer changes stands first.
+        ranked.sort_by(|(a, of_a), (b, of_b)| {
+            let effect = |found| self.criterion.effect(found);
+            effect(of_b).total_cmp(&effect(of_a)).then(a.count.cmp(&b.count))
+        });
         let name =
             |set: &ScreenedSet| format!("{} {}", set.kind.map_or("set of constraints", ChangeKind::name), set.name());
         let width = self.width(name);
