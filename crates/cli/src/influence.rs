@@ -7,7 +7,7 @@ use std::time::Instant;
 use brakes::Purpose;
 use output::{printable, write};
 use report::influence_figure;
-use serde_json::json;
+use serde_json::{Value, json};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::influence::{influence, influence_table};
@@ -115,7 +115,7 @@ impl InfluenceArgs {
             results_folder::write_manifest(&folder, plan, self.drawn.machine.threads, seconds, own)?;
         }
         if self.json {
-            let rows = influence_table(plan, [(scene, &found)]).json();
+            let rows = with_units(influence_table(plan, [(scene, &found)]).json());
             let document = json!({ "scene": plan.describe(scene), "warning": doubt, "samples": draws, "failures": found.failures, "undecided": found.undecided, "rows": rows });
             return Ok(format!("{document:#}\n"));
         }
@@ -136,4 +136,14 @@ fn summary(heading: &str, answer: &str) -> String {
          in parentheses are 95 % intervals.\n{}",
         lines.collect::<String>()
     )
+}
+
+/// Rows for machines in which a unit is text, also the unit 1 of what has no dimension.
+pub(crate) fn with_units(mut rows: Value) -> Value {
+    for unit in rows.as_array_mut().into_iter().flatten().filter_map(|row| row.get_mut("unit")) {
+        if unit.is_number() {
+            *unit = Value::String(unit.to_string());
+        }
+    }
+    rows
 }

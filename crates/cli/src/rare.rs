@@ -16,6 +16,7 @@ use squeal::rare::{Options, Rare, design_points_table, rare, rare_table};
 use squeal::study::Study;
 use squeal::workers;
 
+use super::influence::with_units;
 use super::options::{check_threads, number, whole_number};
 use super::results_folder;
 use super::scene::{DrawnSceneArgs, SceneArgs};
@@ -134,8 +135,8 @@ impl RareArgs {
             folder.remove(KEPT)?;
         }
         if self.json {
-            let (rows, points) =
-                (rare_table(plan, [(scene, &found)]).json(), design_points_table(plan, [(scene, &found)]).json());
+            let points = with_units(design_points_table(plan, [(scene, &found)]).json());
+            let rows = rare_table(plan, [(scene, &found)]).json();
             let document =
                 json!({ "scene": plan.describe(scene), "seed": plan.seed, "rows": rows, "design_points": points });
             return Ok(format!("{document:#}\n"));

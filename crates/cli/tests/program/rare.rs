@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use crate::common::{assert_same, refusal, results, squeal};
+use crate::common::{assert_same, refusal, replaced, results, squeal};
 use crate::tables::columns;
 
 /// Hoffmann's oscillator, one in 100,000 of which flutters.
@@ -148,4 +148,22 @@ fn what_rare_squeal_cannot_be_asked_of_is_refused_in_one_line() {
     let discrete = "distribution = \"discrete\"\nvalues = [0.4, 0.5, 0.6]";
     let normal = "distribution = \"normal\"\nmean = 0.5\ndeviation = 0.076";
     ask(&RARE.replace(normal, discrete), &[], &["\"mu\"", "discrete", "continuous"]);
+}
+
+/// A unit is text in every document, also the unit 1 of what has no dimension.
+#[test]
+fn units_of_documents_are_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    // What squeals in few samples has no influences.
+    for (command, rows, mean) in [("rare", "design_points", "mean = 0.5"), ("influence", "rows", "mean = 0.75")] {
+        let text = replaced(&replaced(RARE, "mean = 0.5", mean), "samples = 100", "samples = 400");
+        std::fs::write(&case, text).unwrap();
+        let output = squeal().arg(command).arg(&case).arg("--json").output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let units: Vec<_> = document[rows].as_array().unwrap().iter().map(|row| row["unit"].clone()).collect();
+        assert!(units.contains(&"1".into()) && units.contains(&"Ns/m".into()), "{command}: {units:?}");
+        assert!(units.iter().all(|unit| unit.is_string() || unit.is_null()), "{command}: {units:?}");
+    }
 }
