@@ -59,9 +59,11 @@ fn fields_are_written_with_all_digits() {
     let (mesh, _) = example();
     let count = mesh.nodes.len();
     let third: Vec<f64> = (0..count).map(|at| at as f64 / 3.0).collect();
-    let field = |values: Vec<Vec<f64>>| MeshField { name: "a < b".into(), values };
+    let named = |name: &str, values: Vec<Vec<f64>>| MeshField { name: name.into(), values };
+    let field = |values| named("a < b", values);
     let mut text = Vec::new();
-    let fields = [field(vec![third.clone()]), field(vec![third.clone(), vec![0.0; count], vec![-1.0; count]])];
+    let vectors = vec![third.clone(), vec![0.0; count], vec![-1.0; count]];
+    let fields = [field(vec![third.clone()]), named("vectors", vectors)];
     write_fields_vtu(&mut text, &mesh, &fields).unwrap();
     let text = String::from_utf8(text).unwrap();
     let array = |head: &str| {
@@ -71,11 +73,16 @@ fn fields_are_written_with_all_digits() {
         words.collect::<Vec<f64>>()
     };
     assert_eq!(array("Name=\"a &lt; b\" format"), third);
-    let vectors = array("Name=\"a &lt; b\" NumberOfComponents=\"3\"");
+    let vectors = array("Name=\"vectors\" NumberOfComponents=\"3\"");
     assert_eq!(vectors, third.iter().flat_map(|&x| [x, 0.0, -1.0]).collect::<Vec<_>>());
     for wrong in [vec![third[1..].to_vec()], vec![third.clone(); 2], vec![vec![f64::NAN; count]], vec![]] {
         let error = write_fields_vtu(&mut Vec::new(), &mesh, &[field(wrong)]).unwrap_err().to_string();
         assert!(error.contains("the field \"a < b\"; allowed: one or three lists"), "{error}");
+    }
+    for twice in ["a < b", "node"] {
+        let fields = [named("a < b", vec![third.clone()]), named(twice, vec![third.clone()])];
+        let error = write_fields_vtu(&mut Vec::new(), &mesh, &fields).unwrap_err().to_string();
+        assert!(error.contains(twice) && error.contains("a name for each"), "{error}");
     }
 }
 

@@ -1,8 +1,8 @@
 //! Modes of a large brake at many points, from those that it has at one point.
 //!
 //! A search finds all modes at a point, for the price of some two hundred solutions with one factorisation. Where modes have only to shape a basis, the modes at
-//! one point, taken as a basis, have those at others roughly, and a correction of each with factors of its own point leaves little of what they miss: what
-//! contacts and friction change locally is the response of modes far above the band, which a correction brings nearly whole. Nothing is counted, and a mode of
+//! one point, taken as a basis, have those at others roughly, and corrections of each with factors of its own point leave little of what they miss: what
+//! contacts and friction change locally is the response of modes far above the band, which they bring nearly whole. Nothing is counted, and a mode of
 //! which the basis has nothing is missing: searches at other points have to tell.
 
 use cea::{BatchSolver, EigenSolver as _, Workspace, grows_too_fast};

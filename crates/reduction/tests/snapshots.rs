@@ -177,7 +177,7 @@ fn a_basis_without_points_or_modes_is_refused() {
     assert!(modes.lambdas().is_empty() && matches!(none, Err(ReductionError::NoModes)), "{none:?}");
 }
 
-/// Modes at one point, led to others by a correction each, make a basis that holds all modes there, and at points in between: with open patches modes at the one point alone do not.
+/// Modes at one point, led to others by corrections of each, make a basis that holds all modes there, and at points in between: with open patches modes at the one point alone do not.
 #[test]
 fn modes_led_to_other_points_hold_the_modes_there() {
     for n in [15, 30, 60] {

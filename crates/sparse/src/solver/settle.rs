@@ -71,13 +71,9 @@ pub(super) fn settled(
         let blur = members.iter().map(|(_, member)| pencil.blur(member.ritz)).fold(0.0, f64::max);
         // With structural damping Q is not real on the real axis, and nothing is sought there.
         let is_real = !pencil.is_structurally_damped();
-        // Only there is an eigenvalue in one group with its conjugate, or has become another's side of the axis when it was polished. A group wholly below the axis has the
-        // conjugates of one above, which is listed with its conjugates: it is left out.
-        let is_at_axis = |member: &Polished| {
-            let [ritz, polished] = [member.ritz.im, member.pair.lambda.im];
-            2.0 * ritz.abs().min(polished.abs()) <= blur || ritz * polished <= 0.0
-        };
-        let is_on_real_axis = is_real && members.iter().any(|(_, member)| is_at_axis(member));
+        // Only there is an eigenvalue in one group with its conjugate. A group wholly below the axis has the conjugates of one above, which is listed with its conjugates: it is left
+        // out.
+        let is_on_real_axis = is_real && members.iter().any(|(_, member)| 2.0 * member.ritz.im.abs() <= blur);
         if !is_on_real_axis && members.iter().all(|(_, member)| member.ritz.im < 0.0) {
             continue;
         }

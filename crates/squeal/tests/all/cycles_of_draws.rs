@@ -156,7 +156,7 @@ fn motions_that_cannot_be_followed_are_counted_and_stable_draws_are_not_among_th
         "{fates:?}"
     );
     let by_mode = std::fs::read_to_string(dir.path().join("cycles_by_mode.csv")).unwrap();
-    assert!(by_mode.contains(",2,0,0,0,0,2,"), "{by_mode}");
+    assert!(by_mode.contains(",2,0,0,0,0,0,2,"), "{by_mode}");
 }
 
 #[test]

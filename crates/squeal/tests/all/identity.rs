@@ -236,7 +236,7 @@ fn identities_of_cases_are_frozen() {
     assert_eq!(
         case.identity(),
         "\"Disc and pad\" version=2 parameters:af5570f5a181 dofs:43fd596d285c terms:d9add5032716 contact:6cf8eeb34770 \
-         constraints:75505db62254 reduction:07ca39e16c72 correlation:af5570f5a181"
+         constraints:75505db62254 reduction:f0bd3b184b26 correlation:af5570f5a181"
     );
 }
 
