@@ -476,9 +476,6 @@ fn points_that_are_open_in_equilibrium_have_their_gaps() {
     let deviation = motion.check_tangent(&modified.system(of_scene, &sample).unwrap(), 1.3e4).unwrap();
     let open = motion.contacts().iter().filter(|of| of.load < 0.0).count();
     assert!(deviation < 1e-12 && motion.contacts().len() == 144 && open > 0, "{deviation} {open}");
-    // It flutters far above the band, which a motion in time would follow.
-    let error = cycles(&brake, scene, &CycleOptions::default(), None, &()).unwrap_err().to_string();
-    assert!(error.contains("grows outside its band too") && !error.contains('\n'), "{error}");
 }
 
 #[test]

@@ -91,7 +91,9 @@ impl Problem {
         factor.substitute(side, &mut corrections);
         let corrected = |(at, x): (usize, &Vector)| {
             let correction = corrections.col_as_slice(at);
-            unit(&x.iter().zip(correction).map(|(x, correction)| x - correction).collect::<Vec<_>>())
+            let better = unit(&x.iter().zip(correction).map(|(x, correction)| x - correction).collect::<Vec<_>>());
+            // Where the shift is an eigenvalue a correction may be no number.
+            if better.iter().all(|entry| entry.is_finite()) { better } else { x.clone() }
         };
         vectors.iter().enumerate().map(corrected).collect()
     }
