@@ -82,9 +82,9 @@ pub fn lemke(q: &DVector<f64>, m: &DMatrix<f64>) -> Result<Complementary, Unsolv
 /// Choice among variables that reach zero together.
 #[derive(Clone, Copy, PartialEq)]
 enum Ties {
-    /// That with the largest pivot: the fewest digits are lost, but the path may come back to where it was.
+    /// Variable with the largest pivot: the fewest digits are lost, but the path may come back to where it was.
     LargestPivot,
-    /// That whose row of the inverse of the basis, over its pivot, is the least in lexicographic order: no basis comes twice (Cottle, Pang and Stone, The Linear
+    /// Variable whose row of the inverse of the basis, over its pivot, is the least in lexicographic order: no basis comes twice (Cottle, Pang and Stone, The Linear
     /// Complementarity Problem, 4.9), so that the path ends, also of the degenerate problems of contacts that are alike.
     Lexicographic,
 }

@@ -67,7 +67,7 @@ pub(crate) const AT_ONCE: usize = 16;
 
 /// Questions to a limit state: answered at once by [`Counted`], in step with other searches by [`InStep`].
 pub(crate) trait Asked: Sync {
-    /// What ends a search without a result.
+    /// End of a search without a result.
     type Error: From<Error>;
 
     fn dimensions(&self) -> usize;

@@ -22,7 +22,7 @@ use crate::ReductionError;
 /// from there. Chosen: with less, a mode that friction moves into the rectangle may be missing; with more, full problems have more modes.
 const MARGIN: f64 = 0.02;
 
-/// The same of the modes from which those at other points go out; chosen: contacts that open lower the frequencies of modes beside the band by less, and with more a
+/// Largest distance from the rectangle, as such a fraction, of the modes from which those at other points go out; chosen: contacts that open lower the frequencies of modes beside the band by less, and with more a
 /// search finds more modes.
 const FAR_MARGIN: f64 = 0.3;
 

@@ -46,6 +46,7 @@ fn lambdas(pairs: Vec<Eigenpair>) -> Vec<Complex<f64>> {
     pairs.into_iter().map(|pair| pair.lambda).collect()
 }
 
+/// Largest growth rate of modes, 1/s; 0 where none grows.
 fn fastest(modes: &[Complex<f64>]) -> f64 {
     modes.iter().map(|lambda| lambda.re).fold(0.0, f64::max)
 }

@@ -1,4 +1,4 @@
-//! What `squeal cycle` says beside its cycles: whether a mode starts or stops growing at an onset, and that a brake diverges too.
+//! Sentences of `squeal cycle` beside its cycles: whether a mode starts or stops growing at an onset, and that a brake diverges too.
 
 use super::common::answer;
 use super::more_than_modes::oscillators;

@@ -42,7 +42,7 @@ pub(super) fn oscillators(parameters: &str, of_each: &[(f64, &str)], more: &str)
     text + more
 }
 
-/// Of two oscillators one squeals for x < 0 and the other one for x > 0: each in half of the draws, some in all of them, which is what a reader asks.
+/// Two oscillators, of which one squeals for x < 0 and the other one for x > 0: each in half of the draws, some in all of them, which is what a reader asks.
 #[test]
 fn a_brake_that_squeals_in_every_draw_is_told_as_that_whichever_mode_does() {
     let x = "[parameters.x]\ndistribution = \"uniform\"\nfrom = -1.0\nto = 1.0\n";
@@ -73,7 +73,7 @@ fn a_brake_that_squeals_in_every_draw_is_told_as_that_whichever_mode_does() {
     }
 }
 
-/// Of two equal oscillators every unstable mode is "1|2". Where it is unstable no table of modes by name tells, and nothing says that it is where the modes are
+/// Two equal oscillators, of which every unstable mode is "1|2". Where it is unstable no table of modes by name tells, and nothing says that it is where the modes are
 /// at the medians; a measured frequency is open where some mode of its third octave squeals, and missed far from all that does.
 #[test]
 fn a_mode_whose_names_are_always_open_is_nowhere_for_sure() {
@@ -103,7 +103,7 @@ fn a_mode_whose_names_are_always_open_is_nowhere_for_sure() {
     assert!(rows.len() >= 2 && rows.iter().take(2).all(|row| row[1] == "-" && row[2] != "-"), "{rows:?}");
 }
 
-/// Of two equal oscillators that squeal each mode is asked why, under its own rank.
+/// Two equal oscillators that squeal, each of whose modes is asked why, under its own rank.
 #[test]
 fn equal_modes_have_reasons_under_their_own_ranks() {
     let dir = tempfile::tempdir().unwrap();

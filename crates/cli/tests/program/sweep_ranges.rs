@@ -1,4 +1,4 @@
-//! What the page of a sweep says of ranges, beside the closed form of brakes whose masses move apart from each other.
+//! Ranges that the page of a sweep says, beside the closed form of brakes whose masses move apart from each other.
 
 use std::fmt::Write as _;
 

@@ -17,7 +17,7 @@ const TOGETHER: usize = 12;
 /// Number of steps from guesses; chosen: with one, bases of what guesses become have a tenth more columns; with more, they gain little.
 const STEPS: usize = 2;
 
-/// What is known of an eigenpair: its eigenvalue, rad/s, the right vector phi and the left vector psi, over the n degrees of freedom, nearly.
+/// Guess of an eigenpair: eigenvalue, rad/s, right vector phi and left vector psi, over the n degrees of freedom, each of them nearly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Guess {
     /// Nearly the eigenvalue lambda, rad/s.
