@@ -6,7 +6,7 @@
 //! which the basis has nothing is missing: searches at other points have to tell.
 
 use cea::{BatchSolver, EigenSolver as _, Workspace, grows_too_fast};
-use linsys::{AffineSystem, OperatingPoint};
+use linsys::{AffineSystem, OperatingPoint, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::{Guess, Problem, Rectangle, SparseAffineSystem};
@@ -14,7 +14,6 @@ use sparse::{Guess, Problem, Rectangle, SparseAffineSystem};
 use super::basis::{ROUNDING, directions};
 use super::snapshots::{SnapshotMode, columns, with_margin};
 use super::spectra::vectors;
-use super::{dense, split};
 use crate::ReductionError;
 
 /// Largest distance from the rectangle, as a fraction of the largest |lambda| in it, of guesses that are corrected; chosen: a mode in the rectangle has a guess above it,
@@ -63,11 +62,7 @@ impl<'a> NearModes<'a> {
         lambdas.retain(|&lambda| {
             lambda.im > 0.0 && self.around.contains_to_the_right(lambda, 0.0) && !grows_too_fast(lambda)
         });
-        let lifted = |shape: &DVector<Complex<f64>>| {
-            let mut parts = split::zeros(shape.len(), 1);
-            split::set(&mut parts, 0, shape.iter().copied());
-            split::vector(&dense::product(&self.basis, &parts), 0)
-        };
+        let lifted = |shape: &DVector<Complex<f64>>| real_times_complex(&self.basis, shape);
         let mut guesses = Vec::with_capacity(lambdas.len());
         for [right, left] in vectors(&[small], std::slice::from_ref(&lambdas))? {
             guesses.extend((0..lambdas.len()).map(|at| Guess {
