@@ -103,6 +103,22 @@ fn a_mode_whose_names_are_always_open_is_nowhere_for_sure() {
     assert!(rows.len() >= 2 && rows.iter().take(2).all(|row| row[1] == "-" && row[2] != "-"), "{rows:?}");
 }
 
+/// Two equal oscillators that squeal in every draw under the names "1|2", and one with a name that squeals in some: of the two nothing is known by name, so that they may grow faster.
+#[test]
+fn the_fastest_of_the_modes_with_sure_names_is_not_called_the_fastest_of_all() {
+    let x = "[parameters.x]\ndistribution = \"uniform\"\nfrom = -1.0\nto = 1.0\n";
+    for (pair, among) in [("0.5", " of the modes whose names are sure"), ("0.1", "")] {
+        let dir = tempfile::tempdir().unwrap();
+        let (case, out) = (dir.path().join("brake.toml"), dir.path().join("study"));
+        let of_each = [(1.0, pair), (1.0, pair), (9.0, "0.27-0.2*x")];
+        std::fs::write(&case, oscillators(x, &of_each, "")).unwrap();
+        run(&case, &out, &[]);
+        let summary = std::fs::read_to_string(out.join("summary.md")).unwrap();
+        assert!(summary.contains(&format!("The fastest growing{among} is mode ")), "{summary}");
+        assert_eq!(summary.contains("may grow faster."), !among.is_empty(), "{summary}");
+    }
+}
+
 /// Two equal oscillators that squeal, each of whose modes is asked why, under its own rank.
 #[test]
 fn equal_modes_have_reasons_under_their_own_ranks() {

@@ -36,7 +36,8 @@ impl Results {
             .collect();
         if !bands.is_empty() {
             answer.push(Block::Heading("In which bands".into()));
-            answer.push(Block::Paragraph(lights(self.has_one_arrangement())));
+            let has_open_names = (0..findings.len()).any(|set| has_open_names(self, set));
+            answer.push(Block::Paragraph(lights(self.has_one_arrangement(), has_open_names)));
             answer.extend(bands);
         }
         let beside = self.beside_measured(&findings);
@@ -72,11 +73,23 @@ impl Results {
 /// Largest number of drawn inputs that are named; chosen: as many as the laws of friction have.
 const NAMED: usize = 8;
 
+/// Indices of the scenes of a set of constraints.
+fn scenes_of(results: &Results, set: usize) -> impl Iterator<Item = usize> {
+    results
+        .panels()
+        .iter()
+        .filter(move |panel| panel.key.constraints == set)
+        .flat_map(|panel| panel.scenes.iter().copied())
+}
+
 /// True if an evaluation of a set of constraints failed, or has a verdict that is open.
 fn is_open(results: &Results, set: usize) -> bool {
-    let scenes = results.panels().iter().filter(|panel| panel.key.constraints == set).flat_map(|panel| &panel.scenes);
-    let mut open = scenes.map(|&scene| results.failed(scene) + results.summary.tally.scenes[scene].undecided);
-    open.any(|open| open > 0)
+    scenes_of(results, set).any(|scene| results.failed(scene) + results.summary.tally.scenes[scene].undecided > 0)
+}
+
+/// True if an unstable mode of a set of constraints has a name that is open, or none: how strong it is no name tells.
+fn has_open_names(results: &Results, set: usize) -> bool {
+    scenes_of(results, set).any(|scene| results.summary.tally.scenes[scene].ambiguous_modes > 0)
 }
 
 /// Sentence on the unstable modes of a set of constraints.
@@ -129,7 +142,8 @@ fn squealing(results: &Results, set: usize, found: &SetFindings<'_>) -> String {
     format!("**{}**: {words}.", set_in_words(results, set))
 }
 
-/// Words for the fastest growing mode, where no sentence on likely modes names it.
+/// Words for the fastest growing mode, where no sentence on likely modes names it. Where an unstable mode has an open name or none, it is the fastest of the others
+/// alone, and that is said.
 fn worst(results: &Results, set: usize, found: &SetFindings<'_>) -> Option<String> {
     let growth = |name: ModeLabel| Some(results.strength(set, name)?.growth.range()?.upper);
     let by_growth = |a: &(f64, _), b: &(f64, _)| a.0.total_cmp(&b.0);
@@ -142,7 +156,11 @@ fn worst(results: &Results, set: usize, found: &SetFindings<'_>) -> Option<Strin
             true => String::new(),
             false => format!(" with {}", place(results, range.most.1)),
         };
-        format!("The fastest growing is {mode}, in {occurrence} of the draws{place}{}", grows(results, set, name))
+        let among = if has_open_names(results, set) { " of the modes whose names are sure" } else { "" };
+        format!(
+            "The fastest growing{among} is {mode}, in {occurrence} of the draws{place}{}",
+            grows(results, set, name)
+        )
     })
 }
 

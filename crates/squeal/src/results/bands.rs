@@ -16,8 +16,14 @@ const MOST_BANDS: u16 = 40;
 /// Heading of the column with `red`, `amber` and `green`.
 pub const LIGHT: &str = "Light";
 
-/// Text for a reader of the lights, of a study of one arrangement or of several.
-pub(super) fn lights(has_one_arrangement: bool) -> String {
+/// Text for a reader of the lights, of a study of one arrangement or of several, in which names of unstable modes are open or not.
+pub(super) fn lights(has_one_arrangement: bool, has_open_names: bool) -> String {
+    let strength = match has_open_names {
+        true => {
+            " Growth and damping are of the modes listed: a mode whose name is open, or that has none, may grow faster."
+        }
+        false => "",
+    };
     let [of, largest] = match has_one_arrangement {
         true => ["", ""],
         false => [" of an arrangement", "the largest of an arrangement, "],
@@ -28,7 +34,7 @@ pub(super) fn lights(has_one_arrangement: bool) -> String {
          each draw once. A mode is listed where the median of its frequency lies, over the draws in which it is unstable; in parentheses where \
          only some of these draws reach the band, and nowhere where its name is open in all of them. A light with * is of a band that was studied in part. The last row is of anything at all, modes of \
          all third octaves and divergence together, each draw once: modes that alternate from draw to draw are more often unstable together than in \
-         any band."
+         any band.{strength}"
     )
 }
 

@@ -6,17 +6,18 @@ use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
 use output::{Table, hertz, significant};
 use rayon::prelude::*;
-use study::{ModeLabel, Plan, Reference, SceneLabels, SetLinks, Study, UncertainBrake, set_links};
+use study::{ModeLabel, Plan, SceneLabels, SetLinks, Study, UncertainBrake, set_links};
 
 use crate::Error;
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
 
 /// Most parameters that a sentence names; chosen.
 const MOST_IN_A_SENTENCE: usize = 3;
-/// Largest relative distance of an eigenvalue from the eigenvalue of the same reference mode; chosen: both are solved to rounding.
+/// Relative distance within which an unstable eigenvalue takes the names of a reference mode; chosen: both are solved to rounding, which two modes that meet
+/// magnify.
 const SAME_MODE: f64 = 1e-6;
 
-/// The unstable modes of a scene at its medians, with the candidates for the name of each.
+/// The unstable modes of a scene at its medians, with the candidates for the name of each: none of a mode that has no name in the study.
 pub struct SceneReasons {
     /// Index of the scene in the plan.
     pub scene: usize,
@@ -24,10 +25,10 @@ pub struct SceneReasons {
     pub modes: Result<Vec<(Vec<ModeLabel>, Why)>, String>,
 }
 
-/// Reasons why modes grow in each scene whose net work is wanted, those with all contacts closed for instance; and, beside them, the links of modes
-/// between sets of constraints, which count as one more scene in what is told.
+/// Reasons why modes grow in each scene with [`wants_work`](study::Scene::wants_work), of a lattice those with all contacts closed; and, computed beside them on
+/// the same threads, the links of modes between sets of constraints. Progress counts the links as one scene.
 ///
-/// A mode that has no name in the study is left out, such as one of a reduced brake that grows faster than anything its basis is made for.
+/// A progress that is cancelled leaves scenes without an answer: whoever cancels it has to end before they are written.
 ///
 /// # Errors
 /// Errors of following modes from one set of constraints to another.
@@ -62,8 +63,8 @@ fn scenes_with_work(plan: &Plan) -> Vec<usize> {
     (0..plan.scenes.len()).filter(|&at| plan.scenes[at].wants_work).collect()
 }
 
-/// Time, roughly, that [`reasons_and_links`] takes for reasons on `threads` threads: one mode of the first of its scenes is timed, and counts for each that grows
-/// at the medians.
+/// Time, roughly, that [`reasons_and_links`] takes for reasons on `threads` threads: one mode of the first scene is timed, and that time is multiplied by the number
+/// of modes that grow at the medians.
 pub fn time_for_reasons<B: UncertainBrake>(study: &Study<'_, B>, threads: usize) -> Duration {
     let scenes = scenes_with_work(study.plan());
     let Some(&first) = scenes.first() else { return Duration::ZERO };
@@ -76,10 +77,9 @@ pub fn time_for_reasons<B: UncertainBrake>(study: &Study<'_, B>, threads: usize)
     // A mode that has no answer takes as long.
     let _ = explainer.why(&modes[..modes.len().min(1)], &mut work);
     let by_mode = start.elapsed();
-    let growing = |scene: &usize| {
-        let Reference { modes, names, .. } = &study.references()[*scene];
-        modes.iter().zip(names).filter(|(mode, names)| mode.lambda.re > 0.0 && !names.is_empty()).count()
-    };
+    let plan = study.plan();
+    let is_asked = |mode: &&cea::Mode| plan.threshold.margin(mode.lambda) > 0.0 && plan.is_studied(mode.lambda);
+    let growing = |scene: &usize| study.references()[*scene].modes.iter().filter(is_asked).count();
     let all = by_scene.mul_f64(scenes.len() as f64) + by_mode.mul_f64(scenes.iter().map(growing).sum::<usize>() as f64);
     all.div_f64(threads.min(scenes.len()).max(1) as f64)
 }
@@ -87,18 +87,12 @@ pub fn time_for_reasons<B: UncertainBrake>(study: &Study<'_, B>, threads: usize)
 fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec<(Vec<ModeLabel>, Why)>, Error> {
     let mut work = Workspace::default();
     let explainer = Explainer::new(study.brake(), &study.plan().scenes[scene], &mut work)?;
-    let Reference { modes, names, .. } = &study.references()[scene];
-    let mut unstable = explainer.unstable(&mut work)?;
-    let distance = |lambda: &num_complex::Complex<f64>, at: usize| (modes[at].lambda - lambda).norm();
-    let mut named = Vec::with_capacity(unstable.len());
-    unstable.retain(|lambda| {
-        let nearest = (0..modes.len()).min_by(|&a, &b| distance(lambda, a).total_cmp(&distance(lambda, b)));
-        let is_named = |at: &usize| distance(lambda, *at) <= SAME_MODE * lambda.norm() && !names[*at].is_empty();
-        let known = nearest.filter(is_named);
-        named.extend(known.map(|at| names[at].clone()));
-        known.is_some()
+    let (reference, unstable) = (&study.references()[scene], explainer.unstable(&mut work)?);
+    let names = unstable.iter().map(|lambda| {
+        let is_same = |at: &usize| (reference.modes[*at].lambda - lambda).norm() <= SAME_MODE * lambda.norm();
+        reference.names_of((0..reference.modes.len()).filter(is_same))
     });
-    Ok(named.into_iter().zip(explainer.why(&unstable, &mut work)?).collect())
+    Ok(names.zip(explainer.why(&unstable, &mut work)?).collect())
 }
 
 /// Writes `sensitivities.csv`.
@@ -201,11 +195,11 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
             (true, false) => listed.join(", "),
         };
         let (hz, growth) = (hertz(frequency_hz(why.lambda)), why.lambda.re);
-        text += &format!(
-            "- {described}: mode {} at {hz} Hz, growth {} 1/s: {change}\n",
-            ModeLabel::candidates(names),
-            significant(growth, 4)
-        );
+        let mode = match &names[..] {
+            [] => "a mode without a name".to_owned(),
+            _ => format!("mode {}", ModeLabel::candidates(names)),
+        };
+        text += &format!("- {described}: {mode} at {hz} Hz, growth {} 1/s: {change}\n", significant(growth, 4));
     }
     text
 }

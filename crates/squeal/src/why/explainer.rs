@@ -81,22 +81,22 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         Ok(Self { brake, scene, at, system, spectrum, structure: RealModes::new(&structure.m, &structure.k) })
     }
 
-    /// Modes that surely are unstable, ascending in frequency: beyond the threshold of the plan by more than rounding; for a brake that finds its modes itself
-    /// the modes that the brake says are unstable, as in a study.
+    /// Modes that the plan studies and that surely are unstable, ascending in frequency: beyond the threshold of the plan by more than rounding; for a brake that
+    /// finds its modes itself the modes that the brake says are unstable, as in a study.
     ///
     /// # Errors
     /// Errors of the brake and of [`verdicts_beyond`].
     pub fn unstable(&self, work: &mut Workspace) -> Result<Vec<Complex<f64>>, Error> {
-        let (modes, threshold) = (self.oscillating(), &self.brake.plan().threshold);
+        let (modes, plan) = (self.oscillating(), self.brake.plan());
         if let Some(source) = self.brake.mode_source() {
-            let found = source.band_modes(self.scene, std::slice::from_ref(&self.at)).remove(0)?;
-            let unstable = found.iter().filter(|mode| mode.verdict(threshold) == Verdict::Unstable);
-            let unstable: Vec<_> = unstable.filter_map(|mode| self.counterpart(mode.lambda)).collect();
+            let mut found = source.band_modes(self.scene, std::slice::from_ref(&self.at)).remove(0)?;
+            found.retain(|of| plan.is_studied(of.lambda) && of.verdict(&plan.threshold) == Verdict::Unstable);
+            let unstable: Vec<_> = found.iter().filter_map(|mode| self.counterpart(mode.lambda)).collect();
             return Ok(modes.into_iter().filter(|mode| unstable.contains(mode)).collect());
         }
-        let verdicts = verdicts_beyond(threshold, &self.system, &modes, &self.spectrum, work)?;
-        let unstable = modes.into_iter().zip(verdicts);
-        Ok(unstable.filter(|(_, of)| *of == Verdict::Unstable).map(|(mode, _)| mode).collect())
+        let verdicts = verdicts_beyond(&plan.threshold, &self.system, &modes, &self.spectrum, work)?;
+        let unstable = modes.into_iter().zip(verdicts).filter(|(_, of)| *of == Verdict::Unstable);
+        Ok(unstable.map(|(mode, _)| mode).filter(|mode| plan.is_studied(*mode)).collect())
     }
 
     /// The eigenvalue of the system of this scene that stands for the eigenvalue `lambda` of the brake, rad/s: itself, or, where dashpots stand in the system

@@ -213,3 +213,64 @@ fn a_run_writes_the_derivatives_of_its_scenes() {
     assert!(summary.contains("\n## Why\n") && fastest > 0, "{summary}");
     assert!(!table.contains(",failed,"), "{table}");
 }
+
+/// The lattice of four oscillators about another friction, its modes named by one of both identities.
+fn two_by_two(mu: f64, identity: &str) -> LatticeCase {
+    let text = std::fs::read_to_string(cases("two-by-two.toml")).unwrap();
+    let drawn = format!("from = {}, to = {}", 0.9 * mu, 1.1 * mu);
+    let text = text.replace("from = 0.3, to = 0.7", &drawn).replace("mean = 0.45", "mean = 0.55");
+    let text = text.replace("[readings]\n", &format!("[readings]\nidentity = \"{identity}\"\n"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text.replace("samples = 200", "samples = 4")).unwrap();
+    LatticeCase::read(&path).unwrap()
+}
+
+/// Whatever names its modes have, one, several or none: by likeness, strong friction makes modes of which none at the origin is the like.
+#[test]
+fn every_growing_mode_has_its_reasons_and_the_fastest_is_the_fastest_of_all() {
+    let (mut unnamed, mut silent) = (0, 0);
+    for (mu, identity) in
+        [(0.05, "mac"), (0.1, "mac"), (0.2, "mac"), (0.6, "mac"), (0.2, "continuation"), (0.6, "continuation")]
+    {
+        let (brake, folder) = (LatticeBrake::new(two_by_two(mu, identity)).unwrap(), tempfile::tempdir().unwrap());
+        run_study(&brake, folder.path(), Some(1), &mut |_, _, _| Ok(())).unwrap();
+        let table = output::Table::read(&folder.path().join("sensitivities.csv")).unwrap().unwrap();
+        let column = |name: &str| table.column(name).unwrap().map(str::to_owned).collect::<Vec<_>>();
+        let (growths, hertz) = (column("growth_rate"), column("frequency_hz"));
+        let keys = ["constraints", "law", "speed", "in_contact", "arrangement"].map(column);
+        unnamed += column("mode").iter().filter(|mode| *mode == "?").count();
+        let summary = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
+        for scene in brake.plan.scenes.iter().filter(|scene| scene.wants_work) {
+            let system = brake.system(scene, &brake.median()).unwrap();
+            let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
+            let mut growing: Vec<Complex<f64>> =
+                spectrum.eigenvalues.into_iter().filter(|of| of.im > 0.0 && of.re > 1e-9 * of.norm()).collect();
+            let labels = &brake.plan.labels;
+            let key = labels.mode_columns(scene.key, scene.members[0], squeal::study::ModeLabel::new(0));
+            let is_of_scene = |row: &usize| keys.iter().zip(&key).all(|(column, of)| column[*row] == *of);
+            let rows: Vec<Complex<f64>> = (0..growths.len())
+                .filter(is_of_scene)
+                .map(|row| Complex::new(growths[row].parse().unwrap(), TAU * hertz[row].parse::<f64>().unwrap()))
+                .collect();
+            for lambda in &growing {
+                assert!(
+                    rows.iter().any(|row| (row - lambda).norm() < 1e-9 * lambda.norm()),
+                    "{mu} {identity}: {lambda}"
+                );
+            }
+            growing.sort_by(|a, b| a.re.total_cmp(&b.re));
+            let said = format!("- {}: ", brake.plan.describe(scene));
+            let line = summary.lines().find(|line| line.starts_with(&said)).unwrap();
+            let Some(fastest) = growing.last() else {
+                silent += 1;
+                assert!(line.ends_with("no oscillating mode surely grows at its medians"), "{line}");
+                continue;
+            };
+            let hz = output::hertz(cea::frequency_hz(*fastest));
+            let expected = format!(" at {hz} Hz, growth {} 1/s: ", output::significant(fastest.re, 4));
+            assert!(line.contains(&expected), "{mu} {identity}: {line}: {expected}");
+        }
+    }
+    assert!(unnamed > 0 && silent > 0, "{unnamed} {silent}");
+}
