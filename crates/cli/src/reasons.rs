@@ -12,6 +12,8 @@ use crate::Error;
 const MOST_INFLUENCES: usize = 16;
 /// Most contacts and modes of the structure that are listed; chosen: a line.
 const MOST_IN_A_LINE: usize = 6;
+/// Most influences of values that are 0 that are listed; chosen: a line.
+const MOST_OF_ZERO: usize = 3;
 /// Least part of a mode of the structure that is listed; chosen: half of a digit shown.
 const LEAST_PART: f64 = 0.0005;
 /// Note on the columns of an answer, printed below the last one.
@@ -124,8 +126,12 @@ fn influences(why: &Why) -> String {
         "  {:<30}  {:>10} {:<6}  {:>13}  {:>10}  {:>12}\n",
         "1 % more of", "value", "", "growth 1/s ", "Hz", "holds to"
     );
-    for influence in why.influences.iter().take(MOST_INFLUENCES) {
-        let Influence { name, unit, value, growth_per_percent: growth, frequency_hz_per_percent: hz, .. } = influence;
+    let (with_percent, zero): (Vec<&Influence>, Vec<_>) =
+        why.influences.iter().partition(|influence| influence.growth_per_percent.is_some());
+    for influence in with_percent.iter().take(MOST_INFLUENCES) {
+        let Influence { name, unit, value, .. } = influence;
+        let [growth, hz] =
+            [influence.growth_per_percent, influence.frequency_hz_per_percent].map(Option::unwrap_or_default);
         // The unit, or the first word of what is no unit; empty for a number without unit.
         let unit = unit.split(' ').next().filter(|unit| *unit != "1").unwrap_or_default();
         let growth = match influence.holds_for_a_percent() {
@@ -135,11 +141,18 @@ fn influences(why: &Why) -> String {
         let (value, reach) = (significant(*value, 4), reach(influence));
         text += &format!("  {name:<30}  {value:>10} {unit:<6}  {growth:>13}  {hz:>+10.4}  {reach:>12}\n");
     }
-    let (all, shown) = (why.influences.len(), why.influences.len().min(MOST_INFLUENCES));
+    let (all, shown) = (with_percent.len(), with_percent.len().min(MOST_INFLUENCES));
     text += &format!(
         "  {shown} of {all}, by the change of the growth; {:.0e} of a derivative could be rounding\n",
         why.blur
     );
+    let by_unit = |of: &&Influence| format!("{} {:+.4} {} up to {}", of.name, of.growth, of.per_unit(), reach(of));
+    let shown: Vec<String> = zero.iter().take(MOST_OF_ZERO).map(by_unit).collect();
+    if !shown.is_empty() {
+        let more =
+            if zero.len() > shown.len() { format!(", and {} more", zero.len() - shown.len()) } else { String::new() };
+        text += &format!("  of values that are 0, without a per cent: {}{more}\n", shown.join(", "));
+    }
     if !why.names_parameters {
         text += "  the brake names no parameters: of contacts and terms alone\n";
     }

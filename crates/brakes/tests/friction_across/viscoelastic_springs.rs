@@ -253,7 +253,7 @@ fn ratio_and_rate_are_swept_and_explain_what_a_mode_does() {
         let explainer = squeal::why::Explainer::new(&brake, scene, &mut work).unwrap();
         for why in explainer.why(&modes, &mut work).unwrap() {
             let by = |name: &str| why.influences.iter().find(|influence| influence.name == name).unwrap();
-            let [of_g, of_branches] = [by("g"), by("relaxation of shim")].map(|by| by.growth_per_percent);
+            let [of_g, of_branches] = [by("g"), by("relaxation of shim")].map(|by| by.growth_per_percent.unwrap());
             assert!((of_g - of_branches).abs() < 1e-6 * of_g.abs() + 1e-9, "{of_g} {of_branches}");
             let of_family = |name: &str| why.balance.families.iter().find(|family| family.name == name).unwrap().growth;
             assert!(of_family("shim") <= 0.0 && of_family("mount") < 0.0);

@@ -11,7 +11,7 @@ use study::{ModeLabel, Plan, SceneLabels, SetLinks, Study, UncertainBrake, set_l
 use crate::Error;
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
 
-/// Most parameters that a sentence names; chosen.
+/// Most parameters that a sentence names, and most of those that are 0; chosen.
 const MOST_IN_A_SENTENCE: usize = 3;
 /// Relative distance within which an unstable eigenvalue takes the names of a reference mode; chosen: both are solved to rounding, which two modes that meet
 /// magnify.
@@ -143,16 +143,19 @@ pub(super) fn sensitivities(plan: &Plan, reasons: &[SceneReasons]) -> Table {
                 let Influence { kind, name, unit, value, growth, frequency_hz: frequency, .. } = influence;
                 let text = [kind.to_string(), name.clone(), unit.clone()];
                 let numbers = [
-                    *value,
-                    *growth,
-                    *frequency,
+                    Some(*value),
+                    Some(*growth),
+                    Some(*frequency),
                     influence.growth_per_percent,
                     influence.frequency_hz_per_percent,
-                    influence.growth_holds_to,
-                    influence.frequency_holds_to,
+                    Some(influence.growth_holds_to),
+                    Some(influence.frequency_holds_to),
                 ];
                 let of_mode = [frequency_hz(why.lambda), why.lambda.re].map(|x| x.to_string());
-                let cells = of_mode.into_iter().chain(text).chain(numbers.map(|x| x.to_string()));
+                let cells = of_mode
+                    .into_iter()
+                    .chain(text)
+                    .chain(numbers.map(|x| x.map_or_else(String::new, |x| x.to_string())));
                 rows.push(key(&mode).into_iter().chain(cells).collect());
             }
         }
@@ -179,16 +182,24 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
             text += &format!("- {described}: no oscillating mode surely grows at its medians\n");
             continue;
         };
-        let parameters = why.influences.iter().filter(|influence| influence.kind == InfluenceKind::Parameter);
-        let listed = parameters.filter(|influence| influence.growth_per_percent != 0.0).take(MOST_IN_A_SENTENCE);
-        let listed: Vec<String> = listed
-            .map(|influence| {
-                let caution = if influence.holds_for_a_percent() { "" } else { " (for less than 1 %)" };
-                let change = influence.growth_per_percent;
-                let sign = if change > 0.0 { "+" } else { "" };
-                format!("{} by {sign}{} 1/s{caution}", influence.name, significant(change, 3))
-            })
-            .collect();
+        let changing = |influence: &&Influence| influence.kind == InfluenceKind::Parameter && influence.growth != 0.0;
+        let (mut by_percent, mut by_unit) = (Vec::new(), Vec::new());
+        for influence in why.influences.iter().filter(changing) {
+            let name = &influence.name;
+            match influence.growth_per_percent {
+                Some(change) => {
+                    let caution = if influence.holds_for_a_percent() { "" } else { " (for less than 1 %)" };
+                    by_percent.push(format!("{name} by {} 1/s{caution}", signed(change)));
+                }
+                None => by_unit.push(format!(
+                    "{name}, which is 0, by {} {}",
+                    signed(influence.growth),
+                    influence.per_unit()
+                )),
+            }
+        }
+        let most = |of: Vec<String>| of.into_iter().take(MOST_IN_A_SENTENCE);
+        let listed: Vec<String> = most(by_percent).chain(most(by_unit)).collect();
         let change = match (why.is_simple, listed.is_empty()) {
             (false, _) => "it has no derivatives, equal to another eigenvalue within rounding".to_owned(),
             (true, true) => "no named parameter changes it".to_owned(),
@@ -202,4 +213,9 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
         text += &format!("- {described}: {mode} at {hz} Hz, growth {} 1/s: {change}\n", significant(growth, 4));
     }
     text
+}
+
+/// A number with three digits and its sign.
+fn signed(change: f64) -> String {
+    format!("{}{}", if change > 0.0 { "+" } else { "" }, significant(change, 3))
 }

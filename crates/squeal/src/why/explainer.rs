@@ -43,7 +43,7 @@ pub struct Why {
     pub blur: f64,
     /// The mode has derivatives: its eigenvalue is simple as far as can be told.
     pub is_simple: bool,
-    /// Influences on the mode, the one that changes the growth by most per cent first; empty where the eigenvalue is not simple.
+    /// Influences on the mode, the one that changes the growth by most per cent first, those of values that are 0 last; empty where the eigenvalue is not simple.
     pub influences: Vec<Influence>,
     /// The brake names its parameters; of one that does not, contacts and terms alone are listed.
     pub names_parameters: bool,

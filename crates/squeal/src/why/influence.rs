@@ -52,10 +52,10 @@ pub struct Influence {
     pub growth: f64,
     /// Derivative d frequency / d value, Hz per unit.
     pub frequency_hz: f64,
-    /// Change of the growth, 1/s, as the value grows by one per cent.
-    pub growth_per_percent: f64,
-    /// Change of the frequency, Hz, as the value grows by one per cent.
-    pub frequency_hz_per_percent: f64,
+    /// Change of the growth, 1/s, as the value grows by one per cent; `None` of a value that is 0, which has no per cent.
+    pub growth_per_percent: Option<f64>,
+    /// Change of the frequency, Hz, as the value grows by one per cent; `None` of a value that is 0.
+    pub frequency_hz_per_percent: Option<f64>,
     /// Largest change of the value over which the derivative of the growth holds to a tenth, by the second derivative; infinite where
     /// that is 0.
     pub growth_holds_to: f64,
@@ -65,7 +65,9 @@ pub struct Influence {
 
 impl Influence {
     pub(super) fn new(kind: InfluenceKind, name: &str, unit: &str, value: f64, rates: &Rates) -> Self {
-        let (growth, frequency) = (rates.first.re, frequency_hz(rates.first));
+        // Adding 0 takes the sign off a 0.
+        let (growth, frequency) = (rates.first.re + 0.0, frequency_hz(rates.first) + 0.0);
+        let per_percent = |rate: f64| (value != 0.0).then_some(0.01 * value * rate + 0.0);
         Self {
             kind,
             name: name.into(),
@@ -73,11 +75,17 @@ impl Influence {
             value,
             growth,
             frequency_hz: frequency,
-            growth_per_percent: 0.01 * value * growth,
-            frequency_hz_per_percent: 0.01 * value * frequency,
+            growth_per_percent: per_percent(growth),
+            frequency_hz_per_percent: per_percent(frequency),
             growth_holds_to: rates.growth_holds_to(),
             frequency_holds_to: rates.frequency_holds_to(),
         }
+    }
+
+    /// Unit of the derivative of the growth, for people: `1/s per Ns/m`.
+    #[must_use]
+    pub fn per_unit(&self) -> String {
+        if self.unit == "1" { "1/s".to_owned() } else { format!("1/s per {}", self.unit) }
     }
 
     /// True if the first order of the growth holds for a change by one per cent.
@@ -192,7 +200,14 @@ pub(super) fn between(
     expansion.rates(&Perturbation::between(triple, systems, half_step))
 }
 
-/// Puts the influence that changes the growth by most per cent first.
+/// Puts the influence that changes the growth by most per cent first; those of values that are 0 stand behind all others, parameters first, by their derivatives.
 pub(super) fn rank(influences: &mut [Influence]) {
-    influences.sort_by(|a, b| b.growth_per_percent.abs().total_cmp(&a.growth_per_percent.abs()));
+    let key = |of: &Influence| match of.growth_per_percent {
+        Some(change) => (0, -change.abs()),
+        None => (1 + u8::from(of.kind != InfluenceKind::Parameter), -of.growth.abs()),
+    };
+    influences.sort_by(|a, b| {
+        let [(group, change), (other, by)] = [key(a), key(b)];
+        group.cmp(&other).then(change.total_cmp(&by))
+    });
 }

@@ -18,13 +18,68 @@ use crate::cases::{cases, paper};
 /// Hoffmann's oscillator with another median of mu.
 fn hoffmann(mu: f64) -> MatricesCase {
     let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
-    let text =
-        text.replace("from = 0.5", &format!("from = {}", mu - 0.1)).replace("to = 1.1", &format!("to = {}", mu + 0.1));
+    of_matrices(
+        &text.replace("from = 0.5", &format!("from = {}", mu - 0.1)).replace("to = 1.1", &format!("to = {}", mu + 0.1)),
+    )
+}
+
+fn of_matrices(text: &str) -> MatricesCase {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.toml");
     std::fs::write(&path, text).unwrap();
     let CaseFile::Matrices(case) = CaseFile::read(&path).unwrap() else { unreachable!("it has matrices") };
     *case
+}
+
+/// Hoffmann's oscillator with parameters of one's own, a table each, its coefficient of friction and a slope.
+fn hoffmann_with(parameters: &str, mu: &str, slope: &str) -> MatricesBrake {
+    let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
+    let (before, rest) = text.split_once("[parameters.mu]").unwrap();
+    let (_, after) = rest.split_once("[[terms]]").unwrap();
+    let after = after.replace("mu = \"mu\"", &format!("mu = \"{mu}\"\nslope = \"{slope}\""));
+    let before = before.replace("samples = 10000", "samples = 4");
+    MatricesBrake::new(of_matrices(&format!("{before}{parameters}\n[[terms]]{after}"))).unwrap()
+}
+
+/// The table and the reasons in words that a run of a brake writes.
+fn reasons_of<B: UncertainBrake>(brake: &B) -> (output::Table, String) {
+    let folder = tempfile::tempdir().unwrap();
+    run_study(brake, folder.path(), Some(1), &mut |_, _, _| Ok(())).unwrap();
+    let summary = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
+    let (_, words) = summary.split_once("\n## Why\n").unwrap();
+    (output::Table::read(&folder.path().join("sensitivities.csv")).unwrap().unwrap(), words.to_owned())
+}
+
+/// A parameter about 0 has no per cent and is the strongest handle: its derivative by a unit is told, and no cell is -0.
+#[test]
+fn a_parameter_that_is_0_changes_a_mode_by_its_unit() {
+    let normal = |name: &str, unit: &str| {
+        format!(
+            "[parameters.{name}]\nunit = \"{unit}\"\ndistribution = \"normal\"\nmean = 0.0\ndeviation = 0.02\nat_least = -inf\n"
+        )
+    };
+    // d lambda / d (slope), and by the coefficient of friction as in the closed form.
+    for (parameter, unit, mu, slope) in
+        [("s", "Ns/m", "0.8", "s"), ("d", "1", "0.8 + d", "0"), ("both", "1", "0.8 + both", "both")]
+    {
+        let brake = hoffmann_with(&normal(parameter, unit), mu, slope);
+        let (table, words) = reasons_of(&brake);
+        let scene = &brake.plan().scenes[0];
+        let [why] = &whys(&brake)[..] else { panic!("{words}") };
+        let influence = why.influences.iter().find(|influence| influence.name == parameter).unwrap();
+        assert_eq!((influence.value, influence.growth_per_percent), (0.0, None));
+        check(influence, why.lambda, |value| brake.system_with(scene, &[(0, value)]).unwrap());
+        let per = if unit == "1" { String::new() } else { format!(" per {unit}") };
+        let sign = if influence.growth > 0.0 { "+" } else { "" };
+        let told = format!("{parameter}, which is 0, by {sign}{} 1/s{per}\n", output::significant(influence.growth, 3));
+        assert!(words.contains(&told) && !words.contains("no named parameter"), "{words}: {told}");
+        let cells = |name: &str| table.column(name).unwrap().map(str::to_owned).collect::<Vec<String>>();
+        let row = cells("parameter").iter().position(|name| name == parameter).unwrap();
+        assert_eq!((cells("value")[row].as_str(), cells("growth_per_percent")[row].as_str()), ("0", ""));
+        for name in ["value", "d_growth", "d_frequency_hz", "growth_per_percent", "frequency_hz_per_percent"] {
+            assert!(!cells(name).contains(&"-0".to_owned()), "{name}");
+        }
+    }
 }
 
 fn whys<B: UncertainBrake>(brake: &B) -> Vec<Why> {
