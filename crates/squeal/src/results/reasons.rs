@@ -120,7 +120,7 @@ pub(super) fn sensitivities(plan: &Plan, reasons: &[SceneReasons]) -> Table {
             columns.push(mode.to_owned());
             columns
         };
-        // What has no derivatives is said, in a row of its own.
+        // A scene without an answer, a mode without derivatives and a parameter that could not be varied have one row each.
         let without = |mode: &str, why: Option<&Why>, kind: &str, reason: &str| {
             let numbers = why
                 .map_or(["".into(), "".into()], |why| [frequency_hz(why.lambda), why.lambda.re].map(|x| x.to_string()));
@@ -139,6 +139,7 @@ pub(super) fn sensitivities(plan: &Plan, reasons: &[SceneReasons]) -> Table {
             if !why.is_simple {
                 rows.push(without(&mode, Some(why), "none", "equal to another eigenvalue within rounding"));
             }
+            rows.extend(why.not_varied.iter().map(|name| without(&mode, Some(why), "not varied", name)));
             for influence in &why.influences {
                 let Influence { kind, name, unit, value, growth, frequency_hz: frequency, .. } = influence;
                 let text = [kind.to_string(), name.clone(), unit.clone()];
@@ -199,11 +200,18 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
             }
         }
         let most = |of: Vec<String>| of.into_iter().take(MOST_IN_A_SENTENCE);
-        let listed: Vec<String> = most(by_percent).chain(most(by_unit)).collect();
-        let change = match (why.is_simple, listed.is_empty()) {
-            (false, _) => "it has no derivatives, equal to another eigenvalue within rounding".to_owned(),
-            (true, true) => "no named parameter changes it".to_owned(),
-            (true, false) => listed.join(", "),
+        let mut listed: Vec<String> = most(by_percent).chain(most(by_unit)).collect();
+        if listed.is_empty() && why.not_varied.is_empty() {
+            let nothing =
+                if why.names_parameters { "no named parameter changes it" } else { "the brake names no parameters" };
+            listed.push(nothing.to_owned());
+        }
+        if !why.not_varied.is_empty() {
+            listed.push(format!("not varied, at an end of what is allowed: {}", why.not_varied.join(", ")));
+        }
+        let change = match why.is_simple {
+            true => listed.join(", "),
+            false => "it has no derivatives, equal to another eigenvalue within rounding".to_owned(),
         };
         let (hz, growth) = (hertz(frequency_hz(why.lambda)), why.lambda.re);
         let mode = match &names[..] {

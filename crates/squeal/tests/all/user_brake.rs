@@ -88,6 +88,9 @@ fn a_users_own_brake_runs_from_draws_to_tables() {
     let fluttering: Vec<_> = occurrence.iter().filter(|row| row[3] != "0").collect();
     assert_eq!(fluttering, [&counts(&unstable)]);
     assert!(columns(&dir.join("failures.csv"), &["sample"]).is_empty());
+    // It has no `parametrised()`, which is not to say that nothing changes the mode.
+    let summary = std::fs::read_to_string(dir.join("summary.md")).unwrap();
+    assert!(summary.contains(" 1/s: the brake names no parameters\n"), "{summary}");
 
     let mode = &columns(&dir.join("net_work.csv"), &["mode"])[0][0];
     let row = |family: &str, body: &str| [mode, family, body, &unstable].map(str::to_owned).to_vec();

@@ -269,6 +269,24 @@ fn a_run_writes_the_derivatives_of_its_scenes() {
     assert!(!table.contains(",failed,"), "{table}");
 }
 
+/// A parameter that is at the only value that is allowed has no derivative: it is told as that, beside parameters that have one and alone.
+#[test]
+fn a_parameter_that_cannot_be_varied_is_told_as_such() {
+    let constant = |name: &str, value: f64| {
+        format!("[parameters.{name}]\nunit = \"1\"\ndistribution = \"constant\"\nvalue = {value}\n\n")
+    };
+    let held = "not varied, at an end of what is allowed: p";
+    for (more, mu, words) in [("", "0.8", held.to_owned()), ("m", "m", format!(" 1/s, {held}"))] {
+        let more = if more.is_empty() { String::new() } else { constant(more, 0.8) };
+        let brake = hoffmann_with(&(constant("p", 1.0) + &more), &format!("{mu} + sqrt(0 - (p-1)^2)"), "0");
+        let (table, told) = reasons_of(&brake);
+        assert!(told.contains(&(words + "\n")) && !told.contains("no named parameter"), "{told}");
+        let cells = |name: &str| table.column(name).unwrap().map(str::to_owned).collect::<Vec<String>>();
+        let row = cells("kind").iter().position(|kind| kind == "not varied").unwrap();
+        assert_eq!((cells("parameter")[row].as_str(), cells("d_growth")[row].as_str()), ("p", ""));
+    }
+}
+
 /// The lattice of four oscillators about another friction, its modes named by one of both identities.
 fn two_by_two(mu: f64, identity: &str) -> LatticeCase {
     let text = std::fs::read_to_string(cases("two-by-two.toml")).unwrap();
