@@ -18,9 +18,9 @@ pub enum CertifiedError {
         /// Size of the state matrix.
         dimension: usize,
     },
-    /// Eigenvalues beyond the range of a double.
+    /// Eigenvalues that are beyond the range of a double, or whose squares are, which bounds and vectors need.
     #[error(
-        "an eigenvalue overflows or underflows: the entries of the scaled matrices span {smallest:.0e} to {largest:.0e}"
+        "an eigenvalue or its square overflows or underflows: the entries of the scaled matrices span {smallest:.0e} to {largest:.0e}"
     )]
     Range {
         /// Smallest nonzero magnitude.

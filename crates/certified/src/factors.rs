@@ -26,6 +26,7 @@
 //! and what it has of G is wrong by `B^-1 M_s e G`. q is of the size of a slow eigenvalue over a fast one, 1e-10 where damping
 //! outweighs mass and stiffness 1e5 times. After some steps in double precision two in double-double are enough then.
 
+use linsys::reciprocal;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
@@ -78,7 +79,7 @@ pub(super) fn eigenvalues(s: &Scaled, structure: &Structure) -> Option<Vec<Compl
         before = rates.block(0..r, 0..2 * n - r);
     }
     let mut found = nonzero(slow, &structure.zero, errors[0])?;
-    found.extend(nonzero(fast, &structure.infinite, errors[1])?.into_iter().map(|mu| mu.inv()));
+    found.extend(nonzero(fast, &structure.infinite, errors[1])?.into_iter().map(reciprocal));
     Some(found.into_iter().map(|sigma| -sigma).collect())
 }
 

@@ -11,7 +11,7 @@ use num_complex::Complex;
 use super::lane::Lane;
 use super::planar::{Planar, reveal_rank, triangularise};
 use super::scaled::Scaled;
-use super::standard::reciprocal;
+use super::standard::finite_reciprocal;
 use super::{qz, standard};
 use crate::CertifiedError;
 
@@ -75,7 +75,7 @@ impl<T: Lane> Pencil<T> {
         if !reversed {
             return qz::eigenvalues(self.a, self.b);
         }
-        Ok(qz::eigenvalues(self.b, self.a)?.into_iter().map(reciprocal::<T>).collect())
+        Ok(qz::eigenvalues(self.b, self.a)?.into_iter().map(finite_reciprocal::<T>).collect())
     }
 
     /// Eigenvalues of the pencil by the QR iteration on B^-1 A, or A^-1 B of the reversed pencil; none where that would cost digits.
@@ -84,7 +84,7 @@ impl<T: Lane> Pencil<T> {
             return standard::eigenvalues(&self.a, &self.b);
         }
         let found = standard::eigenvalues(&self.b, &self.a)?;
-        Some(found.into_iter().map(reciprocal::<T>).collect())
+        Some(found.into_iter().map(finite_reciprocal::<T>).collect())
     }
 }
 

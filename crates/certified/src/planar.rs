@@ -12,6 +12,7 @@ use pulp::Arch;
 use super::columns::{AddProduct, ReflectManyRows, SolveTriangle};
 use super::kernels::{ReflectColumns, ReflectRows, RotateColumns, RotateRows, Rows};
 use super::lane::{Lane, Reflection, Rotation};
+use super::scaled::power_of_two;
 use crate::lu::real_product;
 
 /// A matrix of entries `T`, column by column.
@@ -76,7 +77,18 @@ impl<T: Lane> Planar<T> {
 
     /// Frobenius norm, in double precision.
     pub(crate) fn norm(&self) -> f64 {
-        (0..self.columns).map(|j| self.rounded(j).iter().map(|x| x * x).sum::<f64>()).sum::<f64>().sqrt()
+        let in_units = |unit: f64| {
+            let of_column = |j: usize| self.rounded(j).iter().map(|x| (x * unit).powi(2)).sum::<f64>();
+            (0..self.columns).map(of_column).sum::<f64>().sqrt() / unit
+        };
+        let norm = in_units(1.0);
+        if norm.is_nan() || (1e-140..1e140).contains(&norm) {
+            return norm;
+        }
+        // Squares that are beyond the range of a double.
+        let all = (0..self.columns).flat_map(|j| self.rounded(j));
+        let largest = all.fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        if largest == 0.0 { 0.0 } else { in_units(power_of_two(1.0 / largest)) }
     }
 
     /// Columns `column` and `column + 1`, x and y, become `c x - s y` and `c y + s x` in these rows.

@@ -112,7 +112,8 @@ impl Scaled {
     /// tau: how many times the damping outweighs stiffness and mass; at least 1.
     pub(crate) fn overdamping(&self) -> f64 {
         let Norms { m, c, k } = self.norms;
-        let others = (m * k).sqrt();
+        // The product of both may be less than any double.
+        let others = m.sqrt() * k.sqrt();
         if others > 0.0 && c > others { c / others } else { 1.0 }
     }
 

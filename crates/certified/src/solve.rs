@@ -9,6 +9,7 @@ use num_complex::Complex;
 
 use super::dd::Dd;
 use super::factors;
+use super::lu::LEAST_PIVOT;
 use super::pencil::{Pencil, companion, depths_of_quadratic};
 use super::real::Real;
 use super::scaled::Scaled;
@@ -134,6 +135,9 @@ fn solve_quadratic(system: &SecondOrder, counters: &mut Counters) -> Result<Gene
         by_iteration(&scaled, &structure)?
     };
     // None of these is zero: what was rounded off is replaced by what rounding leaves of it.
+    if sigmas.iter().any(|sigma| !scaled.norms.size(sigma.norm()).is_finite()) {
+        return Err(scaled.range());
+    }
     let nonzero = |sigma: Complex<f64>| if sigma == Complex::default() { f64::EPSILON.powi(2).into() } else { sigma };
     let mut eigenvalues: Vec<_> = sigmas.into_iter().map(|sigma| nonzero(sigma) * scaled.gamma).collect();
     if eigenvalues.iter().any(|l| !(l.re.is_finite() && l.im.is_finite())) {
@@ -147,6 +151,12 @@ fn solve_quadratic(system: &SecondOrder, counters: &mut Counters) -> Result<Gene
 /// The eigenvalues that are neither zero nor infinite: the cheapest route that suits the matrices, and where its
 /// iteration fails the next.
 fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Complex<f64>>), CertifiedError> {
+    // The eigenvalues are spread over tau^2, and digits are lost to as much.
+    let spread = scaled.overdamping().powi(2);
+    // Q is of the size of 1 / tau at the slowest: what rounding leaves of a pivot there has to be a pivot still.
+    if scaled.overdamping() > f64::EPSILON / LEAST_PIVOT {
+        return Err(scaled.range());
+    }
     let found = |sigmas: &[Complex<f64>]| sigmas.iter().all(|s| s.re.is_finite() && s.im.is_finite());
     let singular = !structure.infinite.is_empty() || !structure.zero.is_empty();
     let strongly_damped = scaled.overdamping() > LARGEST_OVERDAMPING;
@@ -171,8 +181,6 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
         true => extended.standard_eigenvalues(reversed),
         false => standard::of_quadratic(scaled, reversed),
     };
-    // The eigenvalues are spread over tau^2, and digits are lost to as much.
-    let spread = scaled.overdamping().powi(2);
     if strongly_damped
         && spread * Dd::EPSILON <= standard::LARGEST_ERROR
         && let Some(sigmas) = standard(false)
@@ -264,6 +272,44 @@ mod tests {
                 assert_eq!(scalar(m, c, k).map_err(|error| matches!(error, CertifiedError::Units { .. })), Err(true));
             }
         }
+    }
+
+    /// One mass, and two that dashpots couple with the dampings c and 3 c, from damping of a thousand times the others to all that an entry may be: right to rounding,
+    /// with vectors, or refused for the size of the eigenvalues.
+    #[test]
+    fn damping_of_any_strength_is_right_or_refused_for_its_size() {
+        let (mut right, mut refused) = (0, 0);
+        for exponent in 5..300 {
+            let c: f64 = format!("1e{exponent}").parse().unwrap();
+            for (m, k) in [(1.0, 1.0), (1e-3, 1.0), (1.0, 1e4)] {
+                let coupled = dmatrix![2.0 * c, c; c, 2.0 * c];
+                for (size, damping, strengths) in [(1, dmatrix![c], vec![c]), (2, coupled, vec![c, 3.0 * c])] {
+                    let unit = DMatrix::identity(size, size);
+                    let system = SecondOrder::new(&unit * m, damping, &unit * k).unwrap();
+                    let found = match solve(&system, &mut Counters::default()) {
+                        Ok(found) => found,
+                        Err(error) => {
+                            assert!(matches!(error, CertifiedError::Range { .. }), "{c:e} {m} {k}: {error}");
+                            assert!(c > 1e130, "{c:e} {m} {k}");
+                            refused += 1;
+                            continue;
+                        }
+                    };
+                    right += 1;
+                    for c in strengths {
+                        let share = 0.5 + 0.5 * (1.0 - 4.0 * (m / c) * (k / c)).sqrt();
+                        for expected in [-(c / m) * share, -(k / c) / share] {
+                            let off = found.eigenvalues.iter().map(|lambda| (lambda / expected - 1.0).norm());
+                            assert!(off.fold(f64::INFINITY, f64::min) < 1e-13, "{c:e} {m} {k} {expected}: {found:?}");
+                        }
+                    }
+                    let certified = crate::certify(&system, &found, &mut Counters::default());
+                    let all = certified.unwrap().eigenvalues;
+                    assert!(all.iter().all(|of| of.verdict == crate::Verdict::Stable), "{c:e} {m} {k} {all:?}");
+                }
+            }
+        }
+        assert!(right > 700 && refused > 900, "{right} {refused}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! and 7.7), and what the inverse costs in digits double-double precision has to spare. B's condition number is taken
 //! after its rows are scaled, which changes nothing in B^-1 A.
 
+use linsys::reciprocal;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
@@ -65,7 +66,7 @@ pub(super) fn of_quadratic(s: &Scaled, reversed: bool) -> Option<Vec<Complex<f64
         (false, true) => zero - mass.get(i - n, j) * d,
         (false, false) => zero - damping.get(i - n, j - n),
     });
-    Some(of_quotient(state, error)?.into_iter().map(reciprocal::<Dd>).collect())
+    Some(of_quotient(state, error)?.into_iter().map(finite_reciprocal::<Dd>).collect())
 }
 
 /// `B^-1 A` for each of N matrices A, and the relative error of each by norms: not finite where B is singular.
@@ -115,8 +116,8 @@ fn condition<T: Lane>(r: &Planar<T>) -> f64 {
 }
 
 /// 1 / mu; an infinite one is a rounding error, replaced by one of its size.
-pub(super) fn reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
-    if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { mu.inv() }
+pub(super) fn finite_reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
+    if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { reciprocal(mu) }
 }
 
 #[cfg(test)]

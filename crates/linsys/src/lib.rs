@@ -16,6 +16,7 @@
 //! | [`AffineSystem`] | a system as a sum of named terms and friction channels, with coefficients that are drawn |
 //! | [`DofMap`] | which degrees of freedom are free; constrained ones are eliminated |
 //! | [`real_times_complex`] | the product of a real matrix and a complex vector |
+//! | [`reciprocal`] | that of a complex number of any size |
 //!
 //! This crate knows neither brakes nor eigenvalues. Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s. Both
 //! crates are re-exported, because the types of another version would not be accepted.
@@ -35,6 +36,7 @@ mod affine;
 mod dof;
 mod error;
 mod product;
+mod reciprocal;
 mod second_order;
 
 pub use nalgebra;
@@ -44,6 +46,7 @@ pub use affine::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 pub use dof::DofMap;
 pub use error::{LinsysError, Matrix};
 pub use product::{form_of_sizes, real_times_complex};
+pub use reciprocal::reciprocal;
 pub use second_order::{Internal, SecondOrder};
 
 /// The README's example, compiled and run as a doctest.

@@ -35,6 +35,16 @@ pub enum SparseError {
         /// The entry.
         value: f64,
     },
+    /// A matrix in units in which squares of its entries leave the range of a double.
+    #[error(
+        "the largest entry of the {matrix} matrix is {largest:e}; allowed: 1e-140 to 1e140 in size, or a matrix of zeros: choose other units"
+    )]
+    Units {
+        /// The matrix.
+        matrix: Matrix,
+        /// Magnitude of its largest entry.
+        largest: f64,
+    },
     /// Q is singular at this shift and at others beside it.
     #[error(
         "lambda^2 M + lambda C + K is singular at {shift} rad/s and at shifts beside it: perhaps at every lambda, or next to an eigenvalue of \

@@ -35,11 +35,14 @@ pub struct State {
     pub force: Vec<(usize, f64)>,
 }
 
+/// Magnitudes of the largest entry of a matrix of which norms and pivots have squares with all of their digits; chosen, with a margin for sums.
+const LARGEST_ENTRIES: std::ops::RangeInclusive<f64> = 1e-140..=1e140;
+
 impl SparseSecondOrder {
     /// A system without internal states.
     ///
     /// # Errors
-    /// No degrees of freedom, shapes that differ, an entry that is not finite.
+    /// No degrees of freedom, shapes that differ, an entry that is not finite, units that are too large or too small.
     pub fn new(m: CscMatrix<f64>, c: CscMatrix<f64>, k: CscMatrix<f64>) -> Result<Self, SparseError> {
         let order = m.nrows();
         if order == 0 {
@@ -54,7 +57,7 @@ impl SparseSecondOrder {
     /// The system with structural damping H.
     ///
     /// # Errors
-    /// Another shape, an entry that is not finite.
+    /// Another shape, an entry that is not finite, units that are too large or too small.
     pub fn with_structural_damping(self, h: CscMatrix<f64>) -> Result<Self, SparseError> {
         check(Matrix::StructuralDamping, &h, self.order())?;
         Ok(Self { h: Some(h), ..self })
@@ -78,11 +81,12 @@ fn check(name: Matrix, matrix: &CscMatrix<f64>, order: usize) -> Result<(), Spar
     if (rows, columns) != (order, order) {
         return Err(SparseError::Shape { matrix: name, rows, columns, order });
     }
-    match matrix.triplet_iter().find(|(_, _, value)| !value.is_finite()) {
-        Some((row, column, &value)) => {
-            Err(SparseError::NotFinite { matrix: name, row: row + 1, column: column + 1, value })
-        }
-        None => Ok(()),
+    if let Some((row, column, &value)) = matrix.triplet_iter().find(|(_, _, value)| !value.is_finite()) {
+        return Err(SparseError::NotFinite { matrix: name, row: row + 1, column: column + 1, value });
+    }
+    match matrix.values().iter().fold(0.0, |largest: f64, value| largest.max(value.abs())) {
+        largest if largest == 0.0 || LARGEST_ENTRIES.contains(&largest) => Ok(()),
+        largest => Err(SparseError::Units { matrix: name, largest }),
     }
 }
 
@@ -99,6 +103,12 @@ mod tests {
         let system = SparseSecondOrder::new(diagonal(&[1.0]), diagonal(&[0.0]), diagonal(&[f64::INFINITY]));
         let value = f64::INFINITY;
         assert_eq!(system, Err(SparseError::NotFinite { matrix: Matrix::Stiffness, row: 1, column: 1, value }));
+        for (value, is_allowed) in [(1e-141, false), (1e-139, true), (0.0, true), (1e139, true), (1e141, false)] {
+            for place in 0..3 {
+                let [m, c, k] = [0, 1, 2].map(|at| diagonal(&[if at == place { value } else { 1.0 }]));
+                assert_eq!(SparseSecondOrder::new(m, c, k).is_ok(), is_allowed, "{value:e}");
+            }
+        }
         assert_eq!(SparseSecondOrder::new(diagonal(&[]), diagonal(&[]), diagonal(&[])), Err(SparseError::Empty));
     }
 }

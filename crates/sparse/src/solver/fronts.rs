@@ -16,6 +16,7 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::{Accum, Mat, MatMut, Spec};
+use linsys::reciprocal;
 use num_complex::Complex;
 
 use super::blocks::PAR;
@@ -218,7 +219,7 @@ fn eliminate(mut front: MatMut<'_, Complex<f64>>, group: &PartGroup, factors: &m
     let mut change = front.submatrix(width, width, count, count).to_owned();
     let minus = Complex::from(-1.0);
     matmul(change.as_mut(), Accum::Add, lower.transpose(), upper.as_ref(), minus, PAR);
-    let inverses: Vec<_> = (0..width).map(|i| diagonal[(i, i)].inv()).collect();
+    let inverses: Vec<_> = (0..width).map(|i| reciprocal(diagonal[(i, i)])).collect();
     let at = factors.lower.len();
     for k in 0..width {
         factors.lower.extend((0..k).map(|j| diagonal[(k, j)]));

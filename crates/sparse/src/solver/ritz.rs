@@ -3,6 +3,7 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, evd_cplx, evd_scratch};
 use faer::{Mat, Spec};
+use linsys::reciprocal;
 use num_complex::Complex;
 
 use super::blocks::{PAR, length};
@@ -47,7 +48,7 @@ impl Ritz {
             if i < m { vectors[(i, order[j])] * mu } else { outside[(i - m, order[j])] }
         };
         Ok(Self {
-            lambdas: order.iter().map(|&j| sigma + values[(j, 0)].inv()).collect(),
+            lambdas: order.iter().map(|&j| sigma + reciprocal(values[(j, 0)])).collect(),
             residuals: order.iter().map(residual).collect(),
             mus: order.iter().map(|&j| values[(j, 0)]).collect(),
             images: Mat::from_fn(m + outside.nrows(), m, image),
