@@ -33,11 +33,17 @@ pub enum Error {
         /// Constraints, law, contacts and speed.
         scene: String,
     },
-    /// A design of a scene of which no sample can be evaluated.
-    #[error("{scene}: no sample by quantiles can be evaluated")]
-    NoQuantiles {
+    /// Samples of a scene of which each failed.
+    #[error("{scene}: each of {count} {what} failed, the first because: {reason}")]
+    EachFailed {
         /// Constraints, law, contacts and speed.
         scene: String,
+        /// `draws` or `rows of the design`.
+        what: &'static str,
+        /// Number of samples.
+        count: u64,
+        /// Reason why the first failed.
+        reason: String,
     },
     /// A scene in which nothing grows, whose motion after the onset is asked for.
     #[error(

@@ -61,6 +61,8 @@ pub struct Influence {
     pub draws: u64,
     /// Number of draws that failed and are left out.
     pub failures: u64,
+    /// Reason why the first of these failed; `None` without failures, and of samples that a study has kept, which tells its own.
+    pub first_failure: Option<String>,
     /// Number of draws in which nothing surely is unstable and a verdict is undecided; they count as stable.
     pub undecided: u64,
     /// Number of draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
@@ -73,8 +75,8 @@ pub struct Influence {
 /// design of independent points, each of which takes as many evaluations as there are inputs, and two.
 ///
 /// # Errors
-/// A scene without inputs; total indices of inputs that are correlated, and of a brake that has no samples by quantiles; a
-/// design of which no row can be evaluated.
+/// A scene without inputs; total indices of inputs that are correlated, and of a brake that has no samples by quantiles; draws, or rows of a design, of which
+/// each fails.
 pub fn influence<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -102,18 +104,25 @@ pub fn influence<B: UncertainBrake>(
         None => None,
     };
     progress.end();
-    Ok(Influence { evaluations: draws + of_design, ..Influence::new(inputs, of_draws, design.as_deref()) })
+    let failed = of_draws.iter().find_map(|draw| draw.as_ref().err().map(ToString::to_string));
+    let found = Influence::new(inputs, of_draws.into_iter().map(Result::ok).collect(), design.as_deref());
+    let Some(found) = found else {
+        let (scene, what, reason) = (plan.describe(asked), "draws", failed.unwrap_or_default());
+        return Err(Error::EachFailed { scene, what, count: draws, reason });
+    };
+    Ok(Influence { evaluations: draws + of_design, first_failure: failed, ..found })
 }
 
-/// The influence of the inputs of each scene, from samples that its study has kept: nothing is evaluated. `None` for a scene without
-/// inputs.
+/// The influence of the inputs of each scene, from samples that its study has kept, all from 0 on: nothing is evaluated. `None` for a scene without inputs, and
+/// for one in which each sample failed.
 pub fn influence_of_kept<B: UncertainBrake>(brake: &B, samples: u64, kept: &[KeptSamples]) -> Vec<Option<Influence>> {
     let plan = brake.plan();
     let Some(of) = brake.drawn_inputs() else { return kept.iter().map(|_| None).collect() };
     let drawn = drawn_again(brake, samples);
     let of_scene = |(scene, kept): (&Scene, &KeptSamples)| {
         let inputs = of.inputs(scene);
-        (!inputs.is_empty()).then(|| Influence::new(inputs, of_kept(of, scene, &drawn, kept), None))
+        let all = (!inputs.is_empty()).then(|| of_kept(of, scene, &drawn, kept))?;
+        Influence::new(inputs, all, None)
     };
     plan.scenes.par_iter().zip(kept).map(of_scene).collect()
 }
@@ -168,22 +177,26 @@ impl OutputInfluence {
 }
 
 impl Influence {
-    /// The influence of `inputs` from the samples of the study, `None` for one that failed, and the columns of a design.
-    fn new(inputs: Vec<Input>, of_draws: Vec<Option<Evaluated>>, design: Option<&[Vec<Evaluated>]>) -> Self {
+    /// The influence of `inputs` from the samples of the study, `None` for one that failed, and the columns of a design; `None` where each sample failed.
+    fn new(inputs: Vec<Input>, of_draws: Vec<Option<Evaluated>>, design: Option<&[Vec<Evaluated>]>) -> Option<Self> {
         let draws = of_draws.len() as u64;
         let of_draws: Vec<Evaluated> = of_draws.into_iter().flatten().collect();
+        if of_draws.is_empty() {
+            return None;
+        }
         let columns: Vec<Vec<f64>> =
             (0..inputs.len()).map(|input| of_draws.iter().map(|row| row.inputs[input]).collect()).collect();
         let of_output = |output: Output| OutputInfluence::new(output, &of_draws, &columns, design);
-        Self {
+        Some(Self {
             outputs: Output::all(&of_draws).into_iter().map(of_output).collect(),
             inputs,
             draws,
             failures: draws - of_draws.len() as u64,
+            first_failure: None,
             undecided: of_draws.iter().filter(|row| row.is_undecided).count() as u64,
-            open: of_draws.iter().filter(|row| row.is_open).count() as u64,
+            open: of_draws.iter().filter(|row| row.has_open_name).count() as u64,
             evaluations: 0,
-        }
+        })
     }
 
     /// Level of the intervals.
@@ -226,13 +239,15 @@ fn design<B: UncertainBrake>(
         columns.push(column(Some(input.coordinate), 0)?);
     }
     // A row with a failure is left out as a whole.
-    let is_whole = |row: &usize| columns.iter().all(|column| column[*row].is_some());
+    let is_whole = |row: &usize| columns.iter().all(|column| column[*row].is_ok());
     let whole: Vec<usize> = (0..rows as usize).filter(is_whole).collect();
     if whole.is_empty() {
-        return Err(Error::NoQuantiles { scene: plan.describe(&plan.scenes[scene]) });
+        let reason = columns.iter().flatten().find_map(|row| row.as_ref().err().map(ToString::to_string));
+        let (scene, reason) = (plan.describe(&plan.scenes[scene]), reason.unwrap_or_default());
+        return Err(Error::EachFailed { scene, what: "rows of the design", count: rows, reason });
     }
-    let kept = |column: Vec<Option<Evaluated>>| {
-        let mut rows: Vec<Option<Evaluated>> = column;
+    let kept = |column: Vec<Result<Evaluated, Error>>| {
+        let mut rows: Vec<Option<Evaluated>> = column.into_iter().map(Result::ok).collect();
         whole.iter().filter_map(|&row| rows[row].take()).collect::<Vec<Evaluated>>()
     };
     Ok(columns.into_iter().map(kept).collect())

@@ -1,7 +1,7 @@
 //! Influence in words, and as a table.
 
 use montecarlo::SobolIndex;
-use output::{Table, significant};
+use output::{Table, printable, significant};
 use study::{Plan, Scene, SceneLabels};
 
 use super::{Influence, OutputInfluence, OutputKind};
@@ -15,10 +15,12 @@ impl Influence {
     /// The answer in words, output by output.
     #[must_use]
     pub fn text(&self, plan: &Plan) -> String {
+        let reason =
+            self.first_failure.as_ref().map_or(String::new(), |reason| format!("; the first: {}", printable(reason)));
         let mut text = match self.failures {
             0 => String::new(),
             failures => format!(
-                "{failures} of {} draws FAILED and are left out of what follows; they may be unstable\n",
+                "{failures} of {} draws FAILED and are left out of what follows; they may be unstable{reason}\n",
                 self.draws
             ),
         };

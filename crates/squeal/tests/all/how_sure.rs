@@ -60,6 +60,31 @@ fn belt(more: &str) -> Result<MatricesBrake, CaseError> {
     Ok(MatricesBrake::new(case).unwrap())
 }
 
+/// Draws of which all or half have a number that is none: the first are refused with the reason, of the second it is told, and no mean is NaN.
+#[test]
+fn draws_that_fail_are_told_with_their_reason_and_have_no_mean_where_all_do() {
+    for (sum, fails) in [("sqrt(0 - (k - 1e4)^2)", "all"), ("sqrt(k - 1e4)", "half"), ("sqrt(0)", "none")] {
+        let text = BELT.replace("\"d - s\"", &format!("\"d - s + {sum}\""));
+        let brake = MatricesBrake::new(MatricesCase::parse(Path::new("belt.toml"), text).unwrap()).unwrap();
+        let study = Study::new(&brake, &BatchSolver).unwrap();
+        let found = influence(&study, 0, 400, None, &());
+        if fails == "all" {
+            let error = found.unwrap_err();
+            assert!(
+                matches!(&error, Error::EachFailed { what: "draws", count: 400, reason, .. } if !reason.is_empty())
+            );
+            let design = influence(&study, 0, 400, Some(100), &()).unwrap_err();
+            assert!(matches!(design, Error::EachFailed { .. }), "{design}");
+            continue;
+        }
+        let found = found.unwrap();
+        assert_eq!(found.failures > 0, fails == "half");
+        assert_eq!(found.first_failure.is_some(), fails == "half");
+        assert!(found.outputs.iter().all(|output| output.mean.is_finite() && output.deviation.is_finite()));
+        assert_eq!(found.text(brake.plan()).contains("; the first: "), fails == "half");
+    }
+}
+
 /// First-order and total indices of d and s for an output of (d, s), by sums over a grid of middles.
 fn by_quadrature(output: impl Fn(f64, f64) -> f64) -> [[f64; 2]; 2] {
     let steps = 1_500;
