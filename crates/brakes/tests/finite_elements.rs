@@ -163,7 +163,7 @@ fn the_end_of_a_bridge_has_the_modes_of_its_arrangement_under_a_law_with_states(
     let study = Study::new(&brake, &cea::BatchSolver).unwrap();
     let modes = |configuration: usize| &study.references()[configuration].modes[..];
     let bridge = brake.bridge(1, [modes(0), modes(1)]).unwrap().unwrap();
-    for (system, configuration) in [(&bridge.from, 0), (&bridge.to, 1)] {
+    for (system, configuration) in [(&bridge.start, 0), (&bridge.end, 1)] {
         assert!(system.states() > 0);
         let found =
             cea::EigenSolver::eigenvalues(&cea::QrSolver, system, &mut cea::Workspace::default()).unwrap().eigenvalues;

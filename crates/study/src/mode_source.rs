@@ -65,16 +65,17 @@ pub struct CoarsePath<'a> {
 #[derive(Debug)]
 pub struct Bridge {
     /// The larger brake at the operating point of the origin.
-    pub from: SecondOrder,
+    pub start: SecondOrder,
     /// The larger brake at the naming point of the configuration.
-    pub to: SecondOrder,
+    pub end: SecondOrder,
     /// The path between these, where the brake evaluates it in a cheaper way than by matrices.
     pub path: Option<Box<dyn OwnedPath>>,
     /// The coordinates of the origin in the common coordinates, as columns.
     pub origin: DMatrix<f64>,
     /// The coordinates of the configuration in the common coordinates, as columns.
-    pub own: DMatrix<f64>,
-    /// The coordinates of the origin in the coordinates of the configuration, as near as these come.
+    pub configuration: DMatrix<f64>,
+    /// The coordinates of the origin in the coordinates of the configuration, as columns, as near as these come: both are orthonormal, so that a shape of which
+    /// these hold little is short there.
     pub between: DMatrix<f64>,
 }
 

@@ -13,7 +13,6 @@ use tracking::{Path, PathEnd, follow};
 
 use super::{Reference, SectoredReference, Way, bounded_workspace, path_start};
 use crate::Error;
-use crate::named_shapes::NamedShapes;
 use crate::{Configuration, ModeIdentity, ModeLabel, ModeSource, Origin, Plan, Scene};
 
 /// The references of the origins and of the scenes of a plan, each in their order.
@@ -152,17 +151,14 @@ fn across(
             .map(|mode| Mode::normalised(&system.m, mode.lambda, real_times_complex(onto, &mode.shape)))
             .collect()
     };
-    next.shapes = origin.shapes.as_ref().map(|NamedShapes { modes, names }| NamedShapes {
-        modes: lifted(modes, &bridge.between, &next.system),
-        names: names.clone(),
-    });
+    next.shapes = origin.shapes.as_ref().map(|shapes| shapes.in_coordinates(&bridge.between));
     if plan.mode_identity == ModeIdentity::Mac {
         next.names = next.names_by_likeness(&next.modes).unwrap_or_default();
     } else {
-        let start_modes = lifted(&origin.modes, &bridge.origin, &bridge.from);
-        let end_modes = lifted(&next.modes, &bridge.own, &bridge.to);
-        let start = path_start(&bridge.from, bridge.path.as_deref());
-        let end = PathEnd { system: &bridge.to, modes: &end_modes };
+        let start_modes = lifted(&origin.modes, &bridge.origin, &bridge.start);
+        let end_modes = lifted(&next.modes, &bridge.configuration, &bridge.end);
+        let start = path_start(&bridge.start, bridge.path.as_deref());
+        let end = PathEnd { system: &bridge.end, modes: &end_modes };
         let path = Path { start, start_modes: &start_modes, end };
         next.name(&origin.names, follow(solver, path, &mut work)?);
     }
