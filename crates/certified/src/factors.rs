@@ -1,7 +1,7 @@
 //! A strongly damped problem as two eigenproblems, one of its slow and one of its fast eigenvalues, in double-double precision.
 //!
-//! Where r directions s are strongly damped, r eigenvalues are fast. Let s be the first r columns of M, C and K and w the
-//! others. A slow motion has no velocity of its own in s but `q_s' = S z` with the state `z = (q_s, q_w, q_w')`. With
+//! Let r directions be strongly damped: then r eigenvalues are fast. Number the coordinates so that these are the first r, q_s; the others are q_w, and M_s, C_w
+//! the columns of both. A slow motion has no velocity of its own in q_s but `q_s' = S z` with the state `z = (q_s, q_w, q_w')`. With
 //! `q_s'' = S z'` the equation of motion gives
 //!
 //! ```text
@@ -23,8 +23,10 @@
 //! |S_i+1 - S| <= 2 q |S_i+1 - S_i|     with  q = |F| |G| < 1/4,
 //! ```
 //!
-//! and what it has of G is wrong by `B^-1 M_s e G`. q is of the size of a slow eigenvalue over a fast one, 1e-10 where damping
-//! outweighs mass and stiffness 1e5 times. After some steps in double precision two in double-double are enough then.
+//! and the G that is computed from S + e is wrong by `B^-1 M_s e G`. With the change of the last step in the place of e, twice `|B^-1 M_s|` times it is the relative
+//! error of G, and of F by as much more as `|B^-1 M_s|` is larger than |F|. q is of the size of a slow eigenvalue over a fast one, 1e-10 where damping
+//! outweighs mass and stiffness 1e5 times. After some steps in double precision two in double-double are enough then; up to six are made where q is larger, and where
+//! these leave more than [`LARGEST_ERROR`](super::standard::LARGEST_ERROR), as above q = 0.15, the problem is left to the next route.
 
 use linsys::reciprocal;
 use nalgebra::DMatrix;
@@ -39,14 +41,15 @@ use super::structure::Structure;
 
 /// Largest q with which the iteration is known to converge.
 const LARGEST_CONTRACTION: f64 = 0.25;
-/// Largest relative error of a step in double precision that is believed if it does not contract; chosen.
+/// A step in double precision that does not contract ends the iteration where its relative error is no more than this; with a larger error its contraction says
+/// nothing. Chosen.
 const LARGEST_DOUBT: f64 = 0.1;
 /// Most steps in double precision, each of which multiplies the error by q. Chosen: at the largest q of 1/4 six leave 2e-4 of it.
 const STEPS_IN_DOUBLE: usize = 6;
 /// Most steps in double-double; chosen: one doubles the digits of a double where q is small, and more are for splits that are not wide.
 const MOST_EXTENDED_STEPS: usize = 6;
-/// Ratio of two rates of damping that splits slow from fast wherever it occurs. Of several such ratios the last one counts: what is
-/// left is not strongly damped then.
+/// Ratio of two rates of damping that splits slow from fast wherever it occurs. Where several are as wide the last one splits, so that no strongly damped direction is
+/// among the slow.
 const WIDE_GAP: f64 = 1e5;
 
 /// The eigenvalues that are neither zero nor infinite, complex ones in exact conjugate pairs; none where slow and fast ones are not
@@ -88,7 +91,8 @@ pub(super) fn eigenvalues(s: &Scaled, structure: &Structure) -> Option<Vec<Compl
 fn nonzero(mut matrix: Planar<Dd>, widths: &[usize], error: f64) -> Option<Vec<Complex<f64>>> {
     let whole = matrix.norm();
     for &width in widths {
-        let (size, rest) = (matrix.rows(), matrix.rows() - width);
+        // The split goes by rounding and the widths by exact arithmetic: both need not agree.
+        let (size, rest) = (matrix.rows(), matrix.rows().checked_sub(width)?);
         if rest == 0 {
             return Some(Vec::new());
         }
@@ -99,7 +103,7 @@ fn nonzero(mut matrix: Planar<Dd>, widths: &[usize], error: f64) -> Option<Vec<C
         matrix = Planar::from_fn(rest, rest, |_, _| Dd::default());
         matrix.add_product(&turn.block(0..rest, 0..size), &right);
     }
-    // Where nothing but zeros is left, though no eigenvalue should be zero, all digits are lost: the relative error is infinite.
+    // Of a norm of 0 every digit is lost: the error is infinite or NaN, and refused.
     let norm = matrix.norm();
     of_matrix(matrix, error * whole / norm)
 }
@@ -113,7 +117,7 @@ struct Turned<T> {
 }
 
 impl Turned<Dd> {
-    /// The problem with its strongly damped directions first. They are all directions where M is singular.
+    /// The problem with its strongly damped directions first. Where M is singular, all directions count as such: infinite eigenvalues have to be zeros of F.
     fn new(s: &Scaled, mass_is_regular: bool) -> Self {
         let n = s.order();
         let [mut m, mut c, mut k] = [&s.m, &s.c, &s.k].map(Planar::<Dd>::from);

@@ -152,7 +152,7 @@ pub(crate) fn estimate(py: Python<'_>, brake: &Brake) -> PyResult<(f64, f64, f64
     away(py, Ends::Itself, None, move |watch| {
         let brake = source.brake(Purpose::Analysis, None, watch)?;
         let (preparation, evaluation) = (watch.stage(PREPARED), watch.stage(EVALUATED));
-        let time = squeal::estimate(&brake, &*preparation, &*evaluation)?;
+        let time = squeal::expected_time(&brake, &*preparation, &*evaluation)?;
         let [preparation, samples, report] = [time.preparation, time.samples, time.report].map(|of| of.as_secs_f64());
         Ok((preparation, samples, report, Cost::of(brake.plan()).bytes))
     })

@@ -1,18 +1,23 @@
 //! Which modes of a brake will squeal, how sure are we, and what stops them.
 //!
-//! This crate puts the stages together. Whoever makes a brake, `brakes` from a case file or a type of one's own,
-//! implements [`study::UncertainBrake`]; a [`study::Study`] of it is sampled, and its counts become [`results::Results`]:
+//! This crate puts the stages together. A brake is a type that implements [`study::UncertainBrake`]: one that `brakes` makes of a case file, or your own.
+//! A [`study::Study`] of it is sampled, and its counts become [`results::Results`]:
 //!
-//! brake + draw -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> tables and figures
+//! brake + draw -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> tables
+//!
+//! Figures and the page are drawn by whom a run is given: the crates `figures` and `report` are above this one, and [`run_study_with`] takes what draws as a
+//! [`DrawResults`]. Crates whose types stand in signatures here are re-exported.
 //!
 //! | to | see |
 //! | --- | --- |
 //! | study a brake of one's own | [`study::UncertainBrake`], [`study::Plan`], and `examples/` |
 //! | run a study in memory | [`results::Results::sampled`] |
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
-//! | know the occurrence of a mode to a half width of its 95 % interval | [`estimators::scene_occurrences`] |
+//! | run one in parts on many machines, and put them together | [`parts`] |
+//! | compare two studies on the same draws | [`compare`] |
+//! | estimate occurrences until their 95 % intervals have a given half width | [`estimators::scene_occurrences`] |
 //! | know which input makes squeal vary | [`influence::influence`] |
-//! | know how probable squeal is that plain samples hardly ever show | [`rare::rare`] |
+//! | estimate a probability of squeal that is too small for plain samples | [`rare::rare`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
 //! | know the motion that an unstable mode grows into | [`cycles::cycles`], [`cycles::branches`] |
 //! | know why a mode grows | [`why::Explainer`] |
@@ -56,7 +61,7 @@ pub mod why;
 pub use error::Error;
 pub use every_mode::{EVERY_MODE, write_every_mode};
 pub use real_system::check_real;
-pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
+pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, expected_time, run_study, run_study_with, workers};
 pub use study::{estimators, fingerprint, identity, memory};
 pub use {
     cea, cycle, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, sweep, tracking, work,

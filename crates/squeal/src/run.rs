@@ -280,7 +280,7 @@ impl ExpectedTime {
 ///
 /// # Errors
 /// Those of the study.
-pub fn estimate<B: UncertainBrake>(
+pub fn expected_time<B: UncertainBrake>(
     brake: &B,
     preparation: &dyn Progress,
     evaluation: &dyn Progress,

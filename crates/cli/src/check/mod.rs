@@ -14,7 +14,7 @@ use montecarlo::Progress;
 use output::{bytes_in_words, in_words, printable};
 use serde_json::{Value, json};
 use squeal::study::{Cost, UncertainBrake};
-use squeal::{ExpectedTime, estimate};
+use squeal::{ExpectedTime, expected_time};
 
 use lines::Lines;
 
@@ -252,7 +252,7 @@ fn cost<B: UncertainBrake>(
         found.lines.add("time", longer);
         return Ok(found);
     }
-    let expected = estimate(brake, &Bar::of(PREPARED), &Bar::of(EVALUATED))?;
+    let expected = expected_time(brake, &Bar::of(PREPARED), &Bar::of(EVALUATED))?;
     let seconds = expected.total().as_secs_f64() + bases;
     found.lines.add("time", format!("roughly {} on this machine", in_words(seconds)));
     found.seconds = Some(seconds);

@@ -6,7 +6,7 @@ use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
 use output::{Table, hertz, significant};
 use rayon::prelude::*;
-use study::{ModeLabel, Plan, SceneLabels, SetLinks, Study, UncertainBrake, set_links};
+use study::{ModeLabel, Plan, Scene, SceneLabels, SetLinks, Study, UncertainBrake, set_links};
 
 use crate::Error;
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
@@ -39,11 +39,11 @@ pub fn reasons_and_links<B: UncertainBrake>(
     let scenes = scenes_with_work(study.plan());
     let is_linked = study.plan().labels.constraints.len() > 1;
     progress.begin(scenes.len() as u64 + u64::from(is_linked), 0);
-    let of_scene = |&scene: &usize| {
+    let answered = |&scene: &usize| {
         let modes = progress
             .go_on()
             .map_err(Error::from)
-            .and_then(|()| of_scene(study, scene))
+            .and_then(|()| unstable_modes(study, scene))
             .map_err(|error| error.to_string());
         progress.advance(1);
         SceneReasons { scene, modes }
@@ -53,7 +53,7 @@ pub fn reasons_and_links<B: UncertainBrake>(
         progress.advance(u64::from(is_linked));
         links
     };
-    let (links, reasons) = rayon::join(linked, || scenes.par_iter().map(of_scene).collect());
+    let (links, reasons) = rayon::join(linked, || scenes.par_iter().map(answered).collect());
     progress.end();
     Ok((reasons, links?))
 }
@@ -84,7 +84,8 @@ pub fn time_for_reasons<B: UncertainBrake>(study: &Study<'_, B>, threads: usize)
     all.div_f64(threads.min(scenes.len()).max(1) as f64)
 }
 
-fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec<(Vec<ModeLabel>, Why)>, Error> {
+/// The unstable modes of a scene, with the candidates for the name of each.
+fn unstable_modes<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec<(Vec<ModeLabel>, Why)>, Error> {
     let mut work = Workspace::default();
     let explainer = Explainer::new(study.brake(), &study.plan().scenes[scene], &mut work)?;
     let (reference, unstable) = (&study.references()[scene], explainer.unstable(&mut work)?);
@@ -113,9 +114,10 @@ pub(super) fn sensitivities(plan: &Plan, reasons: &[SceneReasons]) -> Table {
     ];
     let mut rows = Vec::new();
     for SceneReasons { scene, modes } in reasons {
-        let of_scene = &plan.scenes[*scene];
+        let Scene { key, members, .. } = &plan.scenes[*scene];
         let key = |mode: &str| {
-            let mut columns = plan.labels.mode_columns(of_scene.key, of_scene.members[0], ModeLabel::new(0));
+            // The mode is the last of these columns.
+            let mut columns = plan.labels.mode_columns(*key, members[0], ModeLabel::new(0));
             columns.pop();
             columns.push(mode.to_owned());
             columns
