@@ -23,6 +23,9 @@ const MOST_COALESCENCES: usize = 6;
 /// Least distance of the second nearest known eigenvalue from the end of a continuation, as a multiple of `negligible_error`, the largest distance of the
 /// nearest one; chosen: nearer, it is in doubt which of both the mode is.
 const LEAST_SEPARATION: f64 = 10.0;
+/// Least distance of all known eigenvalues from the end of a continuation that has reached none of them, as a multiple of `negligible_error`; chosen: far
+/// more than known modes and the end of a path differ by, whose modes may have been reduced in other coordinates.
+const LEAST_DISTANCE: f64 = 100.0;
 
 /// A mode that is being continued.
 struct Continuation<'a> {
@@ -37,25 +40,35 @@ struct Continuation<'a> {
 
 enum Advance {
     UnderWay,
-    Arrived(usize),
+    Arrived(Ending),
     Lost,
 }
 
-/// The index of the mode at the end of each path that the mode at its beginning becomes; `None` where that is in doubt.
+/// What a mode has become at the end of its path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// The known mode with this index.
+    Known(usize),
+    /// A mode that is not among the known ones: it has left the band that these are from.
+    Other,
+    /// In doubt.
+    Lost,
+}
+
+/// What the mode at the beginning of each path has become at its end.
 ///
 /// With `near`, a continuation ends as soon as MAC with the modes at the end of the path is clear; without, it covers the
 /// whole path.
-pub(crate) fn continue_modes<'a>(of: &[(Path<'a>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Option<usize>> {
-    let mut ends = vec![None; of.len()];
+pub(crate) fn continue_modes<'a>(of: &[(Path<'a>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Ending> {
+    let mut ends = vec![Ending::Lost; of.len()];
     let start = |(path, mode): &(Path<'a>, &Mode)| PathPoint { path: *path, t: 0.0, lambda: mode.lambda };
     let mut open: Vec<(usize, PathPoint<'a>)> = of.iter().map(start).enumerate().collect();
     for _ in 0..MOST_COALESCENCES {
-        let mut lost = continue_alone(&open, near, &mut ends, work);
-        lost.retain(|(_, mode)| mode.steps.t < 1.0);
+        let lost = continue_alone(&open, near, &mut ends, work);
         open.clear();
         for ((i, _), past) in lost.iter().zip(pass_coalescences(&lost, work)) {
             match past {
-                Some(PathPoint { path, t: 1.0, lambda }) => ends[*i] = nearest(path.end.modes, lambda),
+                Some(PathPoint { path, t: 1.0, lambda }) => ends[*i] = ending(path.end.modes, lambda),
                 Some(point) => open.push((*i, point)),
                 None => {}
             }
@@ -71,7 +84,7 @@ pub(crate) fn continue_modes<'a>(of: &[(Path<'a>, &Mode)], near: bool, work: &mu
 fn continue_alone<'a>(
     from: &[(usize, PathPoint<'a>)],
     near: bool,
-    ends: &mut [Option<usize>],
+    ends: &mut [Ending],
     work: &mut Workspace,
 ) -> Vec<(usize, Continuation<'a>)> {
     let starts: Vec<PathPoint<'a>> = from.iter().map(|(_, point)| *point).collect();
@@ -88,7 +101,7 @@ fn continue_alone<'a>(
         for (i, mut mode) in modes {
             match mode.advance(corrected.next().flatten()) {
                 Advance::UnderWay => under_way.push((i, mode)),
-                Advance::Arrived(to) => ends[i] = Some(to),
+                Advance::Arrived(end) => ends[i] = end,
                 Advance::Lost => lost.push((i, mode)),
             }
         }
@@ -114,15 +127,19 @@ fn pass_coalescences<'a>(lost: &[(usize, Continuation<'a>)], work: &mut Workspac
     pairs.into_iter().zip(lost).map(&mut continued).collect()
 }
 
-/// The known mode at `lambda`, where a continuation has ended; `None` where none is near enough or two are.
-fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
+/// What a mode has become that has the eigenvalue `lambda`, rad/s, at the end of its path; in doubt where two known modes are near, or one is so but for
+/// an error.
+fn ending(known: &[Mode], lambda: Complex<f64>) -> Ending {
     let mut order: Vec<(f64, usize)> =
         known.iter().enumerate().map(|(j, mode)| ((mode.lambda - lambda).norm(), j)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let &(best, j) = order.first()?;
-    let second = order.get(1).map_or(f64::INFINITY, |&(distance, _)| distance);
-    let negligible = tuning().negligible_error;
-    (best <= negligible * lambda.norm() && second >= LEAST_SEPARATION * negligible * lambda.norm()).then_some(j)
+    let distance = |place: usize| order.get(place).map_or(f64::INFINITY, |&(distance, _)| distance);
+    let negligible = tuning().negligible_error * lambda.norm();
+    match order.first() {
+        Some(&(_, j)) if distance(0) <= negligible && distance(1) >= LEAST_SEPARATION * negligible => Ending::Known(j),
+        _ if distance(0) >= LEAST_DISTANCE * negligible => Ending::Other,
+        _ => Ending::Lost,
+    }
 }
 
 impl<'a> Continuation<'a> {
@@ -153,20 +170,21 @@ impl<'a> Continuation<'a> {
         if let Some(there) = there.filter(|_| ratio.is_some_and(StepControl::accepts)) {
             self.curvature = (there.rate - self.here.rate) / step;
             self.here = there;
-            if let Some(to) = self.end() {
-                return Advance::Arrived(to);
+            if let Some(end) = self.end() {
+                return Advance::Arrived(end);
             }
         }
         if self.steps.is_over(tuning().shortest_step) { Advance::Lost } else { Advance::UnderWay }
     }
 
-    /// The known mode at the end of the path that this mode is (at the end) or becomes (by a clear MAC).
-    fn end(&self) -> Option<usize> {
+    /// What this mode has become (at the end of the path) or becomes (by a clear MAC); `None` where that is not known yet.
+    fn end(&self) -> Option<Ending> {
         let known = self.path.end.modes;
         if self.steps.t == 1.0 {
-            return nearest(known, self.here.mode.lambda);
+            return Some(ending(known, self.here.mode.lambda));
         }
-        if self.near { Some(self.here.matched(known)).filter(Match::is_clear).and_then(|found| found.to) } else { None }
+        let alike = self.near.then(|| self.here.matched(known)).filter(Match::is_clear)?;
+        alike.to.map(Ending::Known)
     }
 
     /// The error ratio of the step to `there`; infinite where the shape changes too much.

@@ -8,7 +8,7 @@
 
 use cea::{CeaError, EigenSolver, Mode, Workspace};
 
-use crate::continuation::continue_modes;
+use crate::continuation::{Ending, continue_modes};
 use crate::mac::{clear_matches, weighted};
 use crate::path::{Links, Path, PathEnd};
 use crate::subdivision::Subdivision;
@@ -52,20 +52,22 @@ fn link_all(
     near: bool,
     work: &mut Workspace,
 ) -> Vec<Result<Links, CeaError>> {
-    let mut ends: Vec<Vec<Option<usize>>> = paths
+    let by_shape = |path: &Path<'_>| {
+        let clear = clear_matches(path.start_modes, &weighted(path.start_modes, path.mass()), path.end.modes);
+        clear.into_iter().map(|to| to.map_or(Ending::Lost, Ending::Known)).collect()
+    };
+    let mut ends: Vec<Vec<Ending>> = paths
         .iter()
-        .map(|path| match near {
-            true => clear_matches(path.start_modes, &weighted(path.start_modes, path.mass()), path.end.modes),
-            false => vec![None; path.start_modes.len()],
-        })
+        .map(|path| if near { by_shape(path) } else { vec![Ending::Lost; path.start_modes.len()] })
         .collect();
     let lost = link_by_continuation(paths, near, &mut ends, work);
     let lost: Vec<Lost> = lost.chunk_by(|a, b| a.0 == b.0).map(|of_path| Lost::new(of_path, paths, &ends)).collect();
     let sample_points = if near { 0 } else { SAMPLE_POINTS_OF_FAR_PATHS };
-    let begun = lost.iter().map(|lost| Subdivision::new(lost.path(paths), lost.start(paths), sample_points)).collect();
+    let begun = lost.iter().map(|lost| lost.begin(paths, sample_points)).collect();
     let found = Subdivision::all(solver, begun, work);
 
-    let sure = |ends: Vec<Option<usize>>| Ok(ends.into_iter().map(|end| end.into_iter().collect()).collect());
+    let link = |end| if let Ending::Known(to) = end { vec![to] } else { Vec::new() };
+    let sure = |ends: Vec<Ending>| Ok(ends.into_iter().map(link).collect());
     let mut links: Vec<Result<Links, CeaError>> = ends.into_iter().map(sure).collect();
     for (lost, found) in lost.iter().zip(found) {
         match (&mut links[lost.path], found) {
@@ -77,15 +79,15 @@ fn link_all(
     links
 }
 
-/// Continues the modes whose entry in `ends` is empty and fills the entries found; returns the modes that are lost, ascending.
+/// Continues the modes whose entry in `ends` is in doubt and fills the entries found; returns the modes that are lost, ascending.
 fn link_by_continuation(
     paths: &[Path<'_>],
     near: bool,
-    ends: &mut [Vec<Option<usize>>],
+    ends: &mut [Vec<Ending>],
     work: &mut Workspace,
 ) -> Vec<StartMode> {
     let all = ends.iter().enumerate().flat_map(|(at, ends)| (0..ends.len()).map(move |i| (at, i)));
-    let in_doubt: Vec<StartMode> = all.filter(|&(at, i)| ends[at][i].is_none()).collect();
+    let in_doubt: Vec<StartMode> = all.filter(|&(at, i)| ends[at][i] == Ending::Lost).collect();
     work.counters.continuations += in_doubt.len() as u64;
     let asked: Vec<(Path<'_>, &Mode)> =
         in_doubt.iter().map(|&(at, i)| (paths[at], &paths[at].start_modes[i])).collect();
@@ -93,11 +95,13 @@ fn link_by_continuation(
         ends[at][i] = end;
     }
     // Two continuations that end at one mode are both lost.
-    let is_sure = |&(at, i): &StartMode| {
-        ends[at][i].is_some_and(|to| ends[at].iter().filter(|end| **end == Some(to)).count() == 1)
+    let is_sure = |&(at, i): &StartMode| match ends[at][i] {
+        Ending::Known(_) => ends[at].iter().filter(|end| **end == ends[at][i]).count() == 1,
+        Ending::Other => true,
+        Ending::Lost => false,
     };
     let lost: Vec<StartMode> = in_doubt.into_iter().filter(|doubt| !is_sure(doubt)).collect();
-    lost.iter().for_each(|&(at, i)| ends[at][i] = None);
+    lost.iter().for_each(|&(at, i)| ends[at][i] = Ending::Lost);
     lost
 }
 
@@ -113,21 +117,21 @@ struct Lost {
 }
 
 impl Lost {
-    fn new(of_path: &[StartMode], paths: &[Path<'_>], ends: &[Vec<Option<usize>>]) -> Self {
+    fn new(of_path: &[StartMode], paths: &[Path<'_>], ends: &[Vec<Ending>]) -> Self {
         let (path, modes) = (of_path[0].0, of_path.iter().map(|&(_, i)| i).collect());
-        let is_left = |to: usize| !ends[path].contains(&Some(to));
+        let is_left = |to: usize| !ends[path].contains(&Ending::Known(to));
         let known = paths[path].end.modes.iter().cloned().zip(0..);
         let (left, originals) = known.filter(|&(_, to)| is_left(to)).unzip();
         Self { path, modes, left, originals }
     }
 
-    fn path<'a>(&'a self, paths: &[Path<'a>]) -> Path<'a> {
+    /// The subdivision that is left to follow these modes.
+    fn begin<'a>(&'a self, paths: &[Path<'a>], sample_points: usize) -> Subdivision<'a> {
         let path = paths[self.path];
-        Path { end: PathEnd { modes: &self.left, ..path.end }, ..path }
-    }
-
-    fn start(&self, paths: &[Path<'_>]) -> Vec<Mode> {
-        self.modes.iter().map(|&i| paths[self.path].start_modes[i].clone()).collect()
+        let start = self.modes.iter().map(|&i| path.start_modes[i].clone()).collect();
+        let has_all = path.end.modes.len() == path.mass().nrows();
+        let left = Path { end: PathEnd { modes: &self.left, ..path.end }, ..path };
+        Subdivision::new(left, start, sample_points, has_all)
     }
 
     fn original(&self, to: &[usize]) -> Vec<usize> {

@@ -32,10 +32,12 @@ pub(crate) fn mac_of_weighted(weighted: &[DVector<Complex<f64>>], new: &[Mode]) 
 }
 
 /// Match of an old mode: what it became.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Match {
     /// Index of the new mode by optimal assignment; `None` where there are fewer new modes.
     pub to: Option<usize>,
+    /// MAC with this mode, 0 without one.
+    pub mac: f64,
     /// Other new modes that the old mode may be; empty for a clear match.
     pub rivals: Vec<usize>,
 }
@@ -43,6 +45,16 @@ pub(crate) struct Match {
 impl Match {
     pub fn is_clear(&self) -> bool {
         self.to.is_some() && self.rivals.is_empty()
+    }
+
+    /// True if the shapes are so much alike that the new mode is the old one though others may be missing among the new modes.
+    pub fn is_same(&self) -> bool {
+        self.mac >= LEAST_CLEAR_MAC
+    }
+
+    /// True if the shapes have less in common than those of one mode.
+    pub fn is_other(&self) -> bool {
+        self.mac < LEAST_CLEAR_MAC / 2.0
     }
 }
 
@@ -67,18 +79,18 @@ pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Ve
 /// [`match_modes`] from the M phi of the old modes.
 pub(crate) fn match_weighted(old: &[Mode], weighted: &[DVector<Complex<f64>>], new: &[Mode]) -> Vec<Match> {
     if old.is_empty() || new.is_empty() {
-        return vec![Match { to: None, rivals: Vec::new() }; old.len()];
+        return vec![Match { to: None, mac: 0.0, rivals: Vec::new() }; old.len()];
     }
     let mac = mac_of_weighted(weighted, new);
     let to = assign(&mac);
     (0..old.len())
         .map(|i| {
             let Some(best) = to[i] else {
-                return Match { to: None, rivals: Vec::new() };
+                return Match { to: None, mac: 0.0, rivals: Vec::new() };
             };
             let likeness: Vec<f64> = mac.row(i).iter().copied().collect();
             let rivals = rivals(&likeness, best, |j| (new[j].lambda - old[i].lambda).norm());
-            Match { to: Some(best), rivals }
+            Match { to: Some(best), mac: likeness[best], rivals }
         })
         .collect()
 }

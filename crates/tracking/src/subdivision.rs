@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use cea::{CeaError, EigenSolver, Mode, Modes, Workspace};
 use num_complex::Complex;
 
-use crate::mac::match_modes;
+use crate::mac::{Match, match_modes};
 use crate::path::{Links, Path, PathStart};
 use crate::sample_point::{Candidates, Known, SamplePoint, Solved};
 
@@ -27,6 +27,8 @@ const MULTIPLE_SEPARATION: f64 = 1e-4;
 /// The modes being followed on one path, and what each mode at its beginning may have become.
 pub(crate) struct Subdivision<'a> {
     path: Path<'a>,
+    /// True if all modes at the end of the path are known, so that a mode may be found by elimination.
+    has_all: bool,
     /// Position on the path, up to which the modes have been followed.
     at: f64,
     modes: Vec<Mode>,
@@ -40,13 +42,25 @@ pub(crate) struct Subdivision<'a> {
     sample_points: Vec<SamplePoint>,
 }
 
+/// The modes at the end of a step, among which those that are followed are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Among {
+    /// The nearest few.
+    Nearest,
+    /// All, so that a mode may be found by elimination.
+    All,
+    /// Those in a band, which a mode may have left.
+    Band,
+}
+
 impl<'a> Subdivision<'a> {
     /// `start` are the modes to be followed; `sample_points` is the number of points solved in any case. More are added where a
-    /// match is not clear.
-    pub(crate) fn new(path: Path<'a>, start: Vec<Mode>, sample_points: usize) -> Self {
+    /// match is not clear. With `has_all` the modes at the end of the path are all that are left there.
+    pub(crate) fn new(path: Path<'a>, start: Vec<Mode>, sample_points: usize, has_all: bool) -> Self {
         let place = |i: usize| (i as f64 + 1.0 - CUT_FRACTION) / (sample_points as f64 + 1.0);
         Self {
             path,
+            has_all,
             at: 0.0,
             indices: (0..start.len()).collect(),
             candidates: (0..start.len()).map(|i| BTreeSet::from([i])).collect(),
@@ -89,8 +103,8 @@ impl<'a> Subdivision<'a> {
         let place = next.as_ref().map_or(1.0, |sample_point| sample_point.at);
         let last_try = place - self.at <= SHORTEST_SUBDIVISION;
         let is_taken = match &next {
-            Some(sample_point) => self.step_to(&sample_point.known.modes_near(&self.modes), last_try),
-            None => self.step_to(self.path.end.modes, last_try),
+            Some(sample_point) => self.step_to(&sample_point.known.modes_near(&self.modes), last_try, Among::Nearest),
+            None => self.step_to(self.path.end.modes, last_try, if self.has_all { Among::All } else { Among::Band }),
         };
         if is_taken {
             self.at = place;
@@ -107,7 +121,7 @@ impl<'a> Subdivision<'a> {
     }
 
     /// Steps to the modes `new` if every match is clear, or cannot become clear: at the last try, or in a multiple eigenvalue.
-    fn step_to(&mut self, new: &[Mode], last_try: bool) -> bool {
+    fn step_to(&mut self, new: &[Mode], last_try: bool, among: Among) -> bool {
         let matches = match_modes(&self.modes, new, self.path.mass());
         // Two modes with equal eigenvalues before and after the step; modes that only cross are told apart by a longer step.
         let is_inseparable = |f: usize, r: usize| {
@@ -116,7 +130,9 @@ impl<'a> Subdivision<'a> {
             before && matches[f].to.is_some_and(|to| is_multiple(&new[to], &new[r]))
         };
         let is_decided = |f: usize| {
-            matches[f].is_clear() || matches[f].to.is_some() && matches[f].rivals.iter().all(|&r| is_inseparable(f, r))
+            let Match { to, mac: _, rivals } = &matches[f];
+            let is_found = among == Among::All || matches[f].is_same() || rivals.iter().any(|&r| *to != Some(r));
+            is_found && to.is_some() && rivals.iter().all(|&r| is_inseparable(f, r))
         };
         if !last_try && !(0..matches.len()).all(is_decided) {
             return false;
@@ -129,8 +145,13 @@ impl<'a> Subdivision<'a> {
                 indices.len() - 1
             })
         };
-        let reach: Vec<BTreeSet<usize>> =
-            matches.iter().map(|m| m.to.iter().chain(&m.rivals).map(|&j| position(j)).collect()).collect();
+        // Of the modes in a band, one with another shape is no match: the mode has left the band.
+        let is_match = |found: &Match| among != Among::Band || !found.is_other();
+        let mut reach = |found: &Match| -> BTreeSet<usize> {
+            let candidates = found.to.iter().chain(&found.rivals).filter(|_| is_match(found));
+            candidates.map(|&j| position(j)).collect()
+        };
+        let reach: Vec<BTreeSet<usize>> = matches.iter().map(&mut reach).collect();
         // Two modes that share a rival are in doubt together: either may be where the other is, so their candidates are joined.
         for set in &mut self.candidates {
             let mut grown: BTreeSet<usize> = set.iter().flat_map(|&f| reach[f].iter().copied()).collect();
@@ -287,7 +308,7 @@ mod tests {
             let owner = UpTo(by_systems, up_to);
             let path = Path { start: PathStart::Owned(&from.m, &owner), ..by_systems };
             let mut work = Workspace::default();
-            let links = Subdivision::all(&QrSolver, vec![Subdivision::new(path, start.clone(), 7)], &mut work);
+            let links = Subdivision::all(&QrSolver, vec![Subdivision::new(path, start.clone(), 7, true)], &mut work);
             assert_eq!(links[0].as_ref().unwrap(), &[vec![0], vec![1], vec![2]]);
             work.counters.eigenvalue_solves
         });

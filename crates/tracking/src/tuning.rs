@@ -55,8 +55,8 @@ pub(crate) struct Tuning {
 /// The numbers that are used.
 pub(crate) const CHOSEN: Tuning = Tuning {
     first_step: 0.2,
-    shortest_step: 1.0 / 512.0,
-    most_attempts: 48,
+    shortest_step: 1.0 / 1_048_576.0,
+    most_attempts: 256,
     least_mac: 0.8,
     converged: 5e-5,
     most_corrections: 4,

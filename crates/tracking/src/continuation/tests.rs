@@ -12,7 +12,15 @@ use proptest::prelude::*;
 fn continued(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
     let (start, end) = (modes(from), modes(to));
     let path = Path { start: PathStart::System(from), start_modes: &start, end: PathEnd { system: to, modes: &end } };
-    continue_modes(&start.iter().map(|mode| (path, mode)).collect::<Vec<_>>(), false, &mut Workspace::default())
+    let of: Vec<_> = start.iter().map(|mode| (path, mode)).collect();
+    continue_modes(&of, false, &mut Workspace::default()).into_iter().map(Ending::known).collect()
+}
+
+impl Ending {
+    /// The index of the known mode, if it is one.
+    pub(crate) fn known(self) -> Option<usize> {
+        if let Self::Known(to) = self { Some(to) } else { None }
+    }
 }
 
 /// The eigenvalue at the end of a path whose end modes are not known; `None` where the continuation does not reach it.
