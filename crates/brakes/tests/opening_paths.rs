@@ -1,4 +1,4 @@
-//! Modes followed while a contact opens: on many brakes at random the names are those of the smallest steps, and those of the same brake in other
+//! Modes followed while a contact opens or closes: on many brakes at random the names are those of the smallest steps, and those of the same brake in other
 //! coordinates.
 //!
 //! The stiffness of the contact fades out in equal parts over the path, so that all that happens to the modes happens in its last hundredth where the contact
@@ -11,6 +11,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use reduction::{ContactPath, OnContactPath};
 use tracking::{Eigenpair, Links, OwnedPath, Path, PathEnd, PathStart, follow};
@@ -43,16 +44,17 @@ impl OwnedPath for Opening {
     }
 }
 
-/// The brake with all contacts closed, and with one of them open.
+/// The brake with all contacts closed and with one of them open, in either order.
 type Ends = [SecondOrder; 2];
 
+/// The ends of a path, and other coordinates.
 fn ends() -> impl Strategy<Value = (Ends, DMatrix<f64>)> {
     let directions = || prop::collection::vec(-1.0..1.0, ORDER * (CLOSED + 1));
     let turn = prop::collection::vec(-1.0..1.0, ORDER * ORDER);
     let frictions = prop::collection::vec(0.3..0.7, CLOSED + 1);
-    (prop::collection::vec(0.0..1.0, ORDER), [directions(), directions()], frictions, -1.0..1.5, turn).prop_map(
-        |(places, [normal, tangent], mu, stiffness, turn)| {
-            let frequency = |i: usize| 0.15 + 2.2 * (i as f64 + places[i]) / ORDER as f64;
+    (prop::collection::vec(0.0..1.0, ORDER), [directions(), directions()], frictions, -1.0..1.5, any::<bool>(), turn)
+        .prop_map(|(places, [normal, tangent], mu, stiffness, closes, turn)| {
+            let frequency = |i: usize| -> f64 { 0.15 + 2.2 * (i as f64 + places[i]) / ORDER as f64 };
             let structure = DMatrix::from_fn(ORDER, ORDER, |i, j| if i == j { frequency(i).powi(2) } else { 0.0 });
             let c = (&structure + DMatrix::identity(ORDER, ORDER)) * 0.002;
             let [normal, tangent] = [normal, tangent].map(|of| DMatrix::from_vec(ORDER, CLOSED + 1, of));
@@ -62,9 +64,12 @@ fn ends() -> impl Strategy<Value = (Ends, DMatrix<f64>)> {
             };
             let closed = (0..CLOSED).fold(structure, |k, at| k + contact(at));
             let with = |k| SecondOrder::new(DMatrix::identity(ORDER, ORDER), c.clone(), k).unwrap();
-            ([with(&closed + contact(CLOSED)), with(closed)], DMatrix::from_vec(ORDER, ORDER, turn).qr().q())
-        },
-    )
+            let mut ends = [with(&closed + contact(CLOSED)), with(closed)];
+            if closes {
+                ends.reverse();
+            }
+            (ends, DMatrix::from_vec(ORDER, ORDER, turn).qr().q())
+        })
 }
 
 fn spectrum(system: &SecondOrder) -> Vec<Complex<f64>> {
@@ -125,41 +130,42 @@ fn by_small_steps(ends: &Ends) -> Vec<(Option<usize>, f64)> {
 }
 
 /// Compares the names of `cases` brakes with those of small steps and with those in other coordinates: numbers of modes with one name, and of modes that
-/// left the band.
-fn compare(cases: u32) -> [usize; 2] {
+/// left the band; and what is wrong.
+fn compare(cases: usize) -> ([usize; 2], Vec<String>) {
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
-    let mut runner = TestRunner::new_with_rng(Config { cases, failure_persistence: None, ..Config::default() }, rng);
-    let counts = std::cell::Cell::new([0, 0]);
-    let check = |(ends, turn): (Ends, DMatrix<f64>)| {
+    let mut runner = TestRunner::new_with_rng(Config::default(), rng);
+    let (mut counts, mut wrong) = ([0, 0], Vec::new());
+    for case in 0..cases {
+        let (ends, turn) = ends().new_tree(&mut runner).unwrap().current();
         let turned = |system: &SecondOrder| {
             let k = &turn * &system.k * turn.transpose();
             SecondOrder::new(system.m.clone(), &turn * &system.c * turn.transpose(), k).unwrap()
         };
         let [links, others] = [linked(&ends), linked(&[turned(&ends[0]), turned(&ends[1])])];
         for (i, (to, least)) in by_small_steps(&ends).into_iter().enumerate() {
-            let [open, left] = [links[i].len() > 1, to.is_none()];
-            // Nearer, the two modes are one for every use of a name.
-            prop_assert!(open || least < 1e-3 || links[i] == Vec::from_iter(to), "{i}: {to:?} {least} {links:?} {others:?}");
-            prop_assert!(links[i].len() != 1 || others[i].len() != 1 || links[i] == others[i], "{i} {links:?} {others:?}");
-            let [sure, out] = counts.get();
-            counts.set([sure + usize::from(links[i].len() == 1), out + usize::from(left)]);
+            let is_sure = |links: &Links| links[i].len() <= 1;
+            // Nearer than that, the two modes are one for every use of a name.
+            let is_right = !is_sure(&links) || least < 1e-3 || links[i] == Vec::from_iter(to);
+            if !is_right || is_sure(&links) && is_sure(&others) && links[i] != others[i] {
+                wrong.push(format!("{case}, mode {i}: {:?}, {:?}, {to:?}, {least:.1e}", links[i], others[i]));
+            }
+            counts[0] += usize::from(links[i].len() == 1);
+            counts[1] += usize::from(to.is_none());
         }
-        Ok(())
-    };
-    runner.run(&proptest::strategy::Strategy::boxed(ends()), check).unwrap();
-    println!("{:?}", counts.get());
-    counts.get()
+    }
+    println!("{counts:?} {wrong:#?}");
+    (counts, wrong)
 }
 
 #[test]
-fn names_follow_from_no_rounding_while_a_stiff_contact_opens() {
-    let [sure, left] = compare(24);
-    assert!(sure > 150 && left > 0, "{sure} {left}");
+fn names_follow_from_no_rounding_where_a_stiff_contact_opens() {
+    let ([sure, left], wrong) = compare(24);
+    assert!(sure > 150 && left > 0 && wrong.is_empty(), "{sure} {left} {wrong:?}");
 }
 
 #[test]
 #[ignore = "some minutes: 1,000 brakes"]
 fn names_follow_from_no_rounding_on_a_thousand_brakes() {
-    let [sure, left] = compare(1000);
-    assert!(sure > 8000 && left > 50, "{sure} {left}");
+    let ([sure, left], wrong) = compare(1000);
+    assert!(sure > 8000 && left > 50 && wrong.is_empty(), "{sure} {left} {wrong:?}");
 }
