@@ -143,10 +143,10 @@ fn compare(cases: usize) -> ([usize; 2], Vec<String>) {
         };
         let [links, others] = [linked(&ends), linked(&[turned(&ends[0]), turned(&ends[1])])];
         for (i, (to, least)) in by_small_steps(&ends).into_iter().enumerate() {
-            let is_sure = |links: &Links| links[i].len() <= 1;
             // Nearer than that, the two modes are one for every use of a name.
-            let is_right = !is_sure(&links) || least < 1e-3 || links[i] == Vec::from_iter(to);
-            if !is_right || is_sure(&links) && is_sure(&others) && links[i] != others[i] {
+            let is_right = links[i].len() > 1 || least < 1e-3 || links[i] == Vec::from_iter(to);
+            let is_sure = [&links, &others].iter().all(|links| links[i].len() == 1);
+            if !is_right || is_sure && links[i] != others[i] {
                 wrong.push(format!("{case}, mode {i}: {:?}, {:?}, {to:?}, {least:.1e}", links[i], others[i]));
             }
             counts[0] += usize::from(links[i].len() == 1);

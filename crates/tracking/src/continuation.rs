@@ -45,14 +45,26 @@ enum Advance {
 }
 
 /// What a mode has become at the end of its path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Ending {
     /// The known mode with this index.
     Known(usize),
-    /// A mode that is not among the known ones: it has left the band that these are from.
-    Other,
+    /// A mode with this eigenvalue, rad/s, that is not among the known ones: it has left the band that these are from.
+    Other(Complex<f64>),
     /// In doubt.
     Lost,
+}
+
+impl Ending {
+    /// True if both are one mode.
+    pub(crate) fn is_same(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Other(a), Self::Other(b)) => {
+                (a - b).norm() <= LEAST_SEPARATION * tuning().negligible_error * a.norm()
+            }
+            _ => self == other,
+        }
+    }
 }
 
 /// What the mode at the beginning of each path has become at its end.
@@ -137,7 +149,7 @@ fn ending(known: &[Mode], lambda: Complex<f64>) -> Ending {
     let negligible = tuning().negligible_error * lambda.norm();
     match order.first() {
         Some(&(_, j)) if distance(0) <= negligible && distance(1) >= LEAST_SEPARATION * negligible => Ending::Known(j),
-        _ if distance(0) >= LEAST_DISTANCE * negligible => Ending::Other,
+        _ if distance(0) >= LEAST_DISTANCE * negligible => Ending::Other(lambda),
         _ => Ending::Lost,
     }
 }

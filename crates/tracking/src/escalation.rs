@@ -95,10 +95,8 @@ fn link_by_continuation(
         ends[at][i] = end;
     }
     // Two continuations that end at one mode are both lost.
-    let is_sure = |&(at, i): &StartMode| match ends[at][i] {
-        Ending::Known(_) => ends[at].iter().filter(|end| **end == ends[at][i]).count() == 1,
-        Ending::Other => true,
-        Ending::Lost => false,
+    let is_sure = |&(at, i): &StartMode| {
+        ends[at][i] != Ending::Lost && ends[at].iter().filter(|end| end.is_same(ends[at][i])).count() == 1
     };
     let lost: Vec<StartMode> = in_doubt.into_iter().filter(|doubt| !is_sure(doubt)).collect();
     lost.iter().for_each(|&(at, i)| ends[at][i] = Ending::Lost);

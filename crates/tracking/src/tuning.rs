@@ -54,7 +54,7 @@ pub(crate) struct Tuning {
 
 /// The numbers that are used.
 pub(crate) const CHOSEN: Tuning = Tuning {
-    first_step: 0.2,
+    first_step: 0.05,
     shortest_step: 1.0 / 1_048_576.0,
     most_attempts: 256,
     least_mac: 0.8,
