@@ -14,7 +14,7 @@ use crate::tuning::tuning;
 /// The first step, as a fraction of the path; chosen: steps next to a coalescence are about as short.
 const FIRST_PAIR_STEP: f64 = 0.01;
 /// Shortest step, as a fraction of the path; chosen: a pair that needs a shorter one is left to subdivision.
-const SHORTEST_PAIR_STEP: f64 = 1.0 / 65_536.0;
+const SHORTEST_PAIR_STEP: f64 = 1.0 / 4096.0;
 /// Most halvings of a step in which the turn of s about 0 is followed; chosen: a step 2^24 times shorter that still turns by
 /// more than 60 degrees passes 0 at a distance of rounding.
 const MOST_HALVINGS: u32 = 24;
@@ -23,8 +23,8 @@ const CUBIC_ERROR: f64 = 0.25;
 /// Largest distance between an eigenvalue and the same eigenvalue computed from its pair, as a fraction of the distance between the two eigenvalues of the
 /// pair; chosen. In squares the same bound applies to s.
 pub(crate) const ACCEPTANCE_RADIUS: f64 = 0.01;
-/// Distance past the coalescence, as a fraction of the path, at which single-mode continuation resumes: eight of the shortest steps of pairs.
-const RESUMPTION_DISTANCE: f64 = 1.0 / 8192.0;
+/// Distance past the coalescence, as a fraction of the path, at which single-mode continuation resumes: eight of its shortest steps.
+const RESUMPTION_DISTANCE: f64 = 1.0 / 64.0;
 
 /// A pair that is being continued.
 struct PairContinuation<'a> {

@@ -3,7 +3,7 @@
 //! Predictor: a parabola through the last point, with the derivatives at the last two points. Corrector: Newton's method, by
 //! the secular equation or by singular vectors ([`corrector`](crate::corrector)). A step is taken where the ratio of the
 //! predictor errors is small ([`step_control`](crate::step_control)) and the shape has hardly changed. A mode whose steps
-//! become too short is next to a coalescence: where the path has a characteristic function that costs little, it is continued
+//! become short, with another eigenvalue near, is next to a coalescence: where the path has a characteristic function that costs little, it is continued
 //! together with the mode it coalesces with
 //! ([`coalescence`](crate::coalescence)); a mode that is lost all the same is left to adaptive subdivision
 //! ([`subdivision`](crate::subdivision)), which computes all modes at points of the path.
@@ -186,7 +186,17 @@ impl<'a> Continuation<'a> {
                 return Advance::Arrived(end);
             }
         }
-        if self.steps.is_over(tuning().shortest_step) { Advance::Lost } else { Advance::UnderWay }
+        if self.steps.is_over(self.shortest_step()) { Advance::Lost } else { Advance::UnderWay }
+    }
+
+    /// The shortest step here, a longer one next to a coalescence. At a distance d from a branch point `lambda = m + sqrt(s)` the two eigenvalues are
+    /// `8 d^2 |lambda''|` apart, and the next step is 0.8 d.
+    fn shortest_step(&self) -> f64 {
+        let tuning = tuning();
+        let distance = self.steps.step() / 0.8;
+        let gap = 8.0 * distance.powi(2) * self.curvature.norm();
+        let is_narrow = gap > 0.0 && gap <= tuning.narrow_gap * self.here.mode.lambda.norm();
+        if is_narrow { tuning.shortest_step } else { tuning.least_step }
     }
 
     /// What this mode has become (at the end of the path) or becomes (by a clear MAC); `None` where that is not known yet.
