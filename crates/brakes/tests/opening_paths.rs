@@ -100,12 +100,9 @@ fn linked([start, end]: &Ends) -> Links {
 
 /// Every mode followed by whole spectra, in steps that are cut until each eigenvalue is fifty times nearer to where it is expected than any other is: the mode
 /// at the end, `None` where it has left the band, and the least distance from any other on the way, relative.
-fn by_small_steps([start, end]: [&SecondOrder; 2], [from, known]: [&[Mode]; 2]) -> Vec<(Option<usize>, f64)> {
-    let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>, t: f64| a * (1.0 - t) + b * t;
-    let between = |t: f64| {
-        SecondOrder::new(mix(&start.m, &end.m, t), mix(&start.c, &end.c, t), mix(&start.k, &end.k, t)).unwrap()
-    };
-    let mut at: Vec<[Complex<f64>; 2]> = from.iter().map(|mode| [mode.lambda; 2]).collect();
+fn by_small_steps([start, end]: &Ends) -> Vec<(Option<usize>, f64)> {
+    let between = |t: f64| SecondOrder { k: &start.k * (1.0 - t) + &end.k * t, ..start.clone() };
+    let mut at: Vec<[Complex<f64>; 2]> = modes(start).iter().map(|mode| [mode.lambda; 2]).collect();
     let mut least = vec![f64::INFINITY; at.len()];
     let (mut t, mut last, mut step) = (0.0, 1.0, 1e-3_f64);
     while t < 1.0 {
@@ -128,6 +125,7 @@ fn by_small_steps([start, end]: [&SecondOrder; 2], [from, known]: [&[Mode]; 2]) 
         (last, t) = (next - t, next);
         step = (1.5 * step).min(5e-3);
     }
+    let known = modes(end);
     let is_at = |mode: &Mode, lambda: Complex<f64>| (mode.lambda - lambda).norm() < 1e-7 * lambda.norm();
     let index = |lambda: Complex<f64>| known.iter().position(|mode| is_at(mode, lambda));
     at.iter().zip(least).map(|([_, lambda], least)| (index(*lambda), least)).collect()
@@ -146,9 +144,7 @@ fn compare(cases: usize) -> ([usize; 2], Vec<String>) {
             SecondOrder::new(system.m.clone(), &turn * &system.c * turn.transpose(), k).unwrap()
         };
         let [links, others] = [linked(&ends), linked(&[turned(&ends[0]), turned(&ends[1])])];
-        for (i, (to, least)) in
-            by_small_steps([&ends[0], &ends[1]], [&modes(&ends[0]), &modes(&ends[1])]).into_iter().enumerate()
-        {
+        for (i, (to, least)) in by_small_steps(&ends).into_iter().enumerate() {
             let is_right = links[i].len() > 1 || least < NARROW || links[i] == Vec::from_iter(to);
             let is_sure = [&links, &others].iter().all(|links| links[i].len() == 1);
             if !is_right || is_sure && links[i] != others[i] {

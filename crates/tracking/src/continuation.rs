@@ -44,7 +44,7 @@ enum Advance {
     Lost,
 }
 
-/// What a mode has become at the end of its path.
+/// Ending of a path for one mode: the mode that it has become.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Ending {
     /// The known mode with this index.
@@ -67,7 +67,7 @@ impl Ending {
     }
 }
 
-/// What the mode at the beginning of each path has become at its end.
+/// The ending of each path for the mode at its beginning.
 ///
 /// With `near`, a continuation ends as soon as MAC with the modes at the end of the path is clear; without, it covers the
 /// whole path.
@@ -139,8 +139,7 @@ fn pass_coalescences<'a>(lost: &[(usize, Continuation<'a>)], work: &mut Workspac
     pairs.into_iter().zip(lost).map(&mut continued).collect()
 }
 
-/// What a mode has become that has the eigenvalue `lambda`, rad/s, at the end of its path; in doubt where two known modes are near, or one is so but for
-/// an error.
+/// The ending for a mode with the eigenvalue `lambda`, rad/s, at the end of its path; in doubt where two known modes are near, or one is so but for an error.
 fn ending(known: &[Mode], lambda: Complex<f64>) -> Ending {
     let mut order: Vec<(f64, usize)> =
         known.iter().enumerate().map(|(j, mode)| ((mode.lambda - lambda).norm(), j)).collect();
@@ -199,7 +198,7 @@ impl<'a> Continuation<'a> {
         if is_narrow { tuning.shortest_step } else { tuning.least_step }
     }
 
-    /// What this mode has become (at the end of the path) or becomes (by a clear MAC); `None` where that is not known yet.
+    /// The ending for this mode, at the end of the path or by a clear MAC before; `None` where it is not known yet.
     fn end(&self) -> Option<Ending> {
         let known = self.path.end.modes;
         if self.steps.t == 1.0 {

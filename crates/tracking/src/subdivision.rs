@@ -49,7 +49,7 @@ enum Among {
     Nearest,
     /// All, so that a mode may be found by elimination.
     All,
-    /// Those in a band, which a mode may have left.
+    /// The modes of a band, which a mode may have left.
     Band,
 }
 
@@ -130,7 +130,7 @@ impl<'a> Subdivision<'a> {
             before && matches[f].to.is_some_and(|to| is_multiple(&new[to], &new[r]))
         };
         let is_decided = |f: usize| {
-            let Match { to, mac: _, rivals } = &matches[f];
+            let Match { to, rivals, .. } = &matches[f];
             let is_found = among == Among::All || matches[f].is_same() || rivals.iter().any(|&r| *to != Some(r));
             is_found && to.is_some() && rivals.iter().all(|&r| is_inseparable(f, r))
         };
