@@ -450,6 +450,7 @@ fn of_spread(to: &mut Written, spread: &SpreadParameters) {
                 to.list(of_patches, |to, field| {
                     to.count(field.coefficients.start);
                     to.count(field.coefficients.end);
+                    numbers(to, field.shapes.as_slice());
                 });
             }
         }

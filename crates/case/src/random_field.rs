@@ -5,7 +5,8 @@ use serde::Deserialize;
 
 /// Rounding by which the variance of all modes together may fall short of the whole; chosen, far below any share that is asked for.
 const ROUNDING: f64 = 1e-10;
-/// Part of the share that is kept in the mean which is kept at each point at least; chosen: a point of which no mode tells anything has no field.
+/// Variance that is kept at each point at least, as a fraction of the share that is kept in the mean over the face; chosen: without it a small, remote part of
+/// a face would have no field.
 const AT_EACH: f64 = 0.5;
 
 /// Kernel of a correlation: the correlation of two points as a function of their distance d in units of the correlation length.
@@ -36,23 +37,32 @@ impl Kernel {
     }
 }
 
+/// Largest relative distance of the variances of two modes that are kept or left out together; chosen, far more than rounding: which of two equal modes comes
+/// first is rounding.
+const EQUAL: f64 = 1e-6;
+
 /// Modes of a standard normal field over points that share one face.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FieldModes {
     /// Shapes, a row for each point and a column for each mode: the score of a point is its row times the coefficients. Rows have unit length, so that
     /// each score is standard normal however many modes are kept.
     pub shapes: DMatrix<f64>,
-    /// Variance of each mode over the variance of the whole field, in the mean over the face, largest first.
+    /// Variance of each mode over the variance of the whole field, in the mean over the face, largest first, before the points are scaled.
     pub variances: Vec<f64>,
+    /// Variance of the mean over the face, over that which the whole field has.
+    pub of_mean: f64,
 }
 
 impl FieldModes {
-    /// The modes that hold a share of the variance, the largest first: in the mean over the points by their `weights`, and half of it at each of them.
+    /// The modes that hold a share of the variance, the largest first: so many that the variance kept is `share` in the mean over the points by their `weights`,
+    /// none of them below 0, and [`AT_EACH`] of it at each point. Modes of equal variance are kept together. `None` where a point has no field: it has no weight,
+    /// and no other point near it.
     ///
     /// With the correlation C of the points and their weights W, of sum 1, modes are the eigenvectors of `W^1/2 C W^1/2 v = l v`, the integral operator
-    /// of the kernel over the face by the quadrature of its points; at the points they are `C W^1/2 v / l` (Nystroem). What is left out is made up
-    /// for by a factor at each point, so that it changes correlations and no distribution.
-    pub fn new(points: &[[f64; 3]], weights: &[f64], (kernel, length): (Kernel, f64), share: f64) -> Self {
+    /// of the kernel over the face by the quadrature of its points; at the points they are `C W^1/2 v / l` (Nystroem). Each point is scaled back to
+    /// variance 1: its own distribution is exact. What is left out are short waves, which means over the face hardly have, so that correlations and the variance
+    /// of means are too large; [`of_mean`](Self::of_mean) says by how much.
+    pub fn new(points: &[[f64; 3]], weights: &[f64], (kernel, length): (Kernel, f64), share: f64) -> Option<Self> {
         let count = points.len();
         let distance = |i: usize, j: usize| (0..3).map(|d| (points[i][d] - points[j][d]).powi(2)).sum::<f64>().sqrt();
         let correlation = DMatrix::from_fn(count, count, |i, j| kernel.at(distance(i, j) / length));
@@ -65,10 +75,11 @@ impl FieldModes {
         let (mut columns, mut variances) = (Vec::new(), Vec::new());
         let (mut kept, mut at_points) = (0.0, DVector::<f64>::zeros(count));
         for at in order {
-            if kept >= share - ROUNDING && at_points.min() >= AT_EACH * share {
+            let value = eigenvalues[at];
+            let is_equal = variances.last().is_some_and(|last| value > (1.0 - EQUAL) * last);
+            if kept >= share - ROUNDING && at_points.min() >= AT_EACH * share && !is_equal {
                 break;
             }
-            let value = eigenvalues[at];
             let mut shape = &correlation * eigenvectors.column(at).component_mul(&roots) / value.sqrt();
             // The sign of a mode is free: chosen such that the first entry of more than half the largest is positive.
             let first = shape.iter().find(|entry| entry.abs() > 0.5 * shape.amax());
@@ -80,11 +91,16 @@ impl FieldModes {
             columns.push(shape);
             variances.push(value);
         }
+        if columns.is_empty() || at_points.min() <= 0.0 {
+            return None;
+        }
         let mut shapes = DMatrix::from_columns(&columns);
         for (mut row, variance) in shapes.row_iter_mut().zip(at_points.iter()) {
             row /= variance.sqrt();
         }
-        Self { shapes, variances }
+        let areas = roots.component_mul(&roots);
+        let of_mean = shapes.tr_mul(&areas).norm_squared() / areas.dot(&(&correlation * &areas));
+        Some(Self { shapes, variances, of_mean })
     }
 
     /// The share of the variance that is kept, in the mean over the face.
@@ -95,6 +111,8 @@ impl FieldModes {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::{FieldModes, Kernel};
 
     /// Equal points of a line from -1 to 1, by the middle of each.
@@ -124,7 +142,7 @@ mod tests {
         let mut last = f64::INFINITY;
         for count in [50, 100, 200] {
             let (points, weights) = line(count);
-            let modes = FieldModes::new(&points, &weights, (Kernel::Exponential, 0.7), 0.97);
+            let modes = FieldModes::new(&points, &weights, (Kernel::Exponential, 0.7), 0.97).unwrap();
             let off = |k: usize| (modes.variances[k] - closed_form(0.7, k)).abs() / closed_form(0.7, 0);
             let worst = (0..modes.variances.len()).map(off).fold(0.0, f64::max);
             let expected: f64 = (0..modes.variances.len()).map(|k| closed_form(0.7, k)).sum();
@@ -146,7 +164,7 @@ mod tests {
     fn every_point_has_unit_variance_and_all_modes_the_kernel() {
         let (points, weights) = line(40);
         for (kernel, share) in [(Kernel::Exponential, 1.0), (Kernel::Gaussian, 1.0), (Kernel::Exponential, 0.8)] {
-            let modes = FieldModes::new(&points, &weights, (kernel, 0.5), share);
+            let modes = FieldModes::new(&points, &weights, (kernel, 0.5), share).unwrap();
             let covariance = &modes.shapes * modes.shapes.transpose();
             for i in 0..40 {
                 assert!((covariance[(i, i)] - 1.0).abs() < 1e-12);
@@ -163,12 +181,49 @@ mod tests {
     fn an_infinite_length_is_one_mode_of_ones() {
         let (points, mut weights) = line(30);
         weights[7] = 0.0;
-        let modes = FieldModes::new(&points, &weights, (Kernel::Gaussian, f64::INFINITY), 1.0);
+        let modes = FieldModes::new(&points, &weights, (Kernel::Gaussian, f64::INFINITY), 1.0).unwrap();
         assert_eq!(modes.shapes.shape(), (30, 1));
         assert!(modes.shapes.iter().all(|entry| *entry == 1.0), "{}", modes.shapes);
-        let near = FieldModes::new(&points, &weights, (Kernel::Gaussian, 0.8), 0.99);
+        let near = FieldModes::new(&points, &weights, (Kernel::Gaussian, 0.8), 0.99).unwrap();
         let between = 0.5 * (near.shapes.row(6) + near.shapes.row(8));
         assert!((near.shapes.row(7) - between).amax() < 0.02);
+    }
+
+    /// The modes of a square come in pairs, of which rounding says which is first: both are kept, so that the field is the same along both edges.
+    #[test]
+    fn a_field_over_a_square_is_alike_along_both_edges() {
+        let points: Vec<[f64; 3]> = (0..36).map(|at| [f64::from(at / 6) / 5.0, f64::from(at % 6) / 5.0, 0.0]).collect();
+        for kernel in [Kernel::Exponential, Kernel::Gaussian] {
+            for (length, share) in [(0.2, 0.95), (0.5, 0.95), (0.5, 0.8), (1.0, 0.8), (2.0, 0.8), (2.0, 0.95)] {
+                let shapes = FieldModes::new(&points, &[1.0; 36], (kernel, length), share).unwrap().shapes;
+                let correlation = |i: usize, j: usize| shapes.row(i).dot(&shapes.row(j));
+                // The corner at the origin with the ends of its two edges.
+                let [x, y] = [correlation(0, 30), correlation(0, 5)];
+                assert!((x - y).abs() < 1e-9, "{kernel:?} {length} {share}: {x} {y}");
+            }
+        }
+    }
+
+    /// Against the sums of both covariances.
+    #[test]
+    fn the_variance_of_the_mean_is_said() {
+        let (points, weights) = line(30);
+        let correlation = |i: usize, j: usize| Kernel::Exponential.at((points[i][0] - points[j][0]).abs() / 0.4);
+        let whole = DMatrix::from_fn(30, 30, correlation).sum() / 900.0;
+        for (share, most) in [(0.6, 1.7), (0.8, 1.3), (0.95, 1.08), (1.0, 1.0 + 1e-9)] {
+            let modes = FieldModes::new(&points, &weights, (Kernel::Exponential, 0.4), share).unwrap();
+            let made = (&modes.shapes * modes.shapes.transpose()).sum() / 900.0;
+            assert!((modes.of_mean - made / whole).abs() < 1e-9);
+            assert!(modes.of_mean >= 1.0 - 1e-9 && modes.of_mean < most, "{share}: {}", modes.of_mean);
+        }
+    }
+
+    #[test]
+    fn a_point_without_weight_and_far_from_all_has_no_field() {
+        let (mut points, mut weights) = line(5);
+        points.push([1e4, 0.0, 0.0]);
+        weights.push(0.0);
+        assert_eq!(FieldModes::new(&points, &weights, (Kernel::Gaussian, 1.0), 0.9), None);
     }
 
     /// A part of a face that is small and far from the rest is kept all the same.
@@ -177,7 +232,7 @@ mod tests {
         let (mut points, mut weights) = line(30);
         points.push([100.0, 0.0, 0.0]);
         weights.push(1e-6);
-        let modes = FieldModes::new(&points, &weights, (Kernel::Exponential, 1.0), 0.6);
+        let modes = FieldModes::new(&points, &weights, (Kernel::Exponential, 1.0), 0.6).unwrap();
         assert!(modes.shapes.row(30).iter().any(|entry| entry.abs() > 0.999));
     }
 }

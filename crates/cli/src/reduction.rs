@@ -21,7 +21,7 @@ pub(super) fn write_reduction(brake: &FiniteElementBrake, dir: &Path) -> Result<
         let whole = &brake.sets[constraints].modes;
         let (mut residuals, mut distances) = (Vec::new(), Vec::new());
         for rung in brake.rungs(constraints)? {
-            let Compared { distance, missed, .. } = compared(whole, rung.first);
+            let Compared { distance, missed, .. } = compared(whole, &rung.first);
             let columns = rung.columns as f64;
             residuals.push([columns, rung.residual]);
             distances.push([columns, distance]);

@@ -237,7 +237,7 @@ impl Coarse {
         let mut largest = 0.0_f64;
         for (found, known) in spectra(&systems).into_iter().zip(known) {
             let found = reduced.next_to_rectangle(&found?, MARGIN);
-            let found = compared(known, found);
+            let found = compared(known, &found);
             let is_inside = |lambda: &Complex<f64>| {
                 reduced.rectangle().contains_to_the_right(*lambda, -WANTED_ERROR * lambda.norm())
             };

@@ -174,8 +174,8 @@ impl Snapshot<'_> {
     #[must_use]
     pub fn has_all(&self, reduced: &[Complex<f64>]) -> bool {
         let inside = reduced.iter().copied().filter(|&lambda| self.rectangle.contains_to_the_right(lambda, 0.0));
-        let own = self.modes.iter().map(|mode| mode.lambda).collect();
-        compared(&inside.collect::<Vec<_>>(), own).missed.is_empty()
+        let own: Vec<_> = self.modes.iter().map(|mode| mode.lambda).collect();
+        compared(&inside.collect::<Vec<_>>(), &own).missed.is_empty()
     }
 
     /// The largest error, relative to |lambda| and to first order, that the eigenvalues have on a basis V, n x k, of orthonormal columns:

@@ -323,7 +323,7 @@ impl<'a> Search<'a> {
         let is_inside = |lambda: &&Complex<f64>| self.rectangle.contains_to_the_right(**lambda, 0.0);
         let without = |of: &[Complex<f64>], others: &[Complex<f64>]| {
             let inside: Vec<Complex<f64>> = of.iter().filter(is_inside).copied().collect();
-            let missed = compared(&inside, others.to_vec()).missed;
+            let missed = compared(&inside, others).missed;
             (0..of.len()).filter(|&at| missed.contains(&of[at])).collect()
         };
         [without(known, found), without(found, known)]

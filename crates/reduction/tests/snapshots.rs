@@ -126,7 +126,7 @@ fn columns_follow_modes_and_hold_every_friction_and_arrangement_between_the_poin
             let mu = 0.1 + 0.7 * (0.618 * f64::from(draw)).fract();
             let point = at(n, mu, [None, Some(0), Some(1), Some(2)][draw as usize % 4]);
             let expected = eigenvalues(&whole.assemble(&point).unwrap());
-            let found = compared(&expected, eigenvalues(&reduced.assemble(&point).unwrap()));
+            let found = compared(&expected, &eigenvalues(&reduced.assemble(&point).unwrap()));
             assert!(found.missed.is_empty() && found.left.is_empty(), "{n} {point:?}: {found:?}");
             assert!(found.distance < 1e-6, "{n} {draw}: {}", found.distance);
             growing += expected.iter().filter(|lambda| lambda.re > 0.0).count();
@@ -156,7 +156,7 @@ fn errors_are_foreseen_from_what_a_basis_misses() {
             let held_out = at(n, mu, open);
             let foreseen = snapshots.at(&held_out).unwrap().error(&basis).unwrap();
             let expected = eigenvalues(&whole.assemble(&held_out).unwrap());
-            let found = compared(&expected, eigenvalues(&reduced.assemble(&held_out).unwrap()));
+            let found = compared(&expected, &eigenvalues(&reduced.assemble(&held_out).unwrap()));
             if foreseen < 1e-4 {
                 assert!(found.missed.is_empty() && found.left.is_empty(), "{found:?}");
                 assert!(found.distance < 3.0 * foreseen + 1e-9, "{count} {mu}: {:e}, {foreseen:e}", found.distance);

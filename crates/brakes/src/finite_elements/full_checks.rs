@@ -35,9 +35,9 @@ struct OneCheck {
 bits!(OneCheck { found, at, next_to_axis });
 
 impl FiniteElementBrake {
-    /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares it with the whole one at draws in scenes chosen at random. Draws at which they do
-    /// not agree are trained on too, in a few rounds at most; what eigenvalues are off by after that is assumed of samples. All of it follows from the case
-    /// alone, whatever the number of samples is.
+    /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares it with the whole one at draws in scenes chosen at random. Where they do not agree the
+    /// brake is trained on these draws too and compared at new ones, up to [`MOST_ROUNDS`] times; what eigenvalues are off by at the last draws is assumed of samples at
+    /// least. No draw is compared that the brake was trained on. All of it follows from the case alone, whatever the number of samples is.
     ///
     /// # Errors
     /// As [`FiniteElementBrake::new`].
@@ -61,10 +61,10 @@ impl FiniteElementBrake {
             let one = |at: u64| {
                 progress.go_on()?;
                 let inputs = |to: &mut Vec<u8>| {
-                    at.put(to);
+                    (round * count + at).put(to);
                     put_list(&trained, to);
                 };
-                let found = pieces.item("check", inputs, || full_check(&brake, FIRST_STREAM + at));
+                let found = pieces.item("check", inputs, || full_check(&brake, FIRST_STREAM + (round * count) + at));
                 progress.advance(1);
                 found
             };
@@ -125,20 +125,19 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         all.into_iter().partition(|&lambda| wanted.contains_to_the_right(lambda, 0.0));
     let surely_wanted = |lambda: &&Complex<f64>| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm());
     let count = |of: &[Complex<f64>]| of.iter().filter(surely_wanted).count() as u64;
-    let Compared { distance, missed, left, pairs } = compared(&whole, reduced);
-    let next_to_axis = pairs.iter().filter(|[of_whole, _]| is_next_to_axis(*of_whole));
-    let distances = next_to_axis.map(|[of_whole, of_reduced]| (of_whole - of_reduced).norm() / of_whole.norm());
-    let next_to_axis = distances.fold(0.0, f64::max);
-    // What samples count, which is found in another way.
+    let of_reduced = compared(&whole, &reduced);
+    let next_to_axis = distance_next_to_axis(&of_reduced, &reduced);
+    let Compared { distance, missed, left, .. } = of_reduced;
+    // The modes that a sample counts: of coarse modes that are corrected, where `reduced` has those of the whole reduced spectrum.
     let sampled = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0)?;
     let counts = |mode: &&BandMode| brake.plan.is_studied(mode.lambda) && threshold.margin(mode.lambda) > mode.bound;
     let counted: Vec<Complex<f64>> = sampled.iter().filter(counts).map(|mode| mode.lambda).collect();
     let beyond = |error: f64| whole.iter().copied().filter(move |l| threshold.margin(*l) > error * l.norm());
-    // Well beyond what is open, so that rounding makes no other verdict.
+    // Twice the error assumed of samples: a mode nearer to the threshold may be open in the sample and is not compared.
     let error = 2.0 * brake.error_of_modes(scene);
     let surely: Vec<Complex<f64>> = beyond(error).collect();
     let growing: Vec<Complex<f64>> = beyond(0.0).collect();
-    let verdicts = compared(&surely, counted);
+    let verdicts = compared(&surely, &counted);
     let not_counted = verdicts.missed.into_iter().filter(|&lambda| !has(&missed, lambda));
     let wrongly_counted = verdicts.left.into_iter().filter(|&lambda| !has(&growing, lambda) && !has(&left, lambda));
     let other: Vec<Complex<f64>> = not_counted.chain(wrongly_counted).collect();
@@ -167,6 +166,16 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         trained_on: 0,
     };
     Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), next_to_axis })
+}
+
+/// Largest distance, relative to |lambda|, of modes of the whole brake next to the axis from the same modes of the reduced one; of a mode that it has not from
+/// the nearest that it has, 1 at most.
+fn distance_next_to_axis(Compared { missed, pairs, .. }: &Compared, reduced: &[Complex<f64>]) -> f64 {
+    let off = |of_whole: Complex<f64>, of_reduced: Complex<f64>| (of_whole - of_reduced).norm() / of_whole.norm();
+    let nearest = |of_whole| reduced.iter().map(|&of_reduced| off(of_whole, of_reduced)).fold(1.0, f64::min);
+    let all = pairs.iter().map(|&[of_whole, of_reduced]| (of_whole, off(of_whole, of_reduced)));
+    let all = all.chain(missed.iter().map(|&of_whole| (of_whole, nearest(of_whole))));
+    all.filter(|(of_whole, _)| is_next_to_axis(*of_whole)).map(|(_, distance)| distance).fold(0.0, f64::max)
 }
 
 /// True if an eigenvalue is one of `modes`, to within [`AT_BORDER`] of its size.

@@ -171,7 +171,7 @@ pub(super) fn all_bases(
     let by_set: Vec<(&ReducedSet, &usize)> = sets.iter().zip(&of_origins).collect();
     let whole = together.map(by_set, modes_of_whole)?;
     for (at, ((set, whole), &origin)) in sets.iter_mut().zip(whole).zip(&of_origins).enumerate() {
-        set.compared = compared(&whole, parts[origin].first.clone());
+        set.compared = compared(&whole, &parts[origin].first);
         set.modes = whole;
         let of_set = &of_configurations[at * arrangements.len()..];
         let part = |closed: &Closed| arrangements.iter().position(|own| own == closed).map(|own| &parts[of_set[own]]);

@@ -92,7 +92,7 @@ impl ReducedSet {
             None => projected,
         };
         let combinations = Combinations::new(&system, &basis);
-        let compared = compared(&[], Vec::new());
+        let compared = compared(&[], &[]);
         Ok(Self {
             dofs,
             system,

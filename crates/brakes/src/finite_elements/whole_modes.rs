@@ -133,7 +133,7 @@ pub(super) fn held_out<'a>(
         residual = largest_residual(of_these.map(|(_, &own)| own).chain([residual]));
         let reduced = found.lambdas;
         let [of_whole, of_reduced] =
-            [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others.clone()));
+            [(whole, &reduced), (&reduced, whole)].map(|(of, others)| compared(&next_to(of), others));
         let has_others = !(of_whole.missed.is_empty() && of_reduced.missed.is_empty());
         largest = largest.max(if has_others { 1.0 } else { of_whole.distance });
     }

@@ -58,7 +58,7 @@ pub struct PatchField {
     /// Indices of its coefficients, standard normal parameters of the case, which all patches of a face share.
     pub coefficients: Range<usize>,
     /// Shapes of its modes, a row of length 1 for each pair: their sum by the coefficients is its normal score.
-    shapes: DMatrix<f64>,
+    pub(crate) shapes: DMatrix<f64>,
 }
 
 /// A parameter as the case gives it, with the places of its values.
@@ -214,7 +214,12 @@ fn over_faces(
             );
             return Err(check.value(&key, format!("a field over {} points", points.len()), &allowed));
         }
-        let modes = FieldModes::new(&points, &areas, (kernel, length), share);
+        let modes =
+            areas.iter().all(|area| *area >= 0.0).then(|| FieldModes::new(&points, &areas, (kernel, length), share));
+        let Some(modes) = modes.flatten() else {
+            let allowed = "\"patches\" of a contact with points of negative area, or of none and far from all others";
+            return Err(check.value(&key, "a field", allowed));
+        };
         let (first, count) = (parameters.len(), modes.variances.len());
         let named = own.iter().map(|patch| patch.name.as_str()).collect::<Vec<_>>().join(", ");
         if count > MOST_MODES {
@@ -223,9 +228,11 @@ fn over_faces(
             return Err(check.value(&key, found, &allowed));
         }
         check.note(format!(
-            "parameters.{name}: a field over the face of {named}, of {count} modes, which have {:.4} of its variance at {} points",
+            "parameters.{name}: a field over the face of {named}, of {count} modes, which have {:.4} of its variance at {} points; its mean over the face \
+             varies with {:.3} times the variance that all modes would give it",
             modes.kept(),
-            points.len()
+            points.len(),
+            modes.of_mean
         ));
         let of_mode = |number: usize| Parameter {
             name: format!("{name}.{}.mode{number}", contact + 1),

@@ -18,9 +18,9 @@ pub const NULL: f64 = 1e-13;
 /// Most null vectors that are looked at; their number is known from the signs. Chosen: a brake whose two bodies are
 /// free has twelve.
 const MOST_VECTORS: usize = 12;
-/// Number of vectors beyond those wanted, for inverse iteration; chosen: with more, it converges faster and each step costs more.
+/// Number of vectors beyond those wanted; chosen: with more, the space has fewer powers of the inverse.
 const MORE_VECTORS: usize = 2;
-/// Factor on [`NULL`] for an eigenvalue found by inverse iteration; chosen, for the rounding of products.
+/// Factor on [`NULL`] for an eigenvalue that is found; chosen, for the rounding of products.
 const FOUND: f64 = 10.0;
 
 /// Numbers of eigenvalues by their sign.
@@ -49,9 +49,9 @@ pub struct MatrixHealth {
     /// Signs of the eigenvalues of S; `None` where its factorisation, which has pivots only within blocks, is unsound: of saddle
     /// points, such as those of multipliers.
     pub signs: Option<Signs>,
-    /// The eigenvalue of S that inverse iteration finds nearest to zero, as a fraction of the norm; 0 where `signs` is `None` or all rows are empty.
+    /// The eigenvalue of S that is found nearest to zero, as a fraction of the norm, never nearer than the nearest one is; 0 where `signs` is `None` or all rows are empty.
     pub smallest: f64,
-    /// Null vectors found: as many as `null`, or 12 of more. Fewer where inverse iteration did not find what the signs say.
+    /// Null vectors found: as many as `null`, or 12 of more. Fewer where the search did not find what the signs say.
     pub null_vectors: usize,
     /// Rows, from 0, that are not empty, each with the sum of the squares of its entries in the null vectors found, which are orthonormal; the largest sum
     /// first. Empty where there are no null vectors.
@@ -89,7 +89,7 @@ impl MatrixHealth {
         });
         let Some(signs) = health.signs else { return Ok(health) };
         let wanted = signs.null.min(MOST_VECTORS);
-        let (values, vectors) = nearest_to_zero(&scaled, &below, (wanted + MORE_VECTORS).min(rows.len()))?;
+        let (values, vectors) = nearest_to_zero(&below, -NULL * norm, (wanted + MORE_VECTORS).min(rows.len()))?;
         health.smallest = values.first().map_or(0.0, |value| value / norm);
         health.null_vectors = values.iter().take(wanted).filter(|value| value.abs() <= FOUND * NULL * norm).count();
         health.null_rows = moved_rows(&rows, &vectors, health.null_vectors);

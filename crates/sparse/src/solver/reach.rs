@@ -48,7 +48,7 @@ pub(super) fn reach(system: &SparseSecondOrder) -> Result<Option<Reach>, SparseE
     if rows.len() < system.order() {
         return Ok(None);
     }
-    let Ok((nearest, _)) = nearest_to_zero(&mass, &Factor::new(&mass)?, 1.min(rows.len())) else { return Ok(None) };
+    let Ok((nearest, _)) = nearest_to_zero(&Factor::new(&mass)?, 0.0, 1.min(rows.len())) else { return Ok(None) };
     let Some(least) = nearest.first().copied().filter(|least| *least > 0.0) else { return Ok(None) };
     let mut tau = None;
     for part in PARTS {

@@ -102,6 +102,11 @@ impl Factor {
         Some(negative)
     }
 
+    /// Number of rows of A.
+    pub(crate) fn order(&self) -> usize {
+        self.forward.len()
+    }
+
     /// `A^-1 X`, whether the factorisation is sound or not. The permutations are applied here: the library's own solver for this factorisation (0.24.4)
     /// takes B for diagonal.
     pub(crate) fn solve(&self, x: &DMatrix<f64>) -> DMatrix<f64> {

@@ -2,19 +2,23 @@
 
 mod factor;
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 
 use crate::SparseError;
-use crate::product::times;
 use crate::unpatterned::unpatterned;
 pub(crate) use factor::Factor;
 
 /// Fraction of the largest entry of a row below which the diagonal entry does not scale the row; chosen: the diagonal entry of a rotation is a larger
-/// fraction of the entries that couple it with displacements in metres.
+/// fraction of the entries that couple it with displacements, in any usual unit.
 const SMALL_DIAGONAL: f64 = 1e-8;
-/// Number of steps of inverse iteration; chosen: with fewer the eigenvalues have fewer digits, each step is a solution with the whole block.
-const STEPS: usize = 4;
+/// Least number of vectors of the space in which the eigenvalues nearest to zero are looked for; chosen: with 32 the least eigenvalue of a consistent mass is
+/// found within some per cent, each vector is a solution.
+const LEAST_BASIS: usize = 32;
+/// Least number of blocks of that space; chosen: null vectors are found by the second.
+const LEAST_BLOCKS: usize = 3;
+/// Part of a vector, as a fraction of its length, below which rounding alone is left of it; chosen, some hundred roundings.
+const NOTHING_LEFT: f64 = 1e-13;
 
 /// Scales s_i with which `A_ij / (s_i s_j)` has a diagonal of 1: the roots of |A_ii|, or of [`SMALL_DIAGONAL`] times the largest entry of row and column i
 /// where that is more. 0 where row and column are empty.
@@ -45,7 +49,7 @@ pub(crate) fn scaled_part(a: &CscMatrix<f64>) -> (Vec<usize>, CscMatrix<f64>) {
     (rows, CscMatrix::from(&sum))
 }
 
-/// The largest sum of a row's absolute values, which no eigenvalue exceeds.
+/// The largest sum of the absolute values of a column, which no eigenvalue exceeds.
 pub(crate) fn norm(a: &CscMatrix<f64>) -> f64 {
     let sums = a.col_iter().map(|column| column.values().iter().map(|value| value.abs()).sum());
     sums.fold(0.0, f64::max)
@@ -60,25 +64,112 @@ pub(crate) fn shifted(a: &CscMatrix<f64>, shift: f64) -> CscMatrix<f64> {
     a + CscMatrix::identity(a.nrows()) * shift
 }
 
-/// The `count` eigenvalues of a symmetric matrix nearest to zero, at most its order, with orthonormal vectors, the nearest first: by inverse iteration with
-/// a block and the Rayleigh quotients of it. `factor` is of the matrix, or of the matrix shifted by next to nothing.
+/// The `count` eigenvalues of a symmetric matrix nearest to zero, at most its order, with orthonormal vectors, the nearest first: by the Rayleigh-Ritz
+/// procedure for the inverse, on a block Krylov space of it. `factor` is of `A + shift I`, with a shift of next to nothing.
+///
+/// The Ritz values are those of the inverse, because those of A itself may lie anywhere between its eigenvalues, at zero too where it is indefinite. The
+/// first is never nearer to `-shift` than an eigenvalue is.
 pub(crate) fn nearest_to_zero(
-    a: &CscMatrix<f64>,
     factor: &Factor,
+    shift: f64,
     count: usize,
 ) -> Result<(Vec<f64>, DMatrix<f64>), SparseError> {
     let failed = || SparseError::Decomposition { what: "null vectors of a matrix" };
-    // Any start will do that no vector is orthogonal to.
-    let mut x = DMatrix::from_fn(a.nrows(), count, |i, j| unpatterned((i * count + j + 1) as f64) - 0.5);
-    for _ in 0..STEPS {
-        x = factor.solve(&x).qr().q();
-        if x.iter().any(|value| !value.is_finite()) {
+    let order = factor.order();
+    let wanted = LEAST_BASIS.max(LEAST_BLOCKS * count).min(order);
+    // Any start is right that is orthogonal to no eigenvector.
+    let mut block = DMatrix::from_fn(order, count, |i, j| unpatterned((i * count + j + 1) as f64) - 0.5);
+    let mut basis: Vec<DVector<f64>> = Vec::with_capacity(wanted);
+    let mut images = Vec::with_capacity(wanted);
+    while basis.len() < wanted {
+        let known = basis.len();
+        for column in block.column_iter() {
+            basis.extend(orthonormal(column.into_owned(), &basis));
+        }
+        if basis.len() == known {
+            // The space is invariant.
+            break;
+        }
+        block = factor.solve(&DMatrix::from_columns(&basis[known..]));
+        if block.iter().any(|value| !value.is_finite()) {
             return Err(failed());
         }
+        images.extend(block.column_iter().map(|column| column.into_owned()));
     }
-    let quotients = SymmetricEigen::try_new(x.tr_mul(&times(a, &x)), f64::EPSILON, 1000).ok_or_else(failed)?;
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by(|&i, &j| quotients.eigenvalues[i].abs().total_cmp(&quotients.eigenvalues[j].abs()));
-    let values = order.iter().map(|&j| quotients.eigenvalues[j]).collect();
-    Ok((values, x * quotients.eigenvectors.select_columns(&order)))
+    let basis = DMatrix::from_columns(&basis);
+    let projected = basis.tr_mul(&DMatrix::from_columns(&images));
+    let symmetric = (&projected + projected.transpose()) * 0.5;
+    let ritz = SymmetricEigen::try_new(symmetric, f64::EPSILON, 1000).ok_or_else(failed)?;
+    let mut nearest: Vec<usize> = (0..ritz.eigenvalues.len()).collect();
+    nearest.sort_by(|&i, &j| ritz.eigenvalues[j].abs().total_cmp(&ritz.eigenvalues[i].abs()));
+    nearest.truncate(count);
+    let values = nearest.iter().map(|&j| 1.0 / ritz.eigenvalues[j] - shift).collect();
+    Ok((values, basis * ritz.eigenvectors.select_columns(&nearest)))
+}
+
+/// A vector without its parts along an orthonormal basis, of length 1; `None` where rounding alone is left.
+fn orthonormal(mut vector: DVector<f64>, basis: &[DVector<f64>]) -> Option<DVector<f64>> {
+    let length = vector.norm();
+    loop {
+        let before = vector.norm();
+        for known in basis {
+            vector.axpy(-known.dot(&vector), known, 1.0);
+        }
+        let left = vector.norm();
+        if left <= NOTHING_LEFT * length {
+            return None;
+        }
+        if left > 0.5 * before {
+            return Some(vector / left);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The distance of the eigenvalues from zero, of a dense matrix and by the search; the latter is never less.
+    fn distances(dense: &DMatrix<f64>) -> [f64; 2] {
+        let a = CscMatrix::from(dense);
+        let (found, vectors) = nearest_to_zero(&Factor::new(&a).unwrap(), 0.0, 2.min(a.nrows())).unwrap();
+        let unit = vectors.tr_mul(&vectors);
+        assert!((&unit - DMatrix::identity(unit.nrows(), unit.ncols())).amax() < 1e-12, "{unit}");
+        let exact = SymmetricEigen::new(dense.clone()).eigenvalues.abs().min();
+        assert!(found[0].abs() > (1.0 - 1e-9) * exact, "{} for {exact}", found[0]);
+        [exact, found[0].abs()]
+    }
+
+    proptest! {
+        /// Dashpots of both signs that are coupled weakly: after scaling the eigenvalues crowd at 1 and -1, and none is near zero.
+        #[test]
+        fn eigenvalues_of_both_signs_do_not_cancel(
+            diagonal in proptest::collection::vec(prop_oneof![-30.0..-10.0, 10.0..30.0], 1..60),
+            coupling in -4.0..4.0,
+        ) {
+            let n = diagonal.len();
+            let entry = |i: usize, j: usize| if i == j { diagonal[i] } else if i.abs_diff(j) == 1 { coupling } else { 0.0 };
+            let [exact, found] = distances(&DMatrix::from_fn(n, n, entry));
+            prop_assert!(found < 1.05 * exact, "{found} for {exact}");
+        }
+    }
+
+    /// The consistent mass of a cube of n^3 nodes, scaled to a unit diagonal, has eigenvalues crowded towards the least one, a product of those of a line.
+    #[test]
+    fn the_least_of_crowded_eigenvalues_is_found() {
+        let line = |n: usize| {
+            let diagonal = |i: usize| if i == 0 || i == n - 1 { 2.0_f64 } else { 4.0 };
+            DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+                0 => 1.0,
+                1 => 1.0 / (diagonal(i) * diagonal(j)).sqrt(),
+                _ => 0.0,
+            })
+        };
+        for n in [5, 8] {
+            let side = line(n);
+            let [exact, found] = distances(&side.kronecker(&side).kronecker(&side));
+            assert!(found < 1.05 * exact, "{found} for {exact}");
+        }
+    }
 }

@@ -129,7 +129,7 @@ fn a_basis_of_disk_brake4669_holds_the_speeds_between_its_points() {
         let whole: Vec<_> = whole.pairs.into_iter().map(|pair| pair.lambda).collect();
         let all = QrSolver.eigenvalues(&reduced.assemble(&at(turns)).unwrap(), &mut Workspace::default()).unwrap();
         let own: Vec<_> = all.eigenvalues.into_iter().filter(|&l| band.contains_to_the_right(l, 0.0)).collect();
-        let found = compared(&whole, own);
+        let found = compared(&whole, &own);
         assert!(found.missed.is_empty() && found.left.is_empty(), "{turns}: {found:?}");
         let grows = |lambda: Complex<f64>| lambda.re > 0.0;
         assert!(found.pairs.iter().all(|[of_whole, own]| grows(*of_whole) == grows(*own)), "{turns}");
