@@ -49,7 +49,8 @@ pub struct MatrixHealth {
     /// Signs of the eigenvalues of S; `None` where its factorisation, which has pivots only within blocks, is unsound: of saddle
     /// points, such as those of multipliers.
     pub signs: Option<Signs>,
-    /// The eigenvalue of S that inverse iteration finds nearest to zero, as a fraction of the norm; 0 where `signs` is `None` or all rows are empty.
+    /// The eigenvalue of S nearest to zero as inverse iteration has it after a few steps, as a fraction of the norm: of a definite S at least the true one; of an indefinite S it
+    /// may be far from any. 0 where `signs` is `None` or all rows are empty.
     pub smallest: f64,
     /// Null vectors found: as many as `null`, or 12 of more. Fewer where inverse iteration did not find what the signs say.
     pub null_vectors: usize,
