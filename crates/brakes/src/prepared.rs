@@ -242,7 +242,7 @@ impl Pieces<'_> {
     }
 
     /// An interim piece: as [`item`](Self::item), but kept in a folder alone, until [`end_interim`](Self::end_interim). So a preparation that was stopped goes on
-    /// within a piece that takes long.
+    /// within a piece that takes long. Of a brake that is never made they stay until its folder is removed.
     ///
     /// # Errors
     /// Errors of its making.
