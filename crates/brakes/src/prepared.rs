@@ -37,14 +37,15 @@ const MOST_BRAKES: usize = 16;
 /// File in the folder of a brake that says what it is; writing it anew says that the folder is used.
 const OF_BRAKE: &str = "brake.txt";
 
-/// Endings of the files of pieces that stay, and of files of pieces that are there until the brake is made.
+/// Ending of the file of a piece that stays.
 const STAYING: &str = "piece";
+/// Ending of the file of a piece that is there until the brake is made.
 const INTERIM: &str = "interim";
 
 /// SHA-256 of all that something depends on.
 type Key = [u8; 32];
 
-/// Where pieces of prepared brakes are looked for and kept, nowhere by default; and the memory that others may be made in.
+/// Where pieces of prepared brakes are looked for and kept, nowhere by default; and the memory that the making of missing pieces may take.
 #[derive(Debug, Default)]
 pub struct Prepared {
     /// A file that was given. Nothing is added to it.
@@ -53,18 +54,20 @@ pub struct Prepared {
     folder: Option<PathBuf>,
     /// All pieces that were asked for, where a file of them is to be written.
     collected: Option<Mutex<Given>>,
-    /// Memory that may be taken, bytes; what the machine has by default.
+    /// Memory that the making of missing pieces may take, bytes; what the machine has by default. Pieces do not depend on it, nor on the number of threads: both
+    /// say how many solutions are under way together, and not what they are.
     memory: Option<u64>,
     counts: Mutex<PreparedCounts>,
 }
 
-/// A file of pieces.
+/// A file of pieces: one that was given, or one that is to be written.
 #[derive(Debug, Default)]
 struct Given {
+    /// Where it was read; empty of one that is to be written.
     path: PathBuf,
     /// The program and the rounding that the pieces were made by.
     made: String,
-    /// Identity of the brake, whichever scenes of it are chosen.
+    /// Identity of the brake, whichever scenes of it are chosen. Keys tell pieces apart without it; it is here so that a refusal can say what differs.
     brake: String,
     pieces: BTreeMap<Vec<u8>, Vec<u8>>,
 }
@@ -78,7 +81,7 @@ pub struct PreparedCounts {
     pub from_folder: usize,
     /// Pieces that were made.
     pub made: usize,
-    /// Pieces among them that a folder held damaged.
+    /// Of the pieces that were made: those of which the folder held a damaged copy.
     pub damaged: usize,
     /// Interim pieces that were read, complete solutions of the whole brake: of a preparation that was stopped before.
     pub continued: usize,
@@ -106,7 +109,7 @@ impl Prepared {
         Self { folder: Some(folder), ..self }
     }
 
-    /// Also made in `memory` bytes, roughly: fewer solutions of a large brake are then under way together.
+    /// Also limits the memory of what is made to about `memory` bytes: fewer solutions of a large brake are then under way together.
     #[must_use]
     pub fn within(self, memory: u64) -> Self {
         Self { memory: Some(memory), ..self }
@@ -137,7 +140,8 @@ impl Prepared {
         locked(&self.counts).clone()
     }
 
-    /// Writes what was collected into one file, under a temporary name first. Returns the number of its bytes.
+    /// Writes what was collected into one file, under a temporary name first. Returns the number of its bytes. Only after [`collecting`](Self::collecting):
+    /// else the file is empty, and refused where it is read.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -153,7 +157,7 @@ impl Prepared {
         Ok(bytes.len())
     }
 
-    /// The pieces of a case.
+    /// The pieces of a case: checks the file that was given, and says by writing in the folder that it is used.
     ///
     /// # Errors
     /// A file that was given and that is of another brake, another program or another rounding.
@@ -185,11 +189,11 @@ impl Prepared {
         Ok(pieces)
     }
 
-    /// The pieces of a case by a program and a rounding.
+    /// The pieces of a case by a program and a rounding; nothing is read or written.
     fn pieces(&self, case: &FiniteElementCase, made: &str) -> Pieces<'_> {
         let about = format!("{made}\n{}\n", case.prepared_identity());
         let key = digest(format!("{}\n{about}", FILE.version).as_bytes());
-        // Of programs with one commit a folder keeps each for itself: they may be builds of what was not committed.
+        // Two builds may have one commit and different code that was not committed; each has a folder of its own.
         let of_build = digest(format!("{}{}", hexadecimal(&key), this_build()).as_bytes());
         let folder = self.folder.as_ref().map(|folder| folder.join(&hexadecimal(&of_build)[..16]));
         Pieces { all: self, key: Some(key), folder, about }
@@ -209,7 +213,7 @@ pub(crate) struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
-    /// Number of complete solutions of a brake of an order that are made together.
+    /// Number of complete solutions of a brake of an order that are made together, by memory and threads: what is made is the same with any number.
     pub fn solutions_together(&self, order: usize) -> usize {
         solutions_together(order, self.all.memory.unwrap_or_else(memory::of_machine)).min(current_num_threads())
     }
@@ -238,7 +242,7 @@ impl Pieces<'_> {
     }
 
     /// An interim piece: as [`item`](Self::item), but kept in a folder alone, until [`end_interim`](Self::end_interim). So a preparation that was stopped goes on
-    /// within a piece that takes long.
+    /// within a piece that takes long. Of a brake that is never made they stay until its folder is removed.
     ///
     /// # Errors
     /// Errors of its making.
@@ -329,7 +333,7 @@ impl Pieces<'_> {
         }
         brakes.sort();
         let oldest = brakes.iter().take(brakes.len().saturating_sub(MOST_BRAKES));
-        // One that another process removes, or uses, is left to it.
+        // One that cannot be removed stays. One that another process uses may go: used last means here begun last, and what is lost is made again.
         oldest.for_each(|(_, path)| drop(fs::remove_dir_all(path)));
         Ok(())
     }

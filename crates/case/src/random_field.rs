@@ -41,7 +41,8 @@ impl Kernel {
 /// first is rounding.
 const EQUAL: f64 = 1e-6;
 
-/// Modes of a standard normal field over points that share one face.
+/// Modes of a standard normal field over points that share one face. Another thing is the table `[correlation]` of a case: it correlates parameters that are there,
+/// by the same kernels, and cuts nothing off; a length of 0 is allowed there alone, `inf` here alone.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FieldModes {
     /// Shapes, a row for each point and a column for each mode: the score of a point is its row times the coefficients. Rows have unit length, so that
@@ -103,7 +104,7 @@ impl FieldModes {
         Some(Self { shapes, variances, of_mean })
     }
 
-    /// The share of the variance that is kept, in the mean over the face.
+    /// The share of the variance that the modes have, in the mean over the face, before points are scaled to a variance of 1.
     pub fn kept(&self) -> f64 {
         self.variances.iter().sum()
     }

@@ -11,10 +11,10 @@
 //! | all eigenvalues, fast, of one system or of many | [`QrSolver`], [`BatchSolver`] | `dense` |
 //! | which eigenvalues are modes; shapes of chosen modes | [`Modes`], [`right_vectors`], [`Mode`] | `dense` |
 //! | eigenvalues of any M, C, K, singular or not, each with backward error, condition number, bound | [`certified`] | a crate of its own |
-//! | the growing modes of a structure with friction, without a spectrum | [`Secular`] | `feedback` |
+//! | the growing modes of a structure with friction, without a spectrum | [`Secular`] | `condensed_friction` |
 //! | how an eigenvalue moves with the numbers of its system, and how far that holds | [`Eigentriple`], [`Expansion`] | `sensitivity` |
 //! | the real modes of an undamped structure, and how much of each is in a complex mode | [`RealModes`] | `real_modes` |
-//! | how strong feedback may be before a mode can grow | [`h_infinity_norm_bound`] | `feedback` |
+//! | how strong feedback may be before a mode can grow | [`h_infinity_norm_bound`] | `h_infinity` |
 //!
 //! ```
 //! use cea::{EigenSolver, QrSolver, Workspace, frequency_hz, stability_census};
@@ -39,10 +39,11 @@
 //! Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s. Both crates are re-exported, because the types of another
 //! version would not be accepted.
 
+mod condensed_friction;
 mod dense;
 mod eigenvalue_pair;
 mod error;
-mod feedback;
+mod h_infinity;
 mod real_modes;
 mod sensitivity;
 mod spectrum;
@@ -54,6 +55,7 @@ pub use nalgebra;
 pub use num_complex;
 
 pub use certified::{CertifiedError, JudgedEigenvalue, Verdict, by_frequency, sort};
+pub use condensed_friction::{Anchors, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoSecular, Secular};
 pub use dense::{
     BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, WholeSpectra, backward_error, check_mass, fix_phase,
     left_vector, mass_norm_squared, pair_numbers, ranks_together, right_and_left_vectors_of_all, right_vector,
@@ -63,10 +65,7 @@ pub use dense::{
 pub use dense::{LapackSolver, dgeev, dggev};
 pub use eigenvalue_pair::{EigenvaluePair, OnPath, eigenvalue_pairs};
 pub use error::CeaError;
-pub use feedback::{
-    Anchors, AxisMargins, Channels, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoNormBound, NoSecular,
-    NormBound, Secular, h_infinity_norm_bound,
-};
+pub use h_infinity::{AxisMargins, Channels, NoNormBound, NormBound, h_infinity_norm_bound};
 pub use real_modes::{NoRealModes, RealModes};
 pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};
 pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, damping_ratio, frequency_hz, rank_order, real_count};

@@ -15,13 +15,13 @@
 //! point from the master into the slave. Units are those of the model.
 
 pub mod complementarity;
-mod condensed;
+mod condensed_structure;
 mod equilibrium;
 mod error;
+mod faces_of_whole_body;
 mod grid;
 mod law;
 mod load;
-mod opposite_faces;
 mod pairing;
 mod patches;
 mod point;
@@ -35,10 +35,10 @@ mod uniqueness;
 pub use elements;
 pub use nalgebra;
 
-pub use condensed::Condensed;
+pub use condensed_structure::Condensed;
 pub use equilibrium::{Balance, Equilibrium};
 pub use error::{ContactError, Side};
-pub use opposite_faces::OppositeFaces;
+pub use faces_of_whole_body::OppositeFaces;
 pub use pairing::{Integration, Interface, Pairing};
 pub use point::ContactPoint;
 pub use rows::Row;

@@ -84,7 +84,7 @@ const NEAR: f64 = 0.05;
 /// Distance that the motion of a cycle would go in a period at the rate of its start, relative to its size, at least; chosen.
 const MOVING: f64 = 1e-3;
 
-/// Follows the motion from a state to what it becomes. `omega`, rad/s, and `shape` are of a mode that it may swing in: they scale it, and its
+/// Follows the motion from a state to what it becomes. Friction is not smoothed, as in harmonic balance it is. `omega`, rad/s, and `shape` are of a mode that it may swing in: they scale it, and its
 /// velocity along the shape is what passes 0 once a period.
 ///
 /// # Errors

@@ -37,7 +37,7 @@ pub(crate) struct Builder {
     entries: Vec<Entry>,
     most: usize,
     /// The largest imaginary part, of complex numbers.
-    imaginary: f64,
+    largest_imaginary: f64,
 }
 
 /// Name, kind, size and labels of a matrix: all but its entries.
@@ -58,7 +58,7 @@ impl Head {
 
 impl Builder {
     pub fn new(limits: &Limits) -> Self {
-        Self { entries: Vec::new(), most: limits.entries, imaginary: 0.0 }
+        Self { entries: Vec::new(), most: limits.entries, largest_imaginary: 0.0 }
     }
 
     /// Makes room for `entries` entries, of which the file has shown that they are there.
@@ -78,20 +78,20 @@ impl Builder {
         Ok(())
     }
 
-    /// Takes note of the imaginary part of an entry: a matrix is real where all of them are 0.
-    pub fn imaginary(&mut self, value: f64) -> Result<(), Problem> {
+    /// Notes the imaginary part of an entry, of which only the largest is kept: a matrix is real where all of them are 0.
+    pub fn note_imaginary(&mut self, value: f64) -> Result<(), Problem> {
         if !value.is_finite() {
             return Err(Problem::Value { found: value.to_string(), allowed: "a finite number" });
         }
-        self.imaginary = self.imaginary.max(value.abs());
+        self.largest_imaginary = self.largest_imaginary.max(value.abs());
         Ok(())
     }
 
     /// The matrix: whole, or as it is listed where nothing tells whether that is a triangle.
     pub fn finish(self, stated: Stated, head: Head) -> Result<Matrix, Problem> {
-        let Self { mut entries, most, imaginary } = self;
-        if imaginary > 0.0 {
-            return Err(Problem::Complex { largest: imaginary });
+        let Self { mut entries, most, largest_imaginary } = self;
+        if largest_imaginary > 0.0 {
+            return Err(Problem::Complex { largest: largest_imaginary });
         }
         add_repeats(&mut entries)?;
         let (stored, known_by, doubt) = expand(&mut entries, stated, &head)?;

@@ -139,7 +139,7 @@ impl All {
             let value = fortran(term(2))?;
             match term(3) {
                 "" => {}
-                part if open.complex => open.builder.imaginary(fortran(part)?)?,
+                part if open.complex => open.builder.note_imaginary(fortran(part)?)?,
                 "0" | "0." | "0.0" => {}
                 part => return Err(Problem::field("the imaginary part of a real DMIG", part, "none")),
             }

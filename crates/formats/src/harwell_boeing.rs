@@ -100,7 +100,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     numbers(lines, (entries * parts, formats[2]), |at, text| {
         let value = formats[2].value(text)?;
         if at % parts == 1 {
-            return builder.imaginary(value);
+            return builder.note_imaginary(value);
         }
         while offsets[column + 1] <= at / parts {
             column += 1;

@@ -98,7 +98,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
             Field::Unsigned => integer::<u64>(field).map(|number| number as f64)?,
         };
         if let Some(imaginary) = imaginary {
-            builder.imaginary(value(imaginary)?)?;
+            builder.note_imaginary(value(imaginary)?)?;
         }
         check_triangle(i, j, banner.symmetry)?;
         // A zero that a coordinate file lists is part of the pattern; an array lists all its zeros.

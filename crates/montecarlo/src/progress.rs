@@ -4,12 +4,12 @@ use crate::MonteCarloError;
 
 /// Progress of a run, in evaluations (one sample in one scene), for whoever wants to see it, and may want it to end. `()` ignores it.
 pub trait Progress: Sync {
-    /// Called once, before the first evaluation: `total` evaluations in the whole run, `done` of them by an earlier run that
-    /// was interrupted.
+    /// Called before the first evaluation: `total` evaluations in the whole run, `done` of them by an earlier run that was interrupted. Work in
+    /// several parts, as a preparation, calls it before each part, with the evaluations of that part.
     fn begin(&self, total: u64, done: u64);
     /// Called by the worker threads after some more `evaluations`.
     fn advance(&self, evaluations: u64);
-    /// Called once when the run has ended, with or without an error.
+    /// Called when the run, or the part, has ended.
     fn end(&self);
     /// Called where work goes another way than it seemed to: `news` says why, in a sentence.
     fn tell(&self, _news: &str) {}

@@ -34,8 +34,8 @@ pub enum OutputError {
     },
 }
 
-/// A number to `digits` significant digits, at least one, for people: without zeros at its end, and with an exponent below a thousandth and from
-/// `10^(digits + 1)` on.
+/// A number for people, to `digits` significant digits, at least one, without zeros after them; one with a digit more before its point is shown whole.
+/// In powers of ten below 1e-3 and from `10^(digits + 1)` on.
 ///
 /// ```
 /// let shown = [1e-7, -0.5, 1.0 / 3.0, 1234.5678, 0.0].map(|value| output::significant(value, 6));
@@ -58,7 +58,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     trimmed(&format!("{value:.decimals$}"))
 }
 
-/// A frequency in Hz with three decimals, below 1 Hz with four significant digits: brakes in units of their own have such.
+/// A frequency in Hz with three decimals, below 1 Hz with four significant digits, as in models without units.
 #[must_use]
 pub fn hertz(frequency: f64) -> String {
     hertz_within(frequency, 0.0)
@@ -78,7 +78,7 @@ pub fn hertz_within(frequency: f64, error: f64) -> String {
     format!("{frequency:.decimals$}")
 }
 
-/// Writes `contents` under a temporary name beside `path`, then renames it.
+/// Writes `contents` under a temporary name beside `path`, then renames it. Where `path` is a link or a device, the new file stands in its place.
 ///
 /// # Errors
 /// [`OutputError::Write`]; what stood at `path` before then still stands there, and nothing is left beside it.
@@ -123,7 +123,7 @@ pub fn printable(text: &str) -> String {
     /// More digits than any number needs: 17, and a decimal power.
     const MOST_DIGITS: usize = 24;
     let (mut line, mut digits) = (String::with_capacity(text.len()), 0);
-    let end_of_number = |line: &mut String, digits: usize| {
+    let tell_cut_digits = |line: &mut String, digits: usize| {
         if digits > MOST_DIGITS {
             *line += &format!("...({digits} digits)");
         }
@@ -136,7 +136,7 @@ pub fn printable(text: &str) -> String {
             }
             continue;
         }
-        end_of_number(&mut line, digits);
+        tell_cut_digits(&mut line, digits);
         digits = 0;
         match c {
             '\n' => line.push(' '),
@@ -144,11 +144,11 @@ pub fn printable(text: &str) -> String {
             c => line.push(c),
         }
     }
-    end_of_number(&mut line, digits);
+    tell_cut_digits(&mut line, digits);
     line
 }
 
-/// A time in words, to two digits at most: it is an estimate.
+/// A time in words, roughly, as it is an estimate: whole seconds below 100 s, whole minutes below 100 min, else hours with one decimal.
 pub fn in_words(seconds: f64) -> String {
     match seconds {
         s if s < 1.5 => "a second".into(),
@@ -158,7 +158,7 @@ pub fn in_words(seconds: f64) -> String {
     }
 }
 
-/// A size of memory in words, to two digits at most: it is an estimate.
+/// A size of memory in words, roughly, as it is an estimate: tens of MB, at least one, below 1 GB, else GB with one decimal.
 pub fn bytes_in_words(bytes: f64) -> String {
     match bytes / 1e6 {
         megabytes if megabytes < 10.0 => "10 MB".into(),

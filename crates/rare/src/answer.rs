@@ -2,7 +2,7 @@
 
 use montecarlo::Confidence;
 
-use crate::sampled::Witness;
+use crate::line_sampling::Witness;
 use crate::search::DesignPoint;
 
 /// A probability with its interval.

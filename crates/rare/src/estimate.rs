@@ -7,11 +7,11 @@ use crate::Error;
 use crate::answer::{Estimate, Probability};
 use crate::elsewhere::{Elsewhere, elsewhere};
 use crate::limit_state::{Asked, Counted, LimitState};
-use crate::line::PRECISION;
+use crate::line_intervals::PRECISION;
+use crate::line_sampling::Sampled;
 use crate::normal::{tail, tail_point};
 use crate::one_input;
 use crate::options::Options;
-use crate::sampled::Sampled;
 use crate::search::{DesignPoint, design_points};
 use crate::vector::{norm, unit};
 

@@ -15,11 +15,11 @@ mod elsewhere;
 mod error;
 mod estimate;
 mod limit_state;
-mod line;
+mod line_intervals;
+mod line_sampling;
 mod normal;
 mod one_input;
 mod options;
-mod sampled;
 mod search;
 mod spread;
 mod vector;
@@ -29,9 +29,9 @@ pub use answer::{Estimate, Probability};
 pub use error::Error;
 pub use estimate::estimate;
 pub use limit_state::{LimitState, Mode};
+pub use line_sampling::Witness;
 pub use normal::{tail, tail_point};
 pub use options::Options;
-pub use sampled::Witness;
 pub use search::DesignPoint;
 
 /// The README's example, compiled and run as a doctest.

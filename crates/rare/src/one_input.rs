@@ -8,9 +8,9 @@ use rayon::prelude::*;
 
 use crate::answer::{Estimate, Probability};
 use crate::limit_state::{AT_ONCE, Asked, Counted, LimitState};
+use crate::line_sampling::Witness;
 use crate::normal::{Interval, tail};
 use crate::options::Options;
-use crate::sampled::Witness;
 use crate::search::DesignPoint;
 
 /// Distance from the median up to which is looked, in standard deviations; chosen: quantiles have no digits farther out.

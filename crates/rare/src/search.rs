@@ -6,7 +6,7 @@
 //! is flat before.
 
 use crate::limit_state::{Asked, Counted, LimitState, Mode};
-use crate::line::{OF_WINDOW, PRECISION, STEP, crossing, failing};
+use crate::line_intervals::{OF_WINDOW, PRECISION, STEP, crossing, failing};
 use crate::vector::{along, dot, norm, scaled, unit};
 use crate::window::Window;
 

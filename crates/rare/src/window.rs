@@ -4,7 +4,7 @@
 //! Where one place of it is known it moves from line to line without a jump: it is followed, place by place, to the line that is asked for.
 
 use crate::limit_state::Asked;
-use crate::line::{OF_WINDOW, Place, STEP, crossing};
+use crate::line_intervals::{OF_WINDOW, Place, STEP, crossing};
 use crate::vector::{along, dot};
 
 /// Distances beyond an onset at which the end of a window is looked for, in standard deviations; chosen: farther apart outwards, down to the precision of onsets.

@@ -13,9 +13,9 @@ use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::basis::{ROUNDING, directions, fewest};
 use super::coarse_states::{CoarseStates, apart, of_mode, with_states};
 use super::compared::compared;
+use super::directions::{ROUNDING, directions, fewest};
 use super::inverse_iteration::{Nonlinear, Pair, have_merged};
 use super::residual::reduced_residual;
 use super::spectra::{Shapes, spectra, vectors};

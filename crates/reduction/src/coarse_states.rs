@@ -5,7 +5,7 @@ use linsys::{Channel, Internal, OperatingPoint};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::basis::directions;
+use super::directions::directions;
 use super::spectra::Shapes;
 use super::split;
 use crate::ReductionError;

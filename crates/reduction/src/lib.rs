@@ -17,13 +17,13 @@
 //! channels stay channels. It holds the right and left vectors of the wanted modes at a few operating points, as proper orthogonal
 //! decomposition does (Graebner, Mehrmann, Quraishi, Schroeder and von Wagner, ZAMM 96, 2016).
 
-mod basis;
 mod coarse;
 mod coarse_states;
 mod combinations;
 mod compared;
 mod contact_path;
 mod dense;
+mod directions;
 mod error;
 mod inverse_iteration;
 mod loss;

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::{Guess, Problem, Rectangle, SparseAffineSystem};
 
-use super::basis::{ROUNDING, directions};
+use super::directions::{ROUNDING, directions};
 use super::snapshots::{SnapshotMode, columns, with_margin};
 use super::spectra::vectors;
 use crate::ReductionError;

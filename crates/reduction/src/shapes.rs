@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::basis::directions;
+use super::directions::directions;
 use super::split;
 use crate::ReductionError;
 

@@ -11,8 +11,8 @@ use num_complex::Complex;
 use sparse::product::times;
 use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
-use super::basis::{ROUNDING, directions};
 use super::compared::compared;
+use super::directions::{ROUNDING, directions};
 use super::norms::{Norms, NormsAt};
 use super::wanted::largest;
 use super::{dense, split};

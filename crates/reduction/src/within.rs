@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::Rectangle;
 
-use super::basis::{ROUNDING, directions};
 use super::compared::compared;
+use super::directions::{ROUNDING, directions};
 use super::shared::{Friction, Smaller, Structures};
 use super::spectra::{Shapes, spectra, vectors};
 use super::wanted::{largest, outside};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::Proportion;
 use serde::{Serialize, Serializer};
 
-/// Counts of draws of a reduced brake in the full model: the modes in the band, whether they grow or not.
+/// Counts of draws of a reduced brake in the full model, the brake that is not reduced: the modes in the band, whether they grow or not.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct FullChecks {
     /// Draws of a scene whose full model was solved.
@@ -32,7 +32,7 @@ pub struct FullChecks {
     pub divergence: BTreeMap<usize, DivergenceCounts>,
     /// Largest distance of an eigenvalue of the full model from the eigenvalue of the reduced brake, relative to its absolute value.
     pub largest_distance: f64,
-    /// Number of times that the reduction was trained further because such draws did not agree.
+    /// Number of times that the reduction was trained further because such draws did not agree. The counts are of the last draws, which it was not trained on.
     pub trained_on: u64,
 }
 

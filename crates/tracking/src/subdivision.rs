@@ -179,16 +179,16 @@ impl<'a> Subdivision<'a> {
         if !matches!(self.path.start, PathStart::Owned(..)) {
             return;
         }
-        let unknown = |at| SamplePoint { at, known: Known::Candidates(None) };
+        let unknown = |at| SamplePoint { at, known: Known::ByOwner(None) };
         self.sample_points.extend(self.requested.drain(..).map(unknown));
-        let Some(SamplePoint { at, known: Known::Candidates(known) }) = self.sample_points.last() else { return };
+        let Some(SamplePoint { at, known: Known::ByOwner(known) }) = self.sample_points.last() else { return };
         if known.as_ref().is_some_and(|known| known.are_of(&self.modes)) {
             return;
         }
         let at = *at;
         self.sample_points.pop();
         match Candidates::at(at, &self.path, &self.modes) {
-            Some(found) => self.sample_points.push(SamplePoint { at, known: Known::Candidates(Some(found)) }),
+            Some(found) => self.sample_points.push(SamplePoint { at, known: Known::ByOwner(Some(found)) }),
             None => self.requested.push(at),
         }
     }
@@ -196,7 +196,7 @@ impl<'a> Subdivision<'a> {
     /// The modes of the next sample point that may be asked for and have no shapes yet.
     fn missing_shapes(&self) -> Vec<usize> {
         let Some(Known::Spectrum(next)) = self.next() else { return Vec::new() };
-        next.wanted(&self.modes).into_iter().filter(|i| !next.modes.contains_key(i)).collect()
+        next.candidates(&self.modes).into_iter().filter(|i| !next.modes.contains_key(i)).collect()
     }
 }
 

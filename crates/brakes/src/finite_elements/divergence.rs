@@ -3,7 +3,7 @@
 //! Far beyond the band, single pairs of nodes, which have little mass, grow where the curve of friction falls more steeply than their damping holds, or where they
 //! feed each other. A basis of modes of the band does not have that. Eigenvalues that do not grow lie on the imaginary axis or left of it, and most that grow are next to
 //! it, so that few are nearer to the middle of a rectangle to the right of the axis than the axis is. So one factorisation and a small Krylov space about the middle
-//! show that the rectangle is empty, and rectangles twice as large each reach any growth in a few steps. Loss factors have no part in it: a complex
+//! show that the rectangle is empty, and rectangles 2.2 times as large each reach any growth in a few steps. Loss factors have no part in it: a complex
 //! stiffness is that of a steady vibration, which a motion that grows faster than it oscillates is not.
 
 use std::f64::consts::TAU;

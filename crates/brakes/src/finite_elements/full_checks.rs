@@ -1,4 +1,8 @@
 //! Draws of a reduced brake against the whole one, before it is sampled; and the reduction trained on where they do not agree.
+//!
+//! Two results leave this file. The counts, [`study::FullChecks`], go to whoever answers from samples: where a mode is missing, invented or has another
+//! verdict, `squeal::results` says so before everything else (`doubts.rs`) and `squeal run` ends with exit code 1. The distances widen the error that is
+//! assumed of samples (`error_of_modes` in `mode_source.rs`).
 
 use std::collections::BTreeMap;
 
@@ -21,18 +25,19 @@ use crate::{Error, Prepared, Purpose};
 /// number of samples changes nothing.
 const FIRST_STREAM: u64 = u64::MAX / 2;
 /// Largest distance of a mode next to the imaginary axis from the same mode of the whole brake, relative to |lambda|, with which a draw agrees; a reduction is
-/// trained on draws with a larger distance. Chosen: at this distance so few verdicts are open for it that they can be settled, and bases made anew take longer.
+/// trained on draws with a larger distance. Chosen: an error of this size leaves so few verdicts open that settling them with the whole brake costs less than
+/// making the bases anew.
 const TRAINED_ABOVE: f64 = 1e-4;
 
-/// Result of one draw: where the reduced brake and the whole one differ, and the point at which it may be trained on.
+/// Result of one draw: where the reduced brake and the whole one differ, and the operating point to add to the training if they differ too much.
 struct OneCheck {
     found: FullChecks,
     at: Option<Trained>,
-    /// Largest distance, relative to |lambda|, of a mode next to the axis.
-    next_to_axis: f64,
+    /// Largest distance, relative to |lambda|, of a mode next to the axis from its counterpart in the reduced brake, or from the nearest mode of that where it has none.
+    error_next_to_axis: f64,
 }
 
-bits!(OneCheck { found, at, next_to_axis });
+bits!(OneCheck { found, at, error_next_to_axis });
 
 impl FiniteElementBrake {
     /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares it with the whole one at draws in scenes chosen at random. Where they do not agree the
@@ -74,10 +79,10 @@ impl FiniteElementBrake {
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));
             brake.full_checks = Some(sum);
             if round == MOST_ROUNDS || !all.iter().any(calls_for_training) {
-                for OneCheck { at, next_to_axis, .. } in &all {
+                for OneCheck { at, error_next_to_axis, .. } in &all {
                     if let Some(at) = at {
                         let known = &mut brake.sets[at.set].checked;
-                        *known = known.max(*next_to_axis);
+                        *known = known.max(*error_next_to_axis);
                     }
                 }
                 break;
@@ -93,24 +98,25 @@ impl FiniteElementBrake {
 }
 
 /// True if a draw calls for more training: one with other modes, or an error that would leave many verdicts open.
-fn calls_for_training(OneCheck { found, next_to_axis, .. }: &OneCheck) -> bool {
-    found.has_other_modes() || *next_to_axis > TRAINED_ABOVE
+fn calls_for_training(OneCheck { found, error_next_to_axis, .. }: &OneCheck) -> bool {
+    found.has_other_modes() || *error_next_to_axis > TRAINED_ABOVE
 }
 
-/// Comparison of one draw, in one scene, with the whole brake. One without an operating point, as where contacts have no equilibrium, is counted as
-/// failed, as a sample is.
-fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error> {
-    let (mut rng, scenes) = (stream(brake.case.header.seed, number), &brake.plan.scenes);
-    let number = rng.random_range(0..scenes.len());
-    let scene = &scenes[number];
+/// Comparison of one draw, in one scene, with the whole brake. One without an operating point for whatever reason, as where contacts have no equilibrium, is
+/// counted as failed, and whether it diverges as open: as a sample is. No other is drawn in its place, as training does, since these draws stand for samples,
+/// of which as many fail.
+fn full_check(brake: &FiniteElementBrake, stream_number: u64) -> Result<OneCheck, Error> {
+    let (mut rng, scenes) = (stream(brake.case.header.seed, stream_number), &brake.plan.scenes);
+    let scene_number = rng.random_range(0..scenes.len());
+    let scene = &scenes[scene_number];
     let sample = brake.draw(&mut rng)?;
     let Ok(point) = brake.operating_point(scene, &sample) else {
         let divergence =
-            BTreeMap::from([(number, DivergenceCounts { draws: 1, open: 1, ..DivergenceCounts::default() })]);
+            BTreeMap::from([(scene_number, DivergenceCounts { draws: 1, open: 1, ..DivergenceCounts::default() })]);
         return Ok(OneCheck {
             found: FullChecks { samples: 1, failed: 1, divergence, ..FullChecks::default() },
             at: None,
-            next_to_axis: 0.0,
+            error_next_to_axis: 0.0,
         });
     };
     let (at, part, threshold) = (brake.full_point(scene, &point), brake.part(scene), brake.plan.threshold);
@@ -119,6 +125,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let together = brake.sets[part.set].together.count();
     let all = modes_beside(&brake.case, &system, &reduced, together)?;
     let spectrum = BatchSolver.eigenvalues(&part.reduced.system().assemble(&at)?, &mut Workspace::default())?;
+    // A reduced brake that diverges casts doubt on a whole one of which no divergence is found.
     let diverging = brake.diverging(scene, &at, &spectrum, together)?;
     let wanted = rectangle(&brake.case);
     let (whole, beside): (Vec<Complex<f64>>, Vec<_>) =
@@ -126,7 +133,7 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let surely_wanted = |lambda: &&Complex<f64>| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm());
     let count = |of: &[Complex<f64>]| of.iter().filter(surely_wanted).count() as u64;
     let of_reduced = compared(&whole, &reduced);
-    let next_to_axis = distance_next_to_axis(&of_reduced, &reduced);
+    let error_next_to_axis = distance_next_to_axis(&of_reduced, &reduced);
     let Compared { distance, missed, left, .. } = of_reduced;
     // The modes that a sample counts: of coarse modes that are corrected, where `reduced` has those of the whole reduced spectrum.
     let sampled = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0)?;
@@ -135,9 +142,9 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let beyond = |error: f64| whole.iter().copied().filter(move |l| threshold.margin(*l) > error * l.norm());
     // Twice the error assumed of samples: a mode nearer to the threshold may be open in the sample and is not compared.
     let error = 2.0 * brake.error_of_modes(scene);
-    let surely: Vec<Complex<f64>> = beyond(error).collect();
+    let surely_growing: Vec<Complex<f64>> = beyond(error).collect();
     let growing: Vec<Complex<f64>> = beyond(0.0).collect();
-    let verdicts = compared(&surely, &counted);
+    let verdicts = compared(&surely_growing, &counted);
     let not_counted = verdicts.missed.into_iter().filter(|&lambda| !has(&missed, lambda));
     let wrongly_counted = verdicts.left.into_iter().filter(|&lambda| !has(&growing, lambda) && !has(&left, lambda));
     let other: Vec<Complex<f64>> = not_counted.chain(wrongly_counted).collect();
@@ -159,13 +166,14 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         residuals_above: sampled.iter().filter(|mode| mode.residual.is_some_and(|residual| residual.is_above)).count()
             as u64,
         growing_beside: u64::from(!growing_beside.is_empty()),
-        divergence: BTreeMap::from([(number, divergence)]),
+        divergence: BTreeMap::from([(scene_number, divergence)]),
         beside_hz: growing_beside.iter().map(|&hz| [hz, hz]).reduce(wider),
         largest_distance: distance,
         failed: 0,
         trained_on: 0,
     };
-    Ok(OneCheck { found, at: Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at }), next_to_axis })
+    let at = Some(Trained { set: part.set, closed: brake.closed(scene).to_vec(), at });
+    Ok(OneCheck { found, at, error_next_to_axis })
 }
 
 /// Largest distance, relative to |lambda|, of modes of the whole brake next to the axis from the same modes of the reduced one; of a mode that it has not from

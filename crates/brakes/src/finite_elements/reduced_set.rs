@@ -48,7 +48,8 @@ pub struct ReducedSet {
     /// Largest distance, relative to |lambda|, from the whole brake to the reduced brake, of a mode that may grow or not, at these draws; 1 where at one of the
     /// draws, or at the medians, the two do not have the same modes, and 0 without draws.
     pub held_out: f64,
-    /// The largest such distance at full checks; 0 without full checks.
+    /// The largest such distance at full checks, of the modes next to the axis that the two have in common; 0 without full checks. It counts three times among
+    /// the errors assumed of samples (`mode_source.rs`).
     pub checked: f64,
     /// Largest residual of the modes that [`held_out`](Self::held_out) compares: an error that was measured is known of modes with such residuals, and not
     /// of others.

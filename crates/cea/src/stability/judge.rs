@@ -16,7 +16,7 @@ const NEAR_AXIS: f64 = 1e-6;
 /// Largest distance of an eigenvalue that is on the axis, as a fraction of [`Spectrum::scale`]; chosen: above what a projection and a
 /// solver leave of an undamped mode, and below any growth that a measurement could show.
 const ON_AXIS: f64 = 1e-12;
-/// Roundings that matrices are taken to have been assembled with, in units of what one does to an eigenvalue ([`Eigentriple::rounding_of_entries`]);
+/// Roundings that matrices are taken to have been assembled with, in units of the error by eight roundings of each entry ([`Eigentriple::rounding_of_entries`]);
 /// chosen: they make of the double zero of a body that is free to move a pair of either kind.
 pub const ROUNDED_DATA: f64 = 32.0;
 /// Largest error bound, as a fraction of |lambda|, with which a vibration counts as on the axis; with a larger one it is undecided. Chosen: no measurement

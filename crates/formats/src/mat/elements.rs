@@ -1,5 +1,6 @@
-//! Numbers as they are stored in a `.mat` file.
+//! Numbers as they are stored in a `.mat` file of any version.
 
+use crate::builder::Builder;
 use crate::bytes::Bytes;
 use crate::problem::Problem;
 
@@ -45,6 +46,24 @@ impl Storage {
             Self::U64 => endian.u64(bytes.array(what)?) as f64,
         })
     }
+}
+
+/// Reads a full array by columns and keeps what is not zero.
+pub(crate) fn fill(
+    bytes: &mut Bytes<'_>,
+    storage: Storage,
+    (rows, columns): (usize, usize),
+    builder: &mut Builder,
+) -> Result<(), Problem> {
+    for column in 0..columns {
+        for row in 0..rows {
+            let value = storage.read(bytes, "an array")?;
+            if value != 0.0 {
+                builder.push(row, column, value)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The number `found` as an index from 0 to `largest`, both included; refused where it is not whole. Whether the file counts from 0 or 1 is the

@@ -1,8 +1,8 @@
 //! MATLAB's `.mat` files of version 4 (`save -v4`): for each array five numbers (type, rows, columns, imaginary flag, length of the name), the name, then the
-//! columns. The type is written in decimal digits MOPT: M byte order (0 little, 1 big), O always 0, P type of the numbers (0 to 5: f64, f32, i32, i16, u16, u8), T 0 full, 1 text, 2 sparse. A sparse array is full
-//! with three columns, row, column, value, and a last row with its size.
+//! columns. The type is written in decimal digits MOPT: M byte order (0 little, 1 big), O always 0, P type of the numbers (0 to 5: f64, f32, i32, i16, u16, u8), T 0 full, 1 text, 2 sparse. A sparse array is stored
+//! as a full one with three columns (four if complex): row, column, value, imaginary part; its last row is the size of the matrix.
 
-use super::elements::{Storage, index};
+use super::elements::{Storage, fill, index};
 use crate::builder::{Builder, Found, Head, Stated};
 use crate::bytes::{Bytes, Endian};
 use crate::limits::Limits;
@@ -55,8 +55,8 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
             _ => "",
         };
         if !reason.is_empty() {
-            let parts = if imaginary == 1 { 2 } else { 1 };
-            bytes.skip(numbers.saturating_mul(storage.size()).saturating_mul(parts), "an array")?;
+            let blocks = if imaginary == 1 { 2 } else { 1 };
+            bytes.skip(numbers.saturating_mul(storage.size()).saturating_mul(blocks), "an array")?;
             found.leave_out(&name, reason);
             continue;
         }
@@ -68,10 +68,10 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
                 order("number of columns", columns as usize, limits.order)?,
             );
             let mut builder = Builder::new(limits);
-            super::v5::fill(bytes, storage, size, &mut builder)?;
+            fill(bytes, storage, size, &mut builder)?;
             if imaginary == 1 {
                 for _ in 0..numbers {
-                    builder.imaginary(storage.read(bytes, "an array")?)?;
+                    builder.note_imaginary(storage.read(bytes, "an array")?)?;
                 }
             }
             (builder, size)
@@ -115,7 +115,7 @@ fn sparse(
     storage.read(bytes, "a sparse array")?;
     if columns == 4 {
         for _ in 0..lines {
-            builder.imaginary(storage.read(bytes, "a sparse array")?)?;
+            builder.note_imaginary(storage.read(bytes, "a sparse array")?)?;
         }
     }
     Ok((builder, (size[0], size[1])))

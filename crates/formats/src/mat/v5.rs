@@ -3,7 +3,7 @@
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
-use super::elements::{Storage, index};
+use super::elements::{Storage, fill, index};
 use crate::builder::{Builder, Found, Head, Stated};
 use crate::bytes::{Bytes, Endian};
 use crate::limits::Limits;
@@ -143,7 +143,7 @@ fn array(
             "type 6, 8 bytes",
         ));
     }
-    let (flags, most) = (bytes.u32("flags")?, bytes.u32("flags")?);
+    let (flags, room) = (bytes.u32("flags")?, bytes.u32("flags")?);
     let class = flags & 0xff;
     if matches!(class, 16..) {
         // Functions and opaque objects have parts of another order, and no name that could be found.
@@ -189,7 +189,7 @@ fn array(
     let size = (order("number of rows", shape[0], limits.order)?, order("number of columns", shape[1], limits.order)?);
     let mut builder = Builder::new(limits);
     if class == 5 {
-        let (used, left) = sparse(bytes, size, u64::from(most), limits, &mut builder)?;
+        let (used, left) = sparse(bytes, size, u64::from(room), limits, &mut builder)?;
         if flags & COMPLEX != 0 {
             bytes.skip(left, "values of a sparse array")?;
             imaginary(bytes, used, &mut builder)?;
@@ -214,7 +214,7 @@ fn imaginary(bytes: &mut Bytes<'_>, count: u64, builder: &mut Builder) -> Result
         return Err(Problem::field("bytes of imaginary parts", length, format!("{count} numbers or more")));
     }
     for _ in 0..count {
-        builder.imaginary(storage.read(bytes, "imaginary parts")?)?;
+        builder.note_imaginary(storage.read(bytes, "imaginary parts")?)?;
     }
     Ok(())
 }
@@ -267,38 +267,20 @@ fn structure(
     Ok(())
 }
 
-/// Reads a full array by columns and keeps what is not zero.
-pub(super) fn fill(
-    bytes: &mut Bytes<'_>,
-    storage: Storage,
-    (rows, columns): (usize, usize),
-    builder: &mut Builder,
-) -> Result<(), Problem> {
-    for column in 0..columns {
-        for row in 0..rows {
-            let value = storage.read(bytes, "an array")?;
-            if value != 0.0 {
-                builder.push(row, column, value)?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Reads compressed columns: rows, the offsets of the columns, values. There may be
-/// room for more of them than are used: how many are used, and how many bytes follow.
+/// Reads compressed columns: rows, the offsets of the columns, values. There is `room` for more of them than may be used: how many are used, and how many
+/// bytes follow.
 fn sparse(
     bytes: &mut Bytes<'_>,
     (rows, columns): (usize, usize),
-    most: u64,
+    room: u64,
     limits: &Limits,
     builder: &mut Builder,
 ) -> Result<(u64, u64), Problem> {
     let Tag { kind, length, padding } = tag(bytes)?;
     let of_rows = storage(kind)?;
     let count = length / of_rows.size();
-    if length % of_rows.size() != 0 || count > most.max(1) {
-        return Err(Problem::field("rows of a sparse array", count, format!("at most {most}, as its flags say")));
+    if length % of_rows.size() != 0 || count > room.max(1) {
+        return Err(Problem::field("rows of a sparse array", count, format!("at most {room}, as its flags say")));
     }
     if count > limits.entries as u64 {
         return Err(Problem::Limit { what: "entries of a matrix", most: limits.entries as u64 });

@@ -153,7 +153,7 @@ impl Header {
     pub fn next(&self, bytes: &mut Bytes<'_>, storage: Storage, builder: &mut Builder) -> Result<f64, Problem> {
         let value = storage.read(bytes, "an array")?;
         if self.complex {
-            builder.imaginary(storage.read(bytes, "an array")?)?;
+            builder.note_imaginary(storage.read(bytes, "an array")?)?;
         }
         Ok(value)
     }

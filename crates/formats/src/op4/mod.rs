@@ -99,7 +99,7 @@ impl Open {
             return Ok(());
         }
         if is_imaginary {
-            return self.builder.imaginary(value);
+            return self.builder.note_imaginary(value);
         }
         self.builder.push(row + at, self.last_column - 1, value)
     }

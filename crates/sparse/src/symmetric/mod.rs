@@ -21,7 +21,7 @@ const LEAST_BLOCKS: usize = 3;
 const NOTHING_LEFT: f64 = 1e-13;
 
 /// Scales s_i with which `A_ij / (s_i s_j)` has a diagonal of 1: the roots of |A_ii|, or of [`SMALL_DIAGONAL`] times the largest entry of row and column i
-/// where that is more. 0 where row and column are empty.
+/// where that is more. 0 where row and column are empty. A may be unsymmetric.
 pub(crate) fn scales(a: &CscMatrix<f64>) -> Vec<f64> {
     let (mut diagonal, mut largest) = (vec![0.0; a.nrows()], vec![0.0_f64; a.nrows()]);
     for (row, column, &value) in a.triplet_iter() {
@@ -34,22 +34,22 @@ pub(crate) fn scales(a: &CscMatrix<f64>) -> Vec<f64> {
     diagonal.iter().zip(largest).map(|(&diagonal, largest)| diagonal.max(SMALL_DIAGONAL * largest).sqrt()).collect()
 }
 
-/// The rows that are not empty, and the symmetric part on these, scaled.
+/// The rows of A that are not empty, and the symmetric part on these, scaled. A row of a skew matrix, whose symmetric part is zero, is not empty: `health` counts it as null.
 pub(crate) fn scaled_part(a: &CscMatrix<f64>) -> (Vec<usize>, CscMatrix<f64>) {
     let scales = scales(a);
     let rows: Vec<usize> = (0..a.nrows()).filter(|&row| scales[row] > 0.0).collect();
-    let mut place = vec![0; a.nrows()];
-    rows.iter().enumerate().for_each(|(at, &row)| place[row] = at);
+    let mut places = vec![0; a.nrows()];
+    rows.iter().enumerate().for_each(|(at, &row)| places[row] = at);
     let mut sum = CooMatrix::new(rows.len(), rows.len());
     for (row, column, &value) in a.triplet_iter().filter(|(_, _, value)| **value != 0.0) {
         let half = 0.5 * value / scales[row] / scales[column];
-        sum.push(place[row], place[column], half);
-        sum.push(place[column], place[row], half);
+        sum.push(places[row], places[column], half);
+        sum.push(places[column], places[row], half);
     }
     (rows, CscMatrix::from(&sum))
 }
 
-/// The largest sum of the absolute values of a column, which no eigenvalue exceeds.
+/// The largest sum of the absolute values of a column; of a symmetric matrix no eigenvalue exceeds it.
 pub(crate) fn norm(a: &CscMatrix<f64>) -> f64 {
     let sums = a.col_iter().map(|column| column.values().iter().map(|value| value.abs()).sum());
     sums.fold(0.0, f64::max)
@@ -65,7 +65,8 @@ pub(crate) fn shifted(a: &CscMatrix<f64>, shift: f64) -> CscMatrix<f64> {
 }
 
 /// The `count` eigenvalues of a symmetric matrix nearest to zero, at most its order, with orthonormal vectors, the nearest first: by the Rayleigh-Ritz
-/// procedure for the inverse, on a block Krylov space of it. `factor` is of `A + shift I`, with a shift of next to nothing.
+/// procedure for the inverse, on a block Krylov space of it. `factor` is of `A + shift I`, with a shift of next to nothing. Null vectors are found to rounding where
+/// `count` is more than their number; other values are from above in their distance from zero, and that of the first is within some per cent.
 ///
 /// The Ritz values are those of the inverse, because those of A itself may lie anywhere between its eigenvalues, at zero too where it is indefinite. The
 /// first is never nearer to `-shift` than an eigenvalue is.

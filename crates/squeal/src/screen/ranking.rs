@@ -22,7 +22,7 @@ pub struct Ranked {
 pub struct KindRanking {
     /// Candidates of the kind.
     pub candidates: Candidates,
-    /// Changes at one place, the best first; one stands for all changes that a symmetry maps onto each other.
+    /// Changes at one place, the best first; of changes that symmetries map onto each other only the first is listed.
     pub singles: Vec<Ranked>,
     /// Best set found of each size, from 1; the list ends where no set of a size could be analysed.
     pub best: Vec<Ranked>,
@@ -30,21 +30,24 @@ pub struct KindRanking {
     pub symmetric: Vec<Option<Ranked>>,
     /// Sets that could not be analysed, with the reason.
     pub failed: Vec<(String, String)>,
-    /// Number of sets of changes analysed.
+    /// Number of sets of changes analysed: what the ranking cost.
     pub sets: u64,
-    /// Number of combinations of changes that made these sets, some of them the same ones.
+    /// Number of combinations of changes that made these sets, some of them the same ones: known before the search, so that progress counts them.
     pub combinations: u64,
 }
 
-/// Number of combinations of changes that a search makes: each group by itself, and with both best sets of each size that leaves room for it.
+/// Number of combinations of changes that a search makes: each group alone, and joined to the best set and to the best symmetric set of every size that still fits into `up_to`.
 pub(super) fn combinations(candidates: &Candidates, up_to: usize) -> u64 {
     let groups = candidates.groups.iter().filter(|group| group.len() <= up_to);
     groups.map(|group| 1 + 2 * (up_to - group.len()) as u64).sum()
 }
 
-/// Ranks single changes and builds the best set of each size up to `up_to`: each group of changes is added to the best set that leaves
-/// room for it, and to the best symmetric one. Greedy: a set of which no part is the best of its size is not found, unless it is one
-/// group.
+/// Ranks single changes, by predictions over the arrangements of `probes`, and builds the best set of each size up to `up_to`: each group of changes
+/// ([`Candidates::groups`], changes that a symmetry makes of each other are one, however many) is added to the best set that leaves room for it, and to the best symmetric
+/// one. Greedy: a set is found only if it is one group, or if removing one group leaves the best set, or the best symmetric set, of that size. It ends at the
+/// first size of which no set could be analysed, also where a larger group could be.
+///
+/// A search that is cancelled ends with what it has, and all that is left as failed; its caller makes an error of that (`when_cancelled`).
 pub(super) fn search(
     candidates: Candidates,
     probes: &Probes<'_>,
@@ -101,7 +104,7 @@ pub(super) fn search(
 }
 
 impl KindRanking {
-    /// Sets of a size that are analysed: each group with the best set of the size that is missing.
+    /// Sets of a size that are analysed: each group filled up to `size` with the best set, and the best symmetric set, of the remaining size.
     fn sets_of(&self, size: usize) -> Vec<Vec<usize>> {
         let mut sets: Vec<Vec<usize>> = Vec::new();
         for group in self.candidates.groups.iter().filter(|group| group.len() <= size) {

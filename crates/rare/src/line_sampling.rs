@@ -13,7 +13,7 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 
 use crate::limit_state::{Asked, Counted, InStep, LimitState};
-use crate::line::{STEP, failing};
+use crate::line_intervals::{STEP, failing};
 use crate::normal::Interval;
 use crate::options::Options;
 use crate::search::DesignPoint;
