@@ -259,3 +259,19 @@ fn maps_with_openings_count_as_spectra_do() {
         assert!(wrong * 20 <= count, "{wrong} of {count}");
     }
 }
+
+/// What is printed of a sweep over openings, by any number of threads, often enough that they come in another order.
+#[test]
+fn answers_over_openings_are_the_same_bytes_with_any_number_of_threads() {
+    let chain = Chain::new();
+    let told = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = sweep::Found::Branches(pool.install(|| swept(&chain, &over("p", 0.0, 1.0))).into());
+        let tables = found.tables().into_iter().map(|table| String::from_utf8(table.csv().unwrap()).unwrap());
+        format!("{}{}{}", found.text(), found.json(), tables.collect::<String>())
+    };
+    let one = told(1);
+    for threads in [2, 8].repeat(10) {
+        assert_eq!(told(threads), one, "{threads} threads");
+    }
+}
