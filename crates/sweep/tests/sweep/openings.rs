@@ -275,3 +275,22 @@ fn answers_over_openings_are_the_same_bytes_with_any_number_of_threads() {
         assert_eq!(told(threads), one, "{threads} threads");
     }
 }
+
+/// Over ranges in equal steps and in equal ratios: no point that is open for longer than is printed is passed over.
+#[test]
+fn the_width_that_is_printed_is_that_of_every_step() {
+    for (from, to, said) in [(0.0, 1.0, "9.766e-4 of p"), (0.02, 1.0, "a factor of 1.003828 of p")] {
+        let found = swept(&Chain::new(), &over("p", from, to));
+        let parameter = found.parameter.clone();
+        let text = sweep::Found::Branches(found.into()).text();
+        assert!(text.contains(&format!("open and close again within {said} are not seen")), "{text}");
+        let width = |step: u32| {
+            let [a, b] = [step, step + 1].map(|end| parameter.at(f64::from(end) / 1024.0));
+            if parameter.is_logarithmic { b / a } else { b - a }
+        };
+        let number: f64 = said.split_whitespace().find_map(|word| word.parse().ok()).unwrap();
+        for step in 0..1024 {
+            assert!((width(step) / number - 1.0).abs() < 1e-3, "{step}: {} for {number}", width(step));
+        }
+    }
+}
