@@ -1,9 +1,10 @@
 //! Prepared brakes: pieces of a reduction, each made once and kept under the digest of all that it depends on.
 //!
 //! A piece is asked for by name ([`Pieces::item`]). Its key is the SHA-256 of the version of the format, the program with its commit, how the processor rounds,
-//! the [identity](case::FiniteElementCase::prepared_identity) of the case and the further inputs of the piece. So no piece is ever out of date: what
-//! depends on something else has another key, and is made. It is looked for in a file that `squeal prepare` wrote, then in a folder, and kept there as soon as it is
-//! made, so that a preparation that was killed goes on where it stopped.
+//! the [identity](case::FiniteElementCase::prepared_identity) of the case and the further inputs of the piece. What depends on something else has another key,
+//! and is made. Code that is in no commit has no key of its own: a folder keeps the pieces of each build apart, while for a file builds of one commit are one program, as
+//! are those of one version whose commit is not known. A piece is looked for in a file that `squeal prepare` wrote, then in a folder, and kept there as soon as it is made, so
+//! that a preparation that was killed goes on where it stopped.
 //!
 //! ```text
 //! .squeal/<brake>/brake.txt        program, rounding, case
@@ -16,7 +17,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use case::FiniteElementCase;
 use montecarlo::{Damage, Sealed};
@@ -37,9 +38,12 @@ const MOST_BRAKES: usize = 16;
 /// File in the folder of a brake that says what it is; writing it anew says that the folder is used.
 const OF_BRAKE: &str = "brake.txt";
 
-/// Ending of the file of a piece that stays.
+/// Age from which a file that is half written is of a process that was killed; chosen: no piece takes a day to write.
+const ABANDONED: Duration = Duration::from_secs(86_400);
+
+/// Ending of the files of pieces that stay.
 const STAYING: &str = "piece";
-/// Ending of the file of a piece that is there until the brake is made.
+/// Ending of the files of pieces that are there until the brake is made.
 const INTERIM: &str = "interim";
 
 /// SHA-256 of all that something depends on.
@@ -81,10 +85,10 @@ pub struct PreparedCounts {
     pub from_folder: usize,
     /// Pieces that were made.
     pub made: usize,
-    /// Of the pieces that were made: those of which the folder held a damaged copy.
+    /// Pieces that were made of which the folder held a damaged copy.
     pub damaged: usize,
-    /// Interim pieces that were read, complete solutions of the whole brake: of a preparation that was stopped before.
-    pub continued: usize,
+    /// Interim pieces that were read, of a preparation that was stopped before: modes of the whole brake at an operating point each, by a complete solution or led to it.
+    pub interim: usize,
     /// Why a piece could not be kept, the first time.
     pub not_kept: Option<String>,
 }
@@ -140,8 +144,8 @@ impl Prepared {
         locked(&self.counts).clone()
     }
 
-    /// Writes what was collected into one file, under a temporary name first. Returns the number of its bytes. Only after [`collecting`](Self::collecting):
-    /// else the file is empty, and refused where it is read.
+    /// Writes what was collected into one file, under a temporary name first, and removes what killed processes left half written beside it. Returns the number of its
+    /// bytes. Only after [`collecting`](Self::collecting): else the file is empty, and refused where it is read.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -154,6 +158,7 @@ impl Prepared {
         }
         let bytes = [FILE.header(&body).into_bytes(), body].concat();
         output::write(path, &bytes).map_err(|source| Error::PreparedWrite(Box::new(source)))?;
+        output::remove_temporary(path.parent().filter(|folder| *folder != "").unwrap_or(Path::new(".")), ABANDONED);
         Ok(bytes.len())
     }
 
@@ -254,7 +259,7 @@ impl Pieces<'_> {
     ) -> Result<T, Error> {
         let Some(key) = self.key_of(name, inputs) else { return make() };
         if let Some((_, found)) = self.path(&key, INTERIM).and_then(|path| read(&path, &key)).flatten() {
-            locked(&self.all.counts).continued += 1;
+            locked(&self.all.counts).interim += 1;
             return Ok(found);
         }
         let made = make()?;
@@ -262,9 +267,11 @@ impl Pieces<'_> {
         Ok(made)
     }
 
-    /// Removes the interim pieces of the brake, which is made.
+    /// Removes the interim pieces of the brake, which is made, and what processes that were killed left half written.
     pub fn end_interim(&self) {
-        let Some(files) = self.folder.as_ref().and_then(|folder| fs::read_dir(folder).ok()) else { return };
+        let Some(folder) = &self.folder else { return };
+        output::remove_temporary(folder, ABANDONED);
+        let Ok(files) = fs::read_dir(folder) else { return };
         for file in files.flatten().map(|file| file.path()) {
             if file.extension().is_some_and(|ending| ending == INTERIM) {
                 // One that stays is only larger than it need be.
@@ -310,11 +317,7 @@ impl Pieces<'_> {
         if !folder.is_dir() {
             self.make_folder(folder)?;
         }
-        // Several processes may make the same piece at once.
-        let partial = path.with_extension(format!("{}.partial", std::process::id()));
-        let written = fs::write(&partial, [PIECE.header(&body).into_bytes(), body].concat());
-        let moved = written.and_then(|()| fs::rename(&partial, path));
-        moved.inspect_err(|_| drop(fs::remove_file(&partial)))
+        output::replace(path, &[PIECE.header(&body).into_bytes(), body].concat())
     }
 
     /// Makes the folder of the brake, in a folder that git does not see, and removes the folders of brakes that have not been used for longest.

@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, SystemTime};
 
 use brakes::case::{CaseFile, FiniteElementCase};
 use brakes::{FiniteElementBrake, Prepared, PreparedCounts, Purpose};
@@ -180,11 +181,18 @@ fn a_preparation_goes_on_within_the_basis_of_a_set() {
         let first = &files(&folder, "interim")[0];
         let bytes = fs::read(first).unwrap();
         fs::write(first, &bytes[..bytes.len() / 2]).unwrap();
+        // What processes left half written: one that was killed long ago, and one that may be writing.
+        let half = ["17-0", "18-3"].map(|of| first.with_extension(format!("interim.{of}.partial")));
+        for (path, days) in half.iter().zip([2, 0]) {
+            let time = SystemTime::now() - Duration::from_secs(86_400 * days);
+            fs::File::create(path).unwrap().set_modified(time).unwrap();
+        }
         let again = Prepared::default().in_folder(folder.clone());
         let brake = made(&again, Purpose::Analysis);
-        let PreparedCounts { continued, .. } = again.counts();
+        assert_eq!(half.map(|path| path.exists()), [false, true]);
+        let PreparedCounts { interim, .. } = again.counts();
         // Of a set whose basis was made before no solution is asked for.
-        assert!(continued < kept && (most > 8 || continued == kept - 1), "{continued} of {kept}");
+        assert!(interim < kept && (most > 8 || interim == kept - 1), "{interim} of {kept}");
         assert!(files(&folder, "interim").is_empty());
         assert_eq!(all_of(&brake), expected);
     }

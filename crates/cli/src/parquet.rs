@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use output::OutputError;
+use output::{OutputError, unguarded};
 use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result as ParquetResult};
@@ -75,14 +75,14 @@ impl Kind {
         cells: impl Iterator<Item = &'c str>,
     ) -> ParquetResult<()> {
         match self {
-            Self::Text => write_cells::<ByteArrayType>(column, cells, |cell| Ok(ByteArray::from(cell))),
+            Self::Text => write_cells::<ByteArrayType>(column, cells, |cell| Ok(ByteArray::from(unguarded(cell)))),
             Self::Whole => write_cells::<Int64Type>(column, cells, |cell| cell.parse().map_err(external)),
             Self::Number => write_cells::<DoubleType>(column, cells, |cell| cell.parse().map_err(external)),
         }
     }
 }
 
-/// Writes cells by what each of them says; empty ones are null.
+/// Writes cells of a CSV file by what each of them says; empty ones are null.
 fn write_cells<'c, T: DataType>(
     column: &mut SerializedColumnWriter<'_>,
     cells: impl Iterator<Item = &'c str>,
@@ -103,7 +103,7 @@ fn write_cells<'c, T: DataType>(
 fn convert(from: &Path, to: &Path) -> ParquetResult<()> {
     let mut table = csv::Reader::from_path(from).map_err(external)?;
     let names = table.headers().map_err(external)?.clone();
-    let columns = names.iter().map(|name| Kind::of(name).column(name)).collect::<ParquetResult<_>>()?;
+    let columns = names.iter().map(|name| Kind::of(name).column(unguarded(name))).collect::<ParquetResult<_>>()?;
     let schema = Type::group_type_builder("schema").with_fields(columns).build()?;
     let mut file = SerializedFileWriter::new(File::create(to)?, Arc::new(schema), Arc::default())?;
     let mut records = table.records();

@@ -49,7 +49,7 @@ pub(super) fn none_prepared(option: &'static str, value: &Path) -> Error {
 
 /// Line on where a brake was read from and where it is kept; `None` where nothing was asked for.
 pub(super) fn in_words(prepared: &Prepared, PreparedArgs { prepared: file, .. }: &PreparedArgs) -> Option<String> {
-    let PreparedCounts { from_file, from_folder, made, damaged, continued, not_kept } = prepared.counts();
+    let PreparedCounts { from_file, from_folder, made, damaged, interim, not_kept } = prepared.counts();
     let (pieces, place) = (from_file + from_folder + made, |path: &Path| printable(&path.display().to_string()));
     let folder = prepared.folder().map(place);
     let mut parts = Vec::new();
@@ -59,8 +59,9 @@ pub(super) fn in_words(prepared: &Prepared, PreparedArgs { prepared: file, .. }:
     if let Some(folder) = folder.as_ref().filter(|_| from_folder > 0) {
         parts.push(format!("{from_folder} of {pieces} pieces read from {folder}"));
     }
-    if continued > 0 {
-        parts.push(format!("{continued} complete solutions taken over from a preparation that was stopped"));
+    if interim > 0 {
+        let points = if interim == 1 { "operating point" } else { "operating points" };
+        parts.push(format!("modes at {interim} {points} taken over from a preparation that was stopped"));
     }
     let damaged = if damaged == 0 { String::new() } else { format!(", {damaged} in the place of damaged ones") };
     match (made, &folder, &not_kept) {

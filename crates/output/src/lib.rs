@@ -16,9 +16,12 @@ pub use document::{Block, Cell, Cells};
 pub use table::{LongTable, Table};
 
 use std::borrow::Cow;
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 /// Errors of a file of results.
 #[non_exhaustive]
@@ -78,7 +81,8 @@ pub fn hertz_within(frequency: f64, error: f64) -> String {
     format!("{frequency:.decimals$}")
 }
 
-/// Writes `contents` under a temporary name beside `path`, then renames it. Where `path` is a link or a device, the new file stands in its place.
+/// Writes `contents` under a temporary name beside `path`, then renames it. Where `path` is a link or a device, the new file stands in its place. Each writing has a
+/// name of its own, so that of several processes and threads that write one file the last one's stands there, whole.
 ///
 /// # Errors
 /// [`OutputError::Write`]; what stood at `path` before then still stands there, and nothing is left beside it.
@@ -91,11 +95,12 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), OutputError> {
 /// # Errors
 /// Refusals of the file system.
 pub fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
+    static WRITTEN: AtomicU64 = AtomicU64::new(0);
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".partial");
+    name.push(format!(".{}-{}{TEMPORARY}", std::process::id(), WRITTEN.fetch_add(1, Ordering::Relaxed)));
     let temporary = path.with_file_name(name);
     let written = (|| {
-        // What a killed run left there goes; the new file is made anew, so that a link is not followed to a file elsewhere.
+        // What a killed process of the same number left there goes; the new file is made anew, so that a link is not followed to a file elsewhere.
         match fs::remove_file(&temporary) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => {}
@@ -107,6 +112,29 @@ pub fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     })();
     // The error to report is the first one; a temporary file that cannot be removed either is beside the point.
     written.inspect_err(|_| drop(fs::remove_file(&temporary)))
+}
+
+/// End of the temporary names of [`replace`], `FILE.PROCESS-NUMBER.partial`.
+const TEMPORARY: &str = ".partial";
+
+/// True for a temporary name of [`replace`].
+pub fn is_temporary(name: &OsStr) -> bool {
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let own = name.to_str().and_then(|name| name.strip_suffix(TEMPORARY)?.rsplit_once('.')?.1.split_once('-'));
+    own.is_some_and(|(process, number)| is_number(process) && is_number(number))
+}
+
+/// Removes the temporary files of a folder that were last written `age` ago or before: those of processes that were killed.
+pub fn remove_temporary(folder: &Path, age: Duration) {
+    let Ok(files) = fs::read_dir(folder) else { return };
+    let is_old = |file: &fs::DirEntry| {
+        let written = file.metadata().and_then(|file| file.modified());
+        written.is_ok_and(|written| written.elapsed().unwrap_or_default() >= age)
+    };
+    for file in files.flatten().filter(|file| is_temporary(&file.file_name()) && is_old(file)) {
+        // One that stays takes nothing but room.
+        let _ = fs::remove_file(file.path());
+    }
 }
 
 /// Makes a folder and those above it.
@@ -167,14 +195,27 @@ pub fn bytes_in_words(bytes: f64) -> String {
     }
 }
 
-/// A cell that no spreadsheet takes for a formula: a text that begins as one gets an apostrophe before it, which they take for the mark of a
-/// text. Numbers stay as they are.
-fn harmless(cell: &[u8]) -> Cow<'_, [u8]> {
+/// True for a text that a spreadsheet takes for a formula, with any apostrophes before it. Numbers are none.
+fn is_formula(cell: &[u8]) -> bool {
     let is_number = || str::from_utf8(cell).is_ok_and(|text| text.parse::<f64>().is_ok());
-    match cell {
-        [b'=' | b'+' | b'-' | b'@' | b'\t' | b'\r', _, ..] if !is_number() => Cow::Owned([b"'", cell].concat()),
-        _ => Cow::Borrowed(cell),
-    }
+    let apostrophes = cell.iter().take_while(|byte| **byte == b'\'').count();
+    matches!(cell[apostrophes..], [b'=' | b'+' | b'-' | b'@' | b'\t' | b'\r', _, ..]) && !is_number()
+}
+
+/// A cell as it stands in a CSV file, where no spreadsheet takes it for a formula: a text that begins as one gets an apostrophe before it, which they take for the
+/// mark of a text.
+fn guarded(cell: &[u8]) -> Cow<'_, [u8]> {
+    if is_formula(cell) { Cow::Owned([b"'", cell].concat()) } else { Cow::Borrowed(cell) }
+}
+
+/// A cell as it was before it was put into a CSV file: without the apostrophe that it has there against spreadsheets.
+///
+/// ```
+/// assert_eq!(["'-z", "''-z", "-1", "'a"].map(output::unguarded), ["-z", "'-z", "-1", "'a"]);
+/// ```
+#[must_use]
+pub fn unguarded(cell: &str) -> &str {
+    cell.strip_prefix('\'').filter(|text| is_formula(text.as_bytes())).unwrap_or(cell)
 }
 
 /// True for a character that changes where others stand, or ends a line, without being seen: marks of the direction of writing, and
@@ -205,7 +246,7 @@ fn write_row<W: std::io::Write>(
     row: impl IntoIterator<Item: AsRef<[u8]>>,
 ) -> Result<(), csv::Error> {
     for cell in row {
-        table.write_field(harmless(cell.as_ref()))?;
+        table.write_field(guarded(cell.as_ref()))?;
     }
     table.write_record(None::<&[u8]>)
 }
@@ -233,6 +274,79 @@ mod tests {
         assert_eq!(rows[0], "'=cmd|' /C calc'!A0,'+1+1,'-2+3,'@SUM(A1),'\t=1,a=b,-,");
         assert_eq!(rows[1], rows[0]);
         assert_eq!(rows[2], "-1.5e-3,+2,-inf,NaN,0,-0,x,y");
+    }
+
+    /// Every text of up to five of the characters that matter, so with any number of apostrophes before it.
+    #[test]
+    fn every_cell_comes_back_from_a_csv_file() {
+        let mut cells = vec![String::new()];
+        for _ in 0..5 {
+            let longer = |cell: &String| ["'", "-", "=", "1", "z"].map(|next| format!("{cell}{next}"));
+            cells = cells.iter().flat_map(longer).chain([String::new()]).collect();
+        }
+        for cell in cells {
+            let inside = guarded(cell.as_bytes()).into_owned();
+            assert!(cell.parse::<f64>().is_ok() || cell.len() < 2 || !b"-=".contains(&inside[0]), "{cell}");
+            assert_eq!(unguarded(str::from_utf8(&inside).unwrap()), cell);
+        }
+    }
+
+    /// Letters that processes write with two threads each, whole files of one letter, while another reads.
+    #[test]
+    fn a_file_that_several_processes_write_is_whole_at_any_time() {
+        const LETTER: &str = "OUTPUT_TEST_LETTER";
+        const LENGTH: usize = 1 << 20;
+        let folder = std::env::temp_dir().join("output-several-processes");
+        let path = std::env::var_os("OUTPUT_TEST_PATH").map_or_else(|| folder.join("file"), PathBuf::from);
+        if let Ok(letter) = std::env::var(LETTER) {
+            let contents = letter.repeat(LENGTH);
+            let write = || (0..20).for_each(|_| write(&path, contents.as_bytes()).unwrap());
+            std::thread::scope(|both| [(); 2].map(|()| both.spawn(write)).map(|one| one.join().unwrap()));
+            return;
+        }
+        make_folder(&folder).unwrap();
+        write(&path, "z".repeat(LENGTH).as_bytes()).unwrap();
+        let child = |letter: &str| {
+            let mut child = std::process::Command::new(std::env::current_exe().unwrap());
+            child.args(["--exact", "tests::a_file_that_several_processes_write_is_whole_at_any_time"]);
+            child.env(LETTER, letter).env("OUTPUT_TEST_PATH", &path).stdout(std::process::Stdio::null());
+            child.spawn().unwrap()
+        };
+        let mut children = ["a", "b", "c"].map(child);
+        loop {
+            let ended = children.each_mut().map(|child| child.try_wait().unwrap());
+            let read = fs::read(&path).unwrap();
+            assert!(read.len() == LENGTH && read.iter().all(|letter| *letter == read[0]), "half a file");
+            if ended.iter().all(Option::is_some) {
+                assert!(ended.into_iter().flatten().all(|end| end.success()), "a writer ended with an error");
+                break;
+            }
+        }
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "a temporary file is left");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn temporary_files_of_killed_processes_are_removed_by_their_age_and_no_others() {
+        let folder = std::env::temp_dir().join(format!("output-temporary-{}", std::process::id()));
+        make_folder(&folder).unwrap();
+        let (old, new) = ("results.csv.17-0.partial", "results.csv.18-3.partial");
+        let others = ["film.partial", "results.partial", "a.1-.partial", "a.x-1.partial", "a.1-2.part"];
+        for name in others.into_iter().chain([old, new]) {
+            let file = fs::File::create(folder.join(name)).unwrap();
+            let days = if name == new { 0 } else { 2 };
+            file.set_modified(std::time::SystemTime::now() - Duration::from_secs(86_400 * days)).unwrap();
+        }
+        let left = || {
+            let names = fs::read_dir(&folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+            names.collect::<std::collections::BTreeSet<_>>()
+        };
+        let of = |names: &[&str]| others.iter().chain(names).map(|&name| name.to_owned()).collect();
+        remove_temporary(&folder, Duration::from_secs(86_400));
+        assert_eq!(left(), of(&[new]));
+        remove_temporary(&folder, Duration::ZERO);
+        assert_eq!(left(), of(&[]));
+        fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use crate::{OutputError, csv_bytes, write, write_row};
+use crate::{OutputError, csv_bytes, unguarded, write, write_row};
 
 /// A table of results: one observation a row. Cells are text, numbers in the fewest digits that give them back; an empty cell is nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl Table {
         Self { name: name.into(), columns, rows: rows.into_iter().collect() }
     }
 
-    /// The table of a CSV file, named after it; `None` where there is no such file.
+    /// The table of a CSV file, named after it, with the cells that were written; `None` where there is no such file.
     ///
     /// # Errors
     /// A file that cannot be read, or is no table.
@@ -42,7 +42,7 @@ impl Table {
             },
             Ok(reader) => reader,
         };
-        let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+        let cells = |record: &csv::StringRecord| record.iter().map(|cell| unguarded(cell).to_owned()).collect();
         let columns = cells(reader.headers()?);
         let rows = reader.records().map(|record| Ok(cells(&record?))).collect::<Result<_, csv::Error>>()?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_table_is_read_back_from_its_file_and_says_the_same_in_every_form() {
-        let rows = [["a, b", "1.5", ""], ["c", "-2e-300", "NaN"]].map(|row| row.map(str::to_owned).to_vec());
+        let rows = [["a, b", "1.5", ""], ["-z", "-2e-300", "NaN"]].map(|row| row.map(str::to_owned).to_vec());
         let table = Table::new("modes", ["mode", "hertz", "open"], rows);
         let dir = std::env::temp_dir().join(format!("table-{}", std::process::id()));
         std::fs::create_dir_all(&dir).unwrap();
@@ -155,7 +155,7 @@ mod tests {
         std::fs::remove_dir_all(&dir).unwrap();
         let expected = serde_json::json!([
             { "mode": "a, b", "hertz": 1.5, "open": null },
-            { "mode": "c", "hertz": -2e-300, "open": "NaN" },
+            { "mode": "-z", "hertz": -2e-300, "open": "NaN" },
         ]);
         assert_eq!(table.json(), expected);
         assert!(table.markdown().starts_with("| mode | hertz | open |\n| --- | --- | --- |\n| a, b | 1.5 |  |\n"));

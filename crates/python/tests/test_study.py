@@ -48,6 +48,12 @@ def same_table(table, path):
             assert [str(cell) for cell in column] == cells
 
 
+def test_cells_have_no_apostrophe_against_spreadsheets(tmp_path):
+    (tmp_path / "samples.csv").write_text("law,mode\n'-z,'=a\n''-z,-1\n'a,-\n")
+    table = sq.Table.read(tmp_path / "samples.csv")
+    assert (list(table["law"]), list(table["mode"])) == (["-z", "'-z", "'a"], ["=a", "-1", "-"])
+
+
 @pytest.mark.parametrize("name", SAMPLES)
 def test_a_study_is_that_of_the_program_table_by_table(name, cases, tmp_path):
     program("run", cases / name, "--samples", SAMPLES[name], "--seed", 5, "--keep-samples", "--out", tmp_path / "program")

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use output::{OutputError, in_words, make_folder, write};
+use output::{OutputError, in_words, is_temporary, make_folder, remove_temporary, write};
 
 use crate::Error;
 
@@ -48,6 +48,8 @@ impl RunFolder {
         let owner = format!("process {} since {} s after 1970-01-01 UTC\n", std::process::id(), since_epoch.as_secs());
         lock.set_len(0).and_then(|()| lock.write_all(owner.as_bytes())).map_err(failed)?;
         let folder = Self { path: path.to_owned(), identity: identity.to_owned(), owner, _lock: lock };
+        // No other process writes here: temporary files are of runs that were killed.
+        remove_temporary(path, Duration::ZERO);
         if !holds_study(path, identity)? {
             write(&path.join(MARKER), format!("{identity}\n").as_bytes())?;
         }
@@ -193,7 +195,7 @@ fn holds_study(dir: &Path, identity: &str) -> Result<bool, Error> {
             for entry in entries {
                 // A run that was killed while it wrote the marker leaves the lock, and the temporary file of `output::write` for the marker.
                 let name = entry.map_err(unreadable)?.file_name();
-                if name != LOCK && name != "study.txt.partial" {
+                if name != LOCK && !is_temporary(&name) {
                     return other("other files");
                 }
             }

@@ -40,7 +40,7 @@ pub(super) fn opening_table(sweep: &Sweep) -> Table {
 
 /// Openings in words; nothing of a brake whose contact points do not open.
 pub(super) fn opening_text(sweep: &Sweep) -> String {
-    let (Some(steps), SweptParameter { name, from, to, .. }) = (sweep.opening_steps, &sweep.parameter) else {
+    let (Some(steps), SweptParameter { name, .. }) = (sweep.opening_steps, &sweep.parameter) else {
         return String::new();
     };
     let mut text = format!("\n{} of contact points", count(sweep.openings.len(), "opening", "openings"));
@@ -76,10 +76,7 @@ pub(super) fn opening_text(sweep: &Sweep) -> String {
             count(jumps, "jump", "jumps")
         );
     }
-    text + &format!(
-        "points that open and close again within {:.3e} of {name} are not seen\n",
-        (to - from) / steps as f64
-    )
+    text + &format!("points that open and close again within {} are not seen\n", sweep.parameter.step_in_words(steps))
 }
 
 /// The changes of the number of unstable modes on the lines of a map.

@@ -22,20 +22,15 @@ impl Found {
 impl Sweep {
     /// Least distance of two changes that are surely both found, in words.
     fn certain(&self) -> String {
-        let SweptParameter { name, from, to, is_logarithmic, .. } = &self.parameter;
-        let steps = self.steps as f64;
         let but = if self.unresolved.is_empty() { "" } else { " but in the ranges that are open" };
-        let distance = match *is_logarithmic {
-            true => format!("a factor of {:.6}", (to / from).powf(1.0 / steps)),
-            false => format!("{:.3e}", (to - from) / steps),
-        };
+        let distance = self.parameter.step_in_words(self.steps);
         let whose = self.loss_steps.map_or_else(String::new, |steps| {
             format!(
                 ", of the system that has dashpots in the place of loss factors; with loss factors unstable modes were counted at {} places",
                 steps + 1
             )
         });
-        format!("changes farther apart than {distance} of {name} are all found{but}{whose}")
+        format!("changes farther apart than {distance} are all found{but}{whose}")
     }
 }
 

@@ -5,12 +5,12 @@ use montecarlo::Progress;
 use rayon::prelude::*;
 use study::{Study, UncertainBrake};
 
+use super::counting_solver::CountingSolver;
 use super::family::{Family, Part};
 use super::openings::{OPENING_STEPS, openings};
 use super::parameter::Over;
 use super::part_sweep::{Entry, STEPS_OF_PART, of_part};
 use super::pieces::piecewise;
-use super::remembered::Remembered;
 use super::results::{Miscount, Sweep};
 use crate::Error;
 
@@ -28,7 +28,6 @@ pub fn sweep<B: UncertainBrake>(
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
 ) -> Result<Sweep, Error> {
-    let remembered = Remembered::new(solver);
     let family = Family::new(study, scene, std::slice::from_ref(over), solver, progress)?;
     let parameter = family.parameters[0].clone();
     let in_words = |source: Error| source.in_sweep(study.plan(), || format!("sweep over {over}"));
@@ -49,9 +48,10 @@ pub fn sweep<B: UncertainBrake>(
         let empty = Sweep::empty(parameter, study.plan().threshold);
         (found.map_err(in_words)?.into_iter().fold(empty, Sweep::joined), parts.len())
     } else {
-        let family = family.with_solver(&remembered);
+        let counting = CountingSolver::new(solver);
+        let family = family.with_solver(&counting);
         let mut sweep = piecewise(&family, &opened).map_err(in_words)?;
-        sweep.evaluations.spectra = remembered.solved();
+        sweep.evaluations.spectra = counting.asked();
         (sweep, 1)
     };
     sweep.opening_steps = (!family.contact_points().is_empty()).then_some(OPENING_STEPS);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::Error;
 
-/// Number of equal steps of the range at which the state of the contact points is asked for; chosen: a point that opens and closes again within a step is not
+/// Number of steps of the range, equal ones or of one ratio, at whose ends the state of the contact points is asked for; chosen: a point that opens and closes again within a step is not
 /// seen.
 pub(super) const OPENING_STEPS: usize = 1024;
 /// Width of an opening, as a fraction of the range, that is not halved any more; chosen: the last bits.

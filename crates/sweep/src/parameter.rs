@@ -70,6 +70,15 @@ impl SweptParameter {
         }
     }
 
+    /// Width of one of `steps` equal steps of the fraction, in words: a difference of values, or the ratio of two where the range is gone through in equal ratios.
+    pub(super) fn step_in_words(&self, steps: usize) -> String {
+        let Self { name, from, to, is_logarithmic, .. } = self;
+        match is_logarithmic {
+            true => format!("a factor of {:.6} of {name}", (to / from).powf(1.0 / steps as f64)),
+            false => format!("{:.3e} of {name}", (to - from) / steps as f64),
+        }
+    }
+
     /// Slope d value / d fraction at a fraction of the range, in units of the parameter.
     pub(super) fn slope(&self, part: f64) -> f64 {
         match self.is_logarithmic {

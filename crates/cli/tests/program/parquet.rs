@@ -7,7 +7,7 @@ use parquet::basic::Type;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 
-use crate::common::{refusal, squeal};
+use crate::common::{SMALL, refusal, squeal};
 
 /// Types and rows of a Parquet file, its cells as CSV has them.
 fn read(path: &Path) -> (Vec<(String, Type)>, Vec<Vec<String>>) {
@@ -77,4 +77,26 @@ fn parquet_without_a_table_of_samples_is_refused() {
     command.arg("run").arg(hoffmann(dir.path())).args(["--samples", "5", "--parquet", "--out"]);
     let output = command.arg(dir.path().join("out")).output().unwrap();
     refusal(&output, &["--parquet = no table; allowed: with --keep-samples or --every-mode, whose tables it is of"]);
+}
+
+/// The apostrophe against spreadsheets is one of CSV files: names that begin as a formula are themselves in all else.
+#[test]
+fn names_that_begin_as_formulas_are_themselves_but_in_csv() {
+    let dir = tempfile::tempdir().unwrap();
+    let (case, out) = (dir.path().join("case.toml"), dir.path().join("out"));
+    let names = ["-z", "-first"];
+    let text = SMALL.replace("name = \"none\"", "name = \"-z\"").replace("name = \"first\"", "name = \"-first\"");
+    std::fs::write(&case, text).unwrap();
+    let mut command = squeal();
+    command.arg("run").arg(&case).args(["--samples", "4", "--keep-samples", "--parquet", "--out"]).arg(&out);
+    assert!(command.status().unwrap().success());
+    let file = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+    assert!(names.iter().all(|name| file("samples.csv").contains(&format!("'{name}"))), "{}", file("samples.csv"));
+    let (columns, rows) = read(&out.join("samples.parquet"));
+    let place = columns.iter().position(|(column, _)| column == "constraints").unwrap();
+    assert!(rows.iter().all(|row| names.contains(&row[place].as_str())), "{:?}", rows[0]);
+    let page = file("report.html");
+    for name in names {
+        assert!(page.contains(&format!("\"{name}\"")) && !page.contains(&format!("'{name}")), "{name}");
+    }
 }

@@ -46,6 +46,12 @@ def _column(is_text: bool, cells: Sequence[str]) -> npt.NDArray[Any]:
     return np.array(cells, dtype=str)
 
 
+def _written(cell: str) -> str:
+    """A cell as it was before it got the apostrophe that texts have in CSV files where a spreadsheet would take them for formulas."""
+    text = cell.lstrip("'")
+    return cell[1:] if text != cell and len(text) > 1 and text[0] in "=+-@\t\r" else cell
+
+
 class Table(Mapping[str, npt.NDArray[Any]]):
     """A table: a mapping from the names of its columns to arrays, which cannot be written to.
 
@@ -76,7 +82,7 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         """The table of a CSV file; a `ValueError` says where it is damaged."""
         try:
             with path.open(encoding="utf-8", newline="") as file:
-                columns, *rows = list(csv.reader(file)) or [[]]
+                columns, *rows = [[_written(cell) for cell in row] for row in csv.reader(file)] or [[]]
         except csv.Error as error:
             raise ValueError(f"{path.name} is no table ({error})") from None
         if not columns:

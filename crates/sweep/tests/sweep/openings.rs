@@ -259,3 +259,38 @@ fn maps_with_openings_count_as_spectra_do() {
         assert!(wrong * 20 <= count, "{wrong} of {count}");
     }
 }
+
+/// What is printed of a sweep over openings, by any number of threads, often enough that they come in another order.
+#[test]
+fn answers_over_openings_are_the_same_bytes_with_any_number_of_threads() {
+    let chain = Chain::new();
+    let told = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = sweep::Found::Branches(pool.install(|| swept(&chain, &over("p", 0.0, 1.0))).into());
+        let tables = found.tables().into_iter().map(|table| String::from_utf8(table.csv().unwrap()).unwrap());
+        format!("{}{}{}", found.text(), found.json(), tables.collect::<String>())
+    };
+    let one = told(1);
+    for threads in [2, 8].repeat(10) {
+        assert_eq!(told(threads), one, "{threads} threads");
+    }
+}
+
+/// Over ranges in equal steps and in equal ratios: no point that is open for longer than is printed is passed over.
+#[test]
+fn the_width_that_is_printed_is_that_of_every_step() {
+    for (from, to, said) in [(0.0, 1.0, "9.766e-4 of p"), (0.02, 1.0, "a factor of 1.003828 of p")] {
+        let found = swept(&Chain::new(), &over("p", from, to));
+        let parameter = found.parameter.clone();
+        let text = sweep::Found::Branches(found.into()).text();
+        assert!(text.contains(&format!("open and close again within {said} are not seen")), "{text}");
+        let width = |step: u32| {
+            let [a, b] = [step, step + 1].map(|end| parameter.at(f64::from(end) / 1024.0));
+            if parameter.is_logarithmic { b / a } else { b - a }
+        };
+        let number: f64 = said.split_whitespace().find_map(|word| word.parse().ok()).unwrap();
+        for step in 0..1024 {
+            assert!((width(step) / number - 1.0).abs() < 1e-3, "{step}: {} for {number}", width(step));
+        }
+    }
+}
