@@ -172,9 +172,8 @@ impl Tree<'_> {
         let cargo = std::env::var_os("CARGO").unwrap_or("cargo".into());
         let target = self.out.join("target");
         let mut command = Command::new(cargo);
-        // The program is a package of its own since it is apart from the library.
-        let package = if self.checkout().join("crates/cli").exists() { "squeal-cli" } else { "squeal" };
-        command.args(["build", "--release", "--locked", "--package", package, "--package", "xtask"]);
+        // By the names of the programs: those of their packages are not the same in all commits.
+        command.args(["build", "--release", "--locked", "--workspace", "--bin", "squeal", "--bin", "xtask"]);
         command.current_dir(self.checkout()).env("CARGO_TARGET_DIR", &target);
         let status = command.status().map_err(TaskError::Start)?;
         if !status.success() {
