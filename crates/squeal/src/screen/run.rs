@@ -14,7 +14,7 @@ use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
 use super::criterion::Criterion;
 use super::growing::growing_modes;
-use super::joined::divergence_doubt_of;
+use super::joined::checks_of;
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::ranking::{KindRanking, Ranked, combinations, search};
@@ -244,12 +244,12 @@ pub fn confirm<B: UncertainBrake>(
     })
 }
 
-/// Doubts of a brake, each once: of brakes that are joined their plan has that on divergence.
+/// Doubts of a brake, each once: of brakes that are joined their plan has those by their checks.
 fn doubts_of<B: UncertainBrake>(brake: &B, options: &ScreenOptions) -> Vec<String> {
     let plan = brake.plan();
     let of_holds = plan.doubt_of_holds.iter().filter(|_| options.kinds.contains(&ChangeKind::Constraint));
     let mut doubts: Vec<String> = plan.doubts.iter().chain(of_holds).cloned().collect();
-    let more = divergence_doubt_of(brake).filter(|doubt| !doubts.contains(doubt));
+    let more: Vec<String> = checks_of(brake).into_iter().filter(|doubt| !doubts.contains(doubt)).collect();
     doubts.extend(more);
     doubts
 }
