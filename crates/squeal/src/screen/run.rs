@@ -117,7 +117,7 @@ pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dy
     progress.begin(candidates.iter().map(|of_kind| combinations(of_kind, *up_to)).sum(), 0);
     let ranking = when_cancelled(progress, |stop| {
         let probes = Probes::new(brake, *constraints, *draws, options.following(stop))?;
-        let unchanged = probes.prediction(&[])?;
+        let unchanged = probes.prediction(&[Vec::new()])?;
         let of_kind = |candidates| search(candidates, &probes, *up_to, *criterion, progress);
         let kinds = candidates.into_iter().map(of_kind).collect();
         Ok(Ranking { unchanged, kinds, analyses_per_set: probes.analyses(), draws: *draws })
