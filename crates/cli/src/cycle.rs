@@ -146,8 +146,7 @@ impl CycleArgs {
         has_motion(&case, "CASE", &self.case.case.display().to_string())?;
         let purpose = self.over.as_ref().map_or(Purpose::Analysis, |over| Purpose::Sweep(std::slice::from_ref(over)));
         let brake = sized::brake(case, purpose, self.memory.into(), &self.case.prepared)?;
-        let text = self.motion(&brake)?;
-        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+        sized::answer(out, &self.motion(&brake)?, &brake, &self.case.case)
     }
 
     /// The motion of the first scene of a brake, which need not be one of a case file.

@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::influence::{influence, influence_table};
-use squeal::study::{Study, UncertainBrake, divergence_doubt};
+use squeal::study::{Study, UncertainBrake};
 use squeal::workers;
 
 use super::options::{check_threads, whole_number};
-use super::results_folder;
 use super::scene::DrawnSceneArgs;
+use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
 
@@ -60,8 +60,8 @@ impl InfluenceArgs {
                 return Err(Error::Option { option, value: given.to_string(), allowed });
             }
         }
-        let text = self.influence(&self.drawn.brake(self.samples, Purpose::Study)?)?;
-        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+        let brake = self.drawn.brake(self.samples, Purpose::Study)?;
+        sized::answer(out, &self.influence(&brake)?, &brake, &self.drawn.case.case)
     }
 
     /// The influence of the inputs of the first scene of a brake, which need not be one of a case file.
@@ -89,10 +89,7 @@ impl InfluenceArgs {
             _ => String::new(),
         };
         let heading = format!("{}: {}; {draws} draws{asked}, seed {}", plan.name, plan.describe(scene), plan.seed);
-        let source = brake.mode_source();
-        let doubt = divergence_doubt(plan, source.is_some(), source.and_then(|source| source.full_checks()));
-        let warning = doubt.as_ref().map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));
-        let answer = format!("{warning}{}", found.text(plan));
+        let answer = found.text(plan);
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| -> Result<(), Error> {
@@ -116,7 +113,7 @@ impl InfluenceArgs {
         }
         if self.json {
             let rows = with_units(influence_table(plan, [(scene, &found)]).json());
-            let document = json!({ "scene": plan.describe(scene), "warning": doubt, "samples": draws, "failures": found.failures, "undecided": found.undecided, "rows": rows });
+            let document = json!({ "scene": plan.describe(scene), "warnings": found.doubts, "samples": draws, "failures": found.failures, "undecided": found.undecided, "rows": rows });
             return Ok(format!("{document:#}\n"));
         }
         let place = results_folder::place(self.out.as_deref());

@@ -18,8 +18,8 @@ use squeal::workers;
 
 use super::influence::with_units;
 use super::options::{check_threads, number, whole_number};
-use super::results_folder;
 use super::scene::{DrawnSceneArgs, SceneArgs};
+use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, PREPARED};
 use crate::case_file::CaseArgs;
@@ -64,8 +64,8 @@ impl RareArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.drawn.machine.threads)?;
         self.options(0)?;
-        let text = self.rare(&self.drawn.brake(None, Purpose::Analysis)?)?;
-        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+        let brake = self.drawn.brake(None, Purpose::Analysis)?;
+        sized::answer(out, &self.rare(&brake)?, &brake, &self.drawn.case.case)
     }
 
     fn options(&self, seed: u64) -> Result<Options, Error> {
@@ -137,8 +137,7 @@ impl RareArgs {
         if self.json {
             let points = with_units(design_points_table(plan, [(scene, &found)]).json());
             let rows = rare_table(plan, [(scene, &found)]).json();
-            let document =
-                json!({ "scene": plan.describe(scene), "seed": plan.seed, "rows": rows, "design_points": points });
+            let document = json!({ "scene": plan.describe(scene), "warnings": found.doubts, "seed": plan.seed, "rows": rows, "design_points": points });
             return Ok(format!("{document:#}\n"));
         }
         let place = results_folder::place(self.out.as_deref());

@@ -117,8 +117,9 @@ impl ScreenArgs {
             Ok((name, sized::brake(case, Purpose::Screen, self.machine, &beside)?))
         };
         let variants = variants.into_iter().map(made).collect::<Result<Vec<_>, Error>>()?;
-        let text = self.screen(&brake, &variants)?;
-        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+        let case = &self.case.case;
+        sized::answer(out, &self.screen(&brake, &variants)?, &brake, case)?;
+        variants.iter().try_for_each(|(_, variant)| sized::trusted(variant, case))
     }
 
     /// The variants of the case.

@@ -1,11 +1,12 @@
 //! Brakes of cases whose studies fit into memory; what takes long or much is announced, what takes more than there is refused.
 
+use std::io::Write;
 use std::path::Path;
 
 use brakes::case::CaseFile;
 use brakes::{AnyBrake, Prepared, Purpose};
 use output::{bytes_in_words, in_words};
-use squeal::study::{Cost, UncertainBrake as _};
+use squeal::study::{Cost, UncertainBrake as _, is_untrusted};
 use squeal::workers;
 
 use super::options::{MachineArgs, MemoryArgs};
@@ -32,12 +33,15 @@ pub(super) fn brake(
     Ok(brake)
 }
 
-/// An error, with which the program ends after its answer, where nothing is known of the errors of a reduced brake.
+/// Writes the answer of a command about a brake, and ends as [`trusted`] says.
+pub(super) fn answer(out: &mut dyn Write, text: &str, brake: &AnyBrake, case: &Path) -> Result<(), Error> {
+    out.write_all(text.as_bytes()).map_err(Error::StandardOutput)?;
+    trusted(brake, case)
+}
+
+/// An error, with which the program ends after its answer, where a reduced brake has failed its checks, or nothing is known of its errors.
 pub(super) fn trusted(brake: &AnyBrake, case: &Path) -> Result<(), Error> {
-    let scenes = &brake.plan().scenes;
-    let is_unknown =
-        brake.mode_source().is_some_and(|source| scenes.iter().any(|scene| source.unknown_error(scene).is_some()));
-    if is_unknown { Err(Error::NotTheWholeBrake { path: case.to_owned() }) } else { Ok(()) }
+    if is_untrusted(brake) { Err(Error::NotTheWholeBrake { path: case.to_owned() }) } else { Ok(()) }
 }
 
 /// Memory and processor time of making a brake, roughly, where these are known before and the memory is there.

@@ -86,9 +86,7 @@ impl SweepArgs {
         check_threads(self.machine.threads)?;
         let case = self.scene.only(self.case.read()?, ChosenSpeed::Median)?;
         let brake = sized::brake(case, Purpose::Sweep(&self.over), self.machine, &self.case.prepared)?;
-        let text = self.sweep(&brake)?;
-        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)?;
-        sized::trusted(&brake, &self.case.case)
+        sized::answer(out, &self.sweep(&brake)?, &brake, &self.case.case)
     }
 
     /// Sweeps the first scene of a brake, which need not be one of a case file, and says what was found.

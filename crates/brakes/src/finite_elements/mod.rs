@@ -33,8 +33,6 @@ pub use reduced_set::{Part, ReducedSet};
 pub use rungs::Rung;
 pub use sliding_contacts::check_motion;
 
-use std::collections::BTreeMap;
-
 use formats::Dof;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, StreamRng};
@@ -42,7 +40,7 @@ use num_complex::Complex;
 use reduction::ReductionError;
 use study::{
     Cost, DrawnContacts, DrawnInputs, FullChecks, ModeSource, Modifiable, NamedParameter, OuterFaces, Parametrised,
-    Place, Plan, Scene, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
+    Place, Plan, Scene, SlidingContacts, Symmetry, UncertainBrake, WholeContact, unknown_errors,
 };
 use sweep::Over;
 
@@ -145,7 +143,7 @@ impl FiniteElementBrake {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let mut brake = match purpose {
-            // A study lists in its findings the scenes of whose errors nothing is known: no doubt is added to its plan.
+            // A study lists in its findings the scenes of whose errors nothing is known, and other questions ask for them: no doubt is added to its plan.
             Purpose::Study => return Self::checked_of((case, pieces), progress),
             Purpose::Analysis => Self::with_points((case, pieces), Bases::OfEach, (&[], &[]), progress),
             // Errors of the reduced brake are not asked for.
@@ -159,21 +157,9 @@ impl FiniteElementBrake {
                 Self::with_points((case, pieces), Bases::OfEach, (&swept, &[]), progress)
             }
         }?;
-        let doubts = brake.unknown_errors();
+        let doubts = unknown_errors(&brake.plan, &brake);
         brake.plan.doubts.extend(doubts);
         Ok(brake)
-    }
-
-    /// A sentence for each reason for which nothing is known of the errors of a scene.
-    fn unknown_errors(&self) -> Vec<String> {
-        let mut scenes: BTreeMap<&str, usize> = BTreeMap::new();
-        for why in self.plan.scenes.iter().filter_map(|scene| self.unknown_error(scene)) {
-            *scenes.entry(why).or_default() += 1;
-        }
-        let all = self.plan.scenes.len();
-        let sentence =
-            |(why, count)| format!("in {count} of {all} scenes {why}, so that nothing is known of its errors");
-        scenes.into_iter().map(sentence).collect()
     }
 
     /// Reduces the brake as [`FiniteElementBrake::new`] does, but for its first scene so that the basis holds the modes over ranges of

@@ -79,9 +79,7 @@ impl CheckArgs {
             out.write_all(model.text().as_bytes()).map_err(Error::StandardOutput)?;
         }
         let brake = sized::brake(case, Purpose::Analysis, self.memory.into(), &self.case.prepared)?;
-        let text = self.said(model, &brake)?;
-        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)?;
-        sized::trusted(&brake, &self.case.case)
+        sized::answer(out, &self.said(model, &brake)?, &brake, &self.case.case)
     }
 
     /// Lines on the study of a brake, which need not be one of a case file: what it computes and what it takes.

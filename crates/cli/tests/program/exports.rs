@@ -499,7 +499,16 @@ fn a_reduced_brake_has_no_modes_that_the_whole_one_does_not_have() {
             let unchecked = ["--set", "reduction.full_checks=0"];
             let run = squeal().arg("run").arg(&case).args(unchecked).arg("--out").arg(out).output().unwrap();
             let check = squeal().arg("check").arg(&case).args(unchecked).output().unwrap();
-            for output in [output, run, check] {
+            // With a factor of all that is drawn, for a command that asks what matters.
+            let drawn = std::fs::read_to_string(&case)
+                .unwrap()
+                .replace("name = \"all\"", "name = \"all\"\ncoefficient = \"x\"");
+            let drawn = format!("{drawn}[parameters.x]\ndistribution = \"uniform\"\nfrom = 0.9\nto = 1.1\n");
+            let drawn = written(folder.path(), "drawn.toml", &drawn);
+            let influence = squeal().arg("influence").arg(&drawn).args(unchecked).output().unwrap();
+            let words = String::from_utf8_lossy(&influence.stdout);
+            assert!(words.contains("so that nothing is known of its errors"), "{words}");
+            for output in [output, run, check, influence] {
                 let said = String::from_utf8(output.stderr).unwrap();
                 assert_eq!(output.status.code(), Some(1), "{said}");
                 assert!(said.contains("does not have the modes of the whole one"), "{said}");

@@ -14,6 +14,7 @@ mod digests;
 mod documents;
 mod estimates;
 mod exports;
+mod failed_checks;
 mod failures;
 mod help;
 mod how_sure;

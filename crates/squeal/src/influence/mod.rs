@@ -12,7 +12,7 @@ mod samples;
 use montecarlo::rand::RngExt as _;
 use montecarlo::{Confidence, PickFreeze, Progress, SobolIndex, first_order_by_ranks, stream};
 use rayon::prelude::*;
-use study::{DrawnInputs, Input, KeptSamples, Scene, Study, UncertainBrake};
+use study::{DrawnInputs, Input, KeptSamples, Scene, Study, UncertainBrake, doubts_of};
 
 use crate::Error;
 use evaluated::{Evaluated, evaluate, of_kept};
@@ -53,6 +53,8 @@ pub struct InputInfluence {
 /// The influence of the inputs of a scene.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Influence {
+    /// Sentences that speak against the results, as of a reduced brake that failed its checks; none of samples that a study has kept, which tells its own.
+    pub doubts: Vec<String>,
     /// Inputs that are drawn and matter in the scene.
     pub inputs: Vec<Input>,
     /// Influences on the outputs: of the scene first, then of its modes.
@@ -110,7 +112,7 @@ pub fn influence<B: UncertainBrake>(
         let (scene, what, reason) = (plan.describe(asked), "draws", failed.unwrap_or_default());
         return Err(Error::EachFailed { scene, what, count: draws, reason });
     };
-    Ok(Influence { evaluations: draws + of_design, first_failure: failed, ..found })
+    Ok(Influence { doubts: doubts_of(brake), evaluations: draws + of_design, first_failure: failed, ..found })
 }
 
 /// The influence of the inputs of each scene, from samples that its study has kept, all from 0 on: nothing is evaluated. `None` for a scene without inputs, and
@@ -188,6 +190,7 @@ impl Influence {
             (0..inputs.len()).map(|input| of_draws.iter().map(|row| row.inputs[input]).collect()).collect();
         let of_output = |output: Output| OutputInfluence::new(output, &of_draws, &columns, design);
         Some(Self {
+            doubts: Vec::new(),
             outputs: Output::all(&of_draws).into_iter().map(of_output).collect(),
             inputs,
             draws,

@@ -17,13 +17,13 @@ impl Influence {
     pub fn text(&self, plan: &Plan) -> String {
         let reason =
             self.first_failure.as_ref().map_or(String::new(), |reason| format!("; the first: {}", printable(reason)));
-        let mut text = match self.failures {
-            0 => String::new(),
-            failures => format!(
-                "{failures} of {} draws FAILED and are left out of what follows; they may be unstable{reason}\n",
-                self.draws
-            ),
-        };
+        let mut text = self.doubts.iter().map(|doubt| format!("WARNING: {doubt}\n\n")).collect::<String>();
+        if self.failures > 0 {
+            text += &format!(
+                "{} of {} draws FAILED and are left out of what follows; they may be unstable{reason}\n",
+                self.failures, self.draws
+            );
+        }
         if self.undecided > 0 {
             text += &format!("{} of {} draws are UNDECIDED and count as stable\n", self.undecided, self.draws);
         }

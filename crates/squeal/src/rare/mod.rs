@@ -15,7 +15,7 @@ use ::rare::{DesignPoint, Estimate, Probability, estimate};
 use cea::{EigenSolver, WholeSpectra};
 use montecarlo::Progress;
 use num_complex::Complex;
-use study::{Input, ModeLabel, Scene, Study, UncertainBrake};
+use study::{Input, ModeLabel, Scene, Study, UncertainBrake, doubts_of};
 
 use crate::Error;
 use crate::kept::{Kept, Question};
@@ -60,6 +60,8 @@ pub struct LikelySqueal {
 /// The probability of squeal of one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rare {
+    /// Sentences that speak against the results, as of a reduced brake that failed its checks.
+    pub doubts: Vec<String>,
     /// Inputs that are drawn and matter in the scene.
     pub inputs: Vec<Input>,
     /// Median of each input.
@@ -161,6 +163,7 @@ pub fn rare<B: UncertainBrake>(
         probability.upper = probability.upper.min(bound);
     }
     Ok(Rare {
+        doubts: doubts_of(brake),
         medians: drawn.input_values(of_scene, &brake.median()),
         inputs,
         probability,

@@ -14,7 +14,7 @@ impl Rare {
     #[must_use]
     pub fn text(&self, plan: &Plan) -> String {
         let beyond = if plan.threshold.is_axis() { String::new() } else { format!(", with {}", plan.threshold) };
-        let mut text = String::new();
+        let mut text = self.doubts.iter().map(|doubt| format!("WARNING: {doubt}\n\n")).collect::<String>();
         if let Some(bound) = &self.bound {
             let ranges: Vec<String> = bound.stable.iter().map(|[from, to]| format!("{from:.5} to {to:.5}")).collect();
             let name = self.inputs.first().map_or("", |input| &input.name);

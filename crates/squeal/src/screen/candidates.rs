@@ -233,15 +233,17 @@ impl Candidates {
         Self { kind, singles, images, groups }
     }
 
-    /// The lexicographically smallest image, as ascending indices, of a set of single changes under all symmetries. All images have the same
-    /// effect over all arrangements, so one is analysed.
+    /// Images of a set of single changes under all symmetries, each once, as ascending indices, in lexicographic order. All have the same effect over all arrangements,
+    /// but not in single ones.
+    pub fn images_of(&self, of: &[usize]) -> Vec<Vec<usize>> {
+        let image = |image: &Vec<usize>| of.iter().map(|&single| image[single]).collect::<BTreeSet<usize>>();
+        let all: BTreeSet<BTreeSet<usize>> = self.images.iter().map(image).collect();
+        all.into_iter().map(|image| image.into_iter().collect()).collect()
+    }
+
+    /// The first of the [images](Self::images_of) of a set of single changes, which stands for all of them.
     pub fn representative(&self, of: &[usize]) -> Vec<usize> {
-        let image = |image: &Vec<usize>| {
-            let mut image: Vec<usize> = of.iter().map(|&single| image[single]).collect();
-            image.sort_unstable();
-            image
-        };
-        self.images.iter().map(image).min().unwrap_or_else(|| of.to_vec())
+        self.images_of(of).into_iter().next().unwrap_or_else(|| of.to_vec())
     }
 
     /// True if every symmetry maps the set `of` onto itself; false where the identity is the only symmetry.

@@ -25,6 +25,11 @@ pub enum Criterion {
 /// Estimate of a quantity that was not asked for.
 const UNKNOWN: Estimate = Estimate { value: f64::NAN, lower: f64::NEG_INFINITY, upper: f64::INFINITY };
 
+/// A number >= 0 without its last 20 bits, 2e-10 of it: sums that are equal but for rounding are equal then.
+fn without_rounding(number: f64) -> f64 {
+    f64::from_bits((number.to_bits() + (1 << 19)) & !((1 << 20) - 1))
+}
+
 /// Form of a criterion's numbers for people.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Form {
@@ -68,7 +73,9 @@ impl Criterion {
 
     /// Order of predictions: the least value first, of equal ones the least sum of growth rates.
     pub(super) fn order(self, a: &Prediction, b: &Prediction) -> std::cmp::Ordering {
-        self.predicted(a).total_cmp(&self.predicted(b)).then(a.growth.total_cmp(&b.growth))
+        let value = |prediction: &Prediction| without_rounding(self.predicted(prediction));
+        let growth = |prediction: &Prediction| without_rounding(prediction.growth);
+        value(a).total_cmp(&value(b)).then(growth(a).total_cmp(&growth(b)))
     }
 
     /// Confirmed value, with its 95 % interval.
@@ -132,5 +139,36 @@ impl Criterion {
                 over: "rms velocity of all displacements together, of each draw its loudest motion in any arrangement, law and speed range",
             },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cmp::Ordering;
+
+    use super::*;
+
+    /// Counts of unstable modes in three panels, weighted, in all ways of adding them up; whole numbers tell which are equal.
+    #[test]
+    fn equal_numbers_of_modes_are_ranked_by_growth_however_they_are_summed() {
+        let counts = (0..64_u32).map(|all| [all % 4, all / 4 % 4, all / 16]);
+        let sums: Vec<(u32, f64)> = counts
+            .map(|[a, b, c]| {
+                let of = |part: f64, count: u32| part * f64::from(count);
+                (a + 2 * b + 3 * c, of(0.1, a) + of(0.2, b) + of(0.3, c))
+            })
+            .collect();
+        assert!([0.6, 0.1 + 0.2 + 0.3].iter().all(|sum| sums.contains(&(6, *sum))) && 0.6 != 0.1 + 0.2 + 0.3);
+        for &(whole, unstable) in &sums {
+            for &(other_whole, other) in &sums {
+                let of = |unstable: f64, growth: f64| Prediction { unstable, growth, ..Prediction::default() };
+                let order =
+                    |growths: [f64; 2]| Criterion::Occurrence.order(&of(unstable, growths[0]), &of(other, growths[1]));
+                assert_eq!(order([1.0, 2.0]), whole.cmp(&other_whole).then(Ordering::Less), "{unstable} {other}");
+                assert_eq!(order([0.1 + 0.2, 0.3]), whole.cmp(&other_whole), "{unstable} {other}");
+            }
+        }
+        let infinite = Prediction { loudness_quantile: Some(f64::INFINITY), ..Prediction::default() };
+        assert_eq!(Criterion::Loudness.order(&infinite, &infinite), Ordering::Equal);
     }
 }

@@ -12,7 +12,7 @@ use study::identity::{Identity, of_study};
 use study::{
     BandMode, Bridge, CoarsePath, DrawnContacts, DrawnInputs, FullChecks, ModeSource, Modifiable, ModifiablePlan,
     Parametrised, Place, Plan, Scene, SceneKey, SlidingContacts, Symmetry, UncertainBrake, WholeContact,
-    WholeEigenvalue, divergence_doubt,
+    WholeEigenvalue, doubts_of_checks,
 };
 
 use super::confirm::analyses;
@@ -63,7 +63,7 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
             panels: (0..of.labels.panels.len()).collect(),
         };
         let mut joined = Self { plan, parts: vec![own] };
-        joined.plan.doubts.extend(divergence_doubt_of(brake));
+        joined.plan.doubts.extend(checks_of(brake));
         for (name, variant) in variants {
             let taken = joined.comparable(name, variant.plan(), &of.labels.constraints[constraints])?;
             joined.add(name, variant, taken);
@@ -139,7 +139,7 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
             (joined.key, joined.configuration) = (key, first + scene.configuration);
             plan.scenes.push(joined);
         }
-        let doubts = of.doubts.iter().cloned().chain(divergence_doubt_of(brake));
+        let doubts = of.doubts.iter().cloned().chain(checks_of(brake));
         plan.doubts.extend(doubts.map(|doubt| format!("{name}: {doubt}")));
         self.parts.push(Part {
             brake,
@@ -175,10 +175,10 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
     }
 }
 
-/// Reason why divergence may be missing in the results of a brake, as it is of a reduced one.
-pub(super) fn divergence_doubt_of<B: UncertainBrake>(brake: &B) -> Option<String> {
+/// What speaks against the results of a brake by its checks against the full model, if it is reduced.
+pub(super) fn checks_of<B: UncertainBrake>(brake: &B) -> Vec<String> {
     let source = brake.mode_source();
-    divergence_doubt(brake.plan(), source.is_some(), source.and_then(|source| source.full_checks()))
+    doubts_of_checks(brake.plan(), source.is_some(), source.and_then(|source| source.full_checks()))
 }
 
 impl<B: UncertainBrake> UncertainBrake for Joined<'_, B> {

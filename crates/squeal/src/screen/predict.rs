@@ -169,24 +169,25 @@ impl<'a> Probes<'a> {
         self.draws * self.probes.len() as u64
     }
 
-    /// The prediction of each of `sets` of changes; progress advances by one for each.
-    pub fn predictions(&self, sets: &[Vec<Change>], progress: &dyn Progress) -> Vec<Result<Prediction, Error>> {
-        let of_set = |set: &Vec<Change>| {
+    /// The prediction of each of some sets of changes, given by its images as for [`Probes::prediction`]; progress advances by one for each.
+    pub fn predictions(&self, sets: &[Vec<Vec<Change>>], progress: &dyn Progress) -> Vec<Result<Prediction, Error>> {
+        let of_set = |images: &Vec<Vec<Change>>| {
             progress.go_on()?;
-            let found = self.prediction(set);
+            let found = self.prediction(images);
             progress.advance(1);
             found
         };
         sets.par_iter().map(of_set).collect()
     }
 
-    /// The prediction of one set of changes.
-    pub fn prediction(&self, changes: &[Change]) -> Result<Prediction, Error> {
+    /// The prediction of one set of changes, given by its images under the symmetries of the brake. The arrangements of the probes are not symmetric, so that images differ in
+    /// them: the draws have one after the other, and means are over all that they have.
+    pub fn prediction(&self, images: &[Vec<Change>]) -> Result<Prediction, Error> {
         let (mut sum, mut work) = (Prediction::default(), Workspace::default());
         let mut fastest = vec![0.0; self.draws as usize];
         let mut loudest = fastest.clone();
-        for probe in &self.probes {
-            let found = probe.answer(changes, (self.plan, self.following.as_ref()), &mut work)?;
+        for (number, probe) in self.probes.iter().enumerate() {
+            let found = probe.answer((images, number), (self.plan, self.following.as_ref()), &mut work)?;
             sum.unstable += probe.weight * found.unstable;
             sum.growth += probe.weight * found.growth;
             sum.squealing += probe.weight * found.squealing;
@@ -201,34 +202,46 @@ impl<'a> Probes<'a> {
 }
 
 impl Probe<'_> {
+    /// The answer for a set of changes by its `images`, of which the draws have one after the other, from that with the number `first` on.
     fn answer(
         &self,
-        changes: &[Change],
+        (images, first): (&[Vec<Change>], usize),
         (plan, following): (&Plan, Option<&UntilStopped>),
         work: &mut Workspace,
     ) -> Result<Answer, Error> {
-        let changes: Vec<Change> = match &self.symmetry {
-            Some(symmetry) => changes.iter().map(|change| change.image(symmetry)).collect(),
-            None => changes.to_vec(),
+        let changed = |image: &Vec<Change>| {
+            let changes: Vec<Change> = match &self.symmetry {
+                Some(symmetry) => image.iter().map(|change| change.image(symmetry)).collect(),
+                None => image.clone(),
+            };
+            ChangedBrake::new(&self.configuration.brake, &self.contacts, &changes)
         };
-        let changed = ChangedBrake::new(&self.configuration.brake, &self.contacts, &changes)?;
-        let (brake, mut whole) = (&changed.brake, SecondOrder::zeros(1, 0));
-        let empty = || vec![SecondOrder::zeros(1, 0); self.points.len()];
-        let mut systems: Vec<Vec<SecondOrder>> = brake.sectors.iter().map(|_| empty()).collect();
-        for (at, point) in self.points.iter().enumerate() {
-            let out = systems.iter_mut().map(|of_sector| &mut of_sector[at]);
-            brake.sectors.assemble_into(&brake.system, &changed.point(point.clone()), &mut whole, out)?;
+        let in_turn = images.iter().cycle().skip(first).take(images.len().min(self.points.len()));
+        let changed = in_turn.map(changed).collect::<Result<Vec<_>, _>>()?;
+        let changed: Vec<&ChangedBrake> = changed.iter().cycle().take(self.points.len()).collect();
+        let (mut whole, mut sectors) = (SecondOrder::zeros(1, 0), Vec::new());
+        for (at, (point, changed)) in self.points.iter().zip(&changed).enumerate() {
+            let brake = &changed.brake;
+            let mut systems = vec![SecondOrder::zeros(1, 0); brake.sectors.iter().count()];
+            let point = changed.point(point.clone());
+            brake.sectors.assemble_into(&brake.system, &point, &mut whole, systems.iter_mut())?;
+            sectors.extend(systems.into_iter().enumerate().map(|(sector, system)| (sector, at, system)));
         }
+        // Systems of one shape are solved together.
+        let shape =
+            |(sector, _, system): &(usize, usize, SecondOrder)| (*sector, system.order(), system.internal.decay.len());
+        sectors.sort_by_key(shape);
         let (mut unstable, mut growth, mut fastest) = (0, 0.0, vec![0.0; self.points.len()]);
         let mut growing_of_draws: Vec<Vec<Complex<f64>>> = vec![Vec::new(); self.points.len()];
         let mut grows_outside = vec![false; self.points.len()];
-        for of_sector in &systems {
+        for alike in sectors.chunk_by(|a, b| shape(a) == shape(b)) {
+            let systems: Vec<SecondOrder> = alike.iter().map(|(.., system)| system.clone()).collect();
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
-            BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
-            let by_draw = fastest.iter_mut().zip(&mut growing_of_draws).zip(&mut grows_outside);
-            for ((system, spectrum), ((fastest, grown), outside)) in of_sector.iter().zip(spectra).zip(by_draw) {
+            BatchSolver.eigenvalues_of_all(&systems, work, &mut spectra);
+            for ((_, at, system), spectrum) in alike.iter().zip(spectra) {
                 let spectrum = spectrum?;
-                *outside |= plan.band.is_some() && growth_outside(plan, self.error, &spectrum.eigenvalues).is_some();
+                grows_outside[*at] |=
+                    plan.band.is_some() && growth_outside(plan, self.error, &spectrum.eigenvalues).is_some();
                 // A sign alone says nothing near the axis.
                 let may_count = |lambda: &Complex<f64>| {
                     lambda.im >= 0.0 && plan.threshold.margin(*lambda) > 0.0 && plan.is_studied(*lambda)
@@ -239,8 +252,8 @@ impl Probe<'_> {
                     let count = real_count(*lambda).max(1);
                     unstable += count;
                     growth += count as f64 * lambda.re;
-                    *fastest = lambda.re.max(*fastest);
-                    grown.push(*lambda);
+                    fastest[*at] = lambda.re.max(fastest[*at]);
+                    growing_of_draws[*at].push(*lambda);
                 }
             }
         }
@@ -256,7 +269,7 @@ impl Probe<'_> {
     /// Loudness of the loudest motion of each draw, from its growing eigenvalues, m/s; one that grows outside the band of a reduced brake too is not followed.
     fn loudest(
         &self,
-        changed: &ChangedBrake,
+        changed: &[&ChangedBrake],
         (growing_of_draws, grows_outside): (&[Vec<Complex<f64>>], &[bool]),
         plan: &Plan,
         (following, stop): &UntilStopped,
@@ -269,6 +282,7 @@ impl Probe<'_> {
             let unchanged = self.motions[at].as_ref();
             let unchanged = unchanged.filter(|_| !grows_outside[at] && growing.iter().all(|lambda| lambda.im != 0.0));
             let Some(unchanged) = unchanged else { return Ok(f64::INFINITY) };
+            let changed = changed[at];
             let point = changed.point(self.points[at].clone());
             let system = changed.motion((&self.configuration.brake, unchanged), &point).map_err(Error::from);
             let system = system.map(|system| system.until(Arc::clone(stop)));
@@ -276,5 +290,45 @@ impl Probe<'_> {
             Ok(loudest(&motions(system, &of_cea, growing, (plan, &changed.brake), following)?))
         };
         growing_of_draws.par_iter().enumerate().map(of_draw).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use brakes::case::CaseFile;
+    use brakes::{AnyBrake, Purpose};
+
+    use super::*;
+    use crate::screen::candidates::{Candidates, ChangeKind, Sizes};
+
+    /// The paper's lattice with one contact of nine: in the two arrangements of a panel, whose contacts are 1 and 5, holding one corner is another thing than holding another. What is
+    /// predicted of the set is the mean over them, whichever of them it is asked by.
+    #[test]
+    fn a_prediction_is_the_mean_over_the_images_of_a_set() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let begin = text.find("\nin_contact = ").unwrap() + 1;
+        let end = begin + text[begin..].find('\n').unwrap();
+        let text = format!("{}in_contact = [1]{}", &text[..begin], &text[end..]);
+        let brake: AnyBrake = brakes::make(CaseFile::parse(&path, text).unwrap(), Purpose::Screen, &()).unwrap();
+        let all = Candidates::all(&brake, 0, &[ChangeKind::Constraint], &Sizes::default()).unwrap().remove(0);
+        let single = |name: &str| all.singles.iter().position(|single| single.name == name).unwrap();
+        let corners = ["x1", "x3", "x7", "x9"].map(|name| vec![single(name)]);
+        for corner in &corners {
+            assert_eq!((all.images_of(corner), all.representative(corner)), (corners.to_vec(), corners[0].clone()));
+        }
+        let probes = Probes::new(&brake, 0, 64, None).unwrap();
+        let of = |images: &[Vec<usize>]| {
+            let images: Vec<Vec<Change>> = images.iter().map(|image| all.changes(image)).collect();
+            probes.prediction(&images).unwrap()
+        };
+        let alone = corners.each_ref().map(|corner| of(std::slice::from_ref(corner)).growth);
+        let mean = alone.iter().sum::<f64>() / 4.0;
+        let together = of(&corners).growth;
+        println!("{alone:?} {mean} {together}");
+        let off = |value: f64| (value / mean - 1.0).abs();
+        assert!(off(alone[0]) > 0.1 && off(together) < 0.25 * off(alone[0]), "{alone:?}, {mean}: {together}");
     }
 }

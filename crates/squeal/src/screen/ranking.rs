@@ -69,12 +69,16 @@ pub(super) fn search(
     for size in 1..=up_to {
         let sets = ranking.sets_of(size);
         let new: Vec<Vec<usize>> = sets.iter().filter(|set| !known.contains_key(*set)).cloned().collect();
-        let changes: Vec<_> = new.iter().map(|set| ranking.candidates.changes(set)).collect();
+        let images = |set: &Vec<usize>| {
+            let images = ranking.candidates.images_of(set);
+            images.iter().map(|image| ranking.candidates.changes(image)).collect()
+        };
+        let images: Vec<Vec<_>> = new.iter().map(images).collect();
         ranking.sets += new.len() as u64;
         let until_now = combinations(&ranking.candidates, size);
         let known_already = (until_now - done).saturating_sub(new.len() as u64);
         done = until_now;
-        for (set, found) in new.into_iter().zip(probes.predictions(&changes, progress)) {
+        for (set, found) in new.into_iter().zip(probes.predictions(&images, progress)) {
             let prediction = match found {
                 Ok(prediction) => Some(prediction),
                 Err(error) => {

@@ -14,7 +14,7 @@ use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
 use super::criterion::Criterion;
 use super::growing::growing_modes;
-use super::joined::divergence_doubt_of;
+use super::joined::checks_of;
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::ranking::{KindRanking, Ranked, combinations, search};
@@ -117,7 +117,7 @@ pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dy
     progress.begin(candidates.iter().map(|of_kind| combinations(of_kind, *up_to)).sum(), 0);
     let ranking = when_cancelled(progress, |stop| {
         let probes = Probes::new(brake, *constraints, *draws, options.following(stop))?;
-        let unchanged = probes.prediction(&[])?;
+        let unchanged = probes.prediction(&[Vec::new()])?;
         let of_kind = |candidates| search(candidates, &probes, *up_to, *criterion, progress);
         let kinds = candidates.into_iter().map(of_kind).collect();
         Ok(Ranking { unchanged, kinds, analyses_per_set: probes.analyses(), draws: *draws })
@@ -244,12 +244,12 @@ pub fn confirm<B: UncertainBrake>(
     })
 }
 
-/// Doubts of a brake, each once: of brakes that are joined their plan has that on divergence.
+/// Doubts of a brake, each once: of brakes that are joined their plan has those by their checks.
 fn doubts_of<B: UncertainBrake>(brake: &B, options: &ScreenOptions) -> Vec<String> {
     let plan = brake.plan();
     let of_holds = plan.doubt_of_holds.iter().filter(|_| options.kinds.contains(&ChangeKind::Constraint));
     let mut doubts: Vec<String> = plan.doubts.iter().chain(of_holds).cloned().collect();
-    let more = divergence_doubt_of(brake).filter(|doubt| !doubts.contains(doubt));
+    let more: Vec<String> = checks_of(brake).into_iter().filter(|doubt| !doubts.contains(doubt)).collect();
     doubts.extend(more);
     doubts
 }

@@ -247,13 +247,8 @@ fn singles_are_ranked_by_the_criterion() {
                 of_kind.singles.iter().map(|ranked| criterion.predicted(&ranked.prediction)).collect();
             assert!(values.is_sorted(), "{criterion:?}: {values:?}");
         }
-        orders.push(
-            ranking
-                .kinds
-                .iter()
-                .filter_map(|of_kind| Some(of_kind.singles.first()?.singles.clone()))
-                .collect::<Vec<_>>(),
-        );
+        let singles = ranking.kinds.iter().flat_map(|of_kind| &of_kind.singles);
+        orders.push(singles.map(|ranked| ranked.singles.clone()).collect::<Vec<_>>());
     }
     assert!(orders[0] != orders[2], "{orders:?}");
     let few = screened(&brake, &options(&[ChangeKind::Contact], 1), 10);

@@ -94,7 +94,9 @@ fn variants_of_hoffmanns_oscillator_do_what_closed_forms_say() {
     assert!(
         place("variant less-friction") < place("variant spring") && place("variant spring") < place("variant as-it-is")
     );
-    assert!(place("spring y") < place("variant as-it-is") || place("spring x") < place("variant as-it-is"), "{text}");
+    // The two springs do the same, by the symmetry of the oscillator.
+    let first = ["spring x", "spring y"].into_iter().filter_map(|words| together.find(words)).min().unwrap();
+    assert!(first < place("variant as-it-is"), "{text}");
 }
 
 /// A lattice, whose scenes stand for several arrangements each.
