@@ -1,8 +1,8 @@
 //! Draws of a reduced brake against the whole one, before it is sampled; and the reduction trained on where they do not agree.
 //!
 //! Two results leave this file. The counts, [`study::FullChecks`], go to whoever answers from samples: where a mode is missing, invented or has another
-//! verdict, `squeal::results` says so before everything else (`doubts.rs`) and `squeal run` ends with exit code 1. The distances widen the error that is
-//! assumed of samples (`error_of_modes` in `mode_source.rs`).
+//! verdict, `study::reduced_doubts` has the sentence that stands before every answer, and the program ends with exit code 1. The distances widen the error that
+//! is assumed of samples (`error_of_modes` in `mode_source.rs`).
 
 use std::collections::BTreeMap;
 
@@ -73,8 +73,9 @@ impl FiniteElementBrake {
                 progress.advance(1);
                 found
             };
-            let all = brake.sets[0].together.map((0..count).collect(), one)?;
+            let all = brake.sets[0].together.map((0..count).collect(), one);
             progress.end();
+            let all = all?;
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found.clone()));
             brake.full_checks = Some(sum);
