@@ -281,9 +281,9 @@ fn is_progress(line: &str) -> bool {
     line.contains(" of ") && line.trim_end().ends_with(" left")
 }
 
-/// True if all that a line says follows the clock: the seconds of a manifest, how long something takes on this machine.
+/// True if all that a line says follows the clock: seconds in a manifest, how long something takes on this machine.
 fn follows_the_clock(line: &str) -> bool {
-    line.trim_start().starts_with("\"seconds\": ") || line.trim_end().ends_with(" on this machine")
+    line.trim_start().starts_with("\"seconds") || line.trim_end().ends_with(" on this machine")
 }
 
 /// A line with a word for each number that stands before the unit s.
