@@ -49,7 +49,7 @@ const INTERIM: &str = "interim";
 /// SHA-256 of all that something depends on.
 type Key = [u8; 32];
 
-/// Where pieces of prepared brakes are looked for and kept, nowhere by default; and the memory that the making of missing pieces may take.
+/// Places in which pieces of prepared brakes are looked for and kept, none by default; and the memory that the making of missing pieces may take.
 #[derive(Debug, Default)]
 pub struct Prepared {
     /// A file that was given. Nothing is added to it.
@@ -67,7 +67,7 @@ pub struct Prepared {
 /// A file of pieces: one that was given, or one that is to be written.
 #[derive(Debug, Default)]
 struct Given {
-    /// Where it was read; empty of one that is to be written.
+    /// Place from which it was read; empty of one that is to be written.
     path: PathBuf,
     /// The program and the rounding that the pieces were made by.
     made: String,

@@ -27,7 +27,7 @@ pub(crate) struct SamplePoint {
 /// Knowledge of the modes at a sample point.
 pub(crate) enum Known {
     Spectrum(Box<Solved>),
-    /// What the owner of the path says: the modes near those that are followed; `None` where it has not been asked yet.
+    /// Answer of the owner of the path: the modes near those that are followed; `None` where it has not been asked yet.
     ByOwner(Option<Candidates>),
 }
 

@@ -150,7 +150,7 @@ impl ModeSource for Checked {
     }
 }
 
-/// What the commands say of a brake with these results of its checks: words and JSON of influence, rare, screen and run.
+/// Answers of the commands on a brake with these results of its checks: words and JSON of influence, rare, screen and run.
 fn said(folder: &Path, checks: &FullChecks) -> Vec<(&'static str, String, Value)> {
     let of = |purpose| Checked { inner: brake(folder, purpose), checks: checks.clone() };
     let (study, screened) = (of(Purpose::Study), of(Purpose::Screen));

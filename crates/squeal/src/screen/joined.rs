@@ -175,7 +175,7 @@ impl<'a, B: UncertainBrake> Joined<'a, B> {
     }
 }
 
-/// What speaks against the results of a brake by its checks against the full model, if it is reduced.
+/// Sentences that speak against the results of a brake by its checks against the full model, if it is reduced.
 pub(super) fn checks_of<B: UncertainBrake>(brake: &B) -> Vec<String> {
     let source = brake.mode_source();
     doubts_of_checks(brake.plan(), source.is_some(), source.and_then(|source| source.full_checks()))

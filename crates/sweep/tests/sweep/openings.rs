@@ -260,7 +260,7 @@ fn maps_with_openings_count_as_spectra_do() {
     }
 }
 
-/// What is printed of a sweep over openings, by any number of threads, often enough that they come in another order.
+/// Words, JSON and tables of a sweep over openings, by any number of threads, often enough that they come in another order.
 #[test]
 fn answers_over_openings_are_the_same_bytes_with_any_number_of_threads() {
     let chain = Chain::new();
