@@ -56,14 +56,17 @@ pub(crate) struct FieldModes {
 
 impl FieldModes {
     /// The modes that hold a share of the variance, the largest first: so many that the variance kept is `share` in the mean over the points by their `weights`,
-    /// none of them below 0, and [`AT_EACH`] of it at each point. Modes of equal variance are kept together. `None` where a point has no field: it has no weight,
-    /// and no other point near it.
+    /// and [`AT_EACH`] of it at each point. Modes of equal variance are kept together. `None` where a weight is below 0, or a point has no field: it has no weight, and
+    /// no other point near it.
     ///
     /// With the correlation C of the points and their weights W, of sum 1, modes are the eigenvectors of `W^1/2 C W^1/2 v = l v`, the integral operator
     /// of the kernel over the face by the quadrature of its points; at the points they are `C W^1/2 v / l` (Nystroem). Each point is scaled back to
     /// variance 1: its own distribution is exact. What is left out are short waves, which means over the face hardly have, so that correlations and the variance
     /// of means are too large; [`of_mean`](Self::of_mean) says by how much.
     pub fn new(points: &[[f64; 3]], weights: &[f64], (kernel, length): (Kernel, f64), share: f64) -> Option<Self> {
+        if weights.iter().any(|weight| *weight < 0.0) {
+            return None;
+        }
         let count = points.len();
         let distance = |i: usize, j: usize| (0..3).map(|d| (points[i][d] - points[j][d]).powi(2)).sum::<f64>().sqrt();
         let correlation = DMatrix::from_fn(count, count, |i, j| kernel.at(distance(i, j) / length));
@@ -92,7 +95,7 @@ impl FieldModes {
             columns.push(shape);
             variances.push(value);
         }
-        if columns.is_empty() || at_points.min() <= 0.0 {
+        if at_points.min() <= 0.0 {
             return None;
         }
         let mut shapes = DMatrix::from_columns(&columns);
@@ -220,10 +223,13 @@ mod tests {
     }
 
     #[test]
-    fn a_point_without_weight_and_far_from_all_has_no_field() {
+    fn a_point_without_weight_and_far_from_all_or_of_negative_weight_has_no_field() {
         let (mut points, mut weights) = line(5);
         points.push([1e4, 0.0, 0.0]);
         weights.push(0.0);
+        assert_eq!(FieldModes::new(&points, &weights, (Kernel::Gaussian, 1.0), 0.9), None);
+        let (points, mut weights) = line(5);
+        weights[2] = -0.1;
         assert_eq!(FieldModes::new(&points, &weights, (Kernel::Gaussian, 1.0), 0.9), None);
     }
 

@@ -36,7 +36,7 @@ const MOST_PLACES: u64 = 20;
 ///
 /// Changes are ranked by a few analyses on the same draws, singly and in sets; the best, and all variants, are confirmed by all scenes of the case on other
 /// draws, the same for all, with an interval of each difference. A run that was stopped is continued by the same command.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, clap::Args)]
 #[command(after_help = "Example: squeal screen brake.toml --kinds constraint,dashpot --out screen")]
 pub struct ScreenArgs {
     /// The case

@@ -45,8 +45,8 @@ pub fn doubts_of_checks(plan: &Plan, is_reduced: bool, checks: Option<&FullCheck
 /// True of a brake whose samples are not known to be those of the full model: it has other modes, or nothing is known of its errors.
 pub fn is_untrusted<B: UncertainBrake>(brake: &B) -> bool {
     brake.mode_source().is_some_and(|source| {
-        let is_unknown = brake.plan().scenes.iter().any(|scene| source.unknown_error(scene).is_some());
-        is_unknown || source.full_checks().is_some_and(FullChecks::has_other_modes)
+        let has_other_modes = source.full_checks().is_some_and(FullChecks::has_other_modes);
+        has_other_modes || !unknown_errors(brake.plan(), source).is_empty()
     })
 }
 

@@ -65,11 +65,12 @@ impl FiniteElementBrake {
             progress.begin(count, 0);
             let one = |at: u64| {
                 progress.go_on()?;
+                let number = round * count + at;
                 let inputs = |to: &mut Vec<u8>| {
-                    (round * count + at).put(to);
+                    number.put(to);
                     put_list(&trained, to);
                 };
-                let found = pieces.item("check", inputs, || full_check(&brake, FIRST_STREAM + (round * count) + at));
+                let found = pieces.item("check", inputs, || full_check(&brake, FIRST_STREAM + number));
                 progress.advance(1);
                 found
             };

@@ -214,9 +214,7 @@ fn over_faces(
             );
             return Err(check.value(&key, format!("a field over {} points", points.len()), &allowed));
         }
-        let modes =
-            areas.iter().all(|area| *area >= 0.0).then(|| FieldModes::new(&points, &areas, (kernel, length), share));
-        let Some(modes) = modes.flatten() else {
+        let Some(modes) = FieldModes::new(&points, &areas, (kernel, length), share) else {
             let allowed = "\"patches\" of a contact with points of negative area, or of none and far from all others";
             return Err(check.value(&key, "a field", allowed));
         };

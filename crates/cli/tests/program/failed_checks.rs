@@ -163,22 +163,11 @@ fn said(folder: &Path, checks: &FullChecks) -> Vec<(&'static str, String, Value)
         let rare = RareArgs { drawn, relative: 0.3, budget: 1_000, directions: 4, out: None, json };
         let screen = ScreenArgs {
             case: case.clone(),
-            variants: None,
             kinds: Some(vec!["scale".into()]),
             up_to: Some(1),
-            constraints: None,
-            criterion: None,
-            confirm: None,
-            mass: None,
-            spring: None,
-            dashpot: None,
-            factor: None,
-            draws: None,
-            samples: None,
-            seed: None,
-            out: None,
             json,
             machine,
+            ..ScreenArgs::default()
         };
         let run = RunArgs {
             case: case.clone(),

@@ -207,25 +207,8 @@ fn a_brake_of_ones_own_goes_through_every_command() {
     for file in ["occurrence.csv", "influence.csv", "estimates.csv", "samples.csv", "report.html"] {
         assert!(dir.path().join("run").join(file).is_file(), "{file}");
     }
-    let screen = ScreenArgs {
-        case: case.clone(),
-        variants: None,
-        kinds: None,
-        up_to: Some(1),
-        constraints: None,
-        criterion: None,
-        confirm: None,
-        mass: None,
-        spring: None,
-        dashpot: None,
-        factor: None,
-        draws: None,
-        samples: None,
-        seed: None,
-        out: folder("screen"),
-        json: false,
-        machine,
-    };
+    let screen =
+        ScreenArgs { case: case.clone(), up_to: Some(1), out: folder("screen"), machine, ..ScreenArgs::default() };
     assert!(screen.screen(&both, &[]).unwrap().contains("pad"));
     let drawn = DrawnSceneArgs { case: case.clone(), ..DrawnSceneArgs::default() };
     let influence = InfluenceArgs { drawn: drawn.clone(), samples: None, total: Some(100), out: None, json: false };
