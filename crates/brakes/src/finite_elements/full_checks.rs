@@ -41,7 +41,7 @@ bits!(OneCheck { found, at, error_next_to_axis });
 
 impl FiniteElementBrake {
     /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares it with the whole one at draws in scenes chosen at random. Where they do not agree the
-    /// brake is trained on these draws too and compared at new ones, up to [`MOST_ROUNDS`] times; what eigenvalues are off by at the last draws is assumed of samples at
+    /// brake is trained on these draws too and compared at new ones, at most twice; what eigenvalues are off by at the last draws is assumed of samples at
     /// least. No draw is compared that the brake was trained on. All of it follows from the case alone, whatever the number of samples is.
     ///
     /// # Errors
