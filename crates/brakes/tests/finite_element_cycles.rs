@@ -10,8 +10,8 @@ use cea::QrSolver;
 use cycle::{BranchEnd, ContactSystem, Measures, Motion, state_after};
 use formats::{Cell, CellKind, Node};
 use nalgebra::DVector;
-use squeal::Error;
 use squeal::cycles::{Branches, CycleOptions, Cycles, MotionOfMode, branches, cycles};
+use squeal::questions::Error;
 use squeal::screen::{
     Attached, Change, ChangeKind, ChangeSet, Confirmation, Criterion, Modified, Prediction, Screen, ScreenOptions,
     confirm, rank,

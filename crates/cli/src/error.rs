@@ -21,7 +21,7 @@ pub enum Error {
         /// The file with the variants.
         path: PathBuf,
         /// Cause.
-        source: Box<squeal::Error>,
+        source: Box<squeal::questions::Error>,
     },
     /// An eigenvalue analysis.
     #[error(transparent)]
@@ -160,15 +160,34 @@ impl From<squeal::Error> for Error {
             squeal::Error::Argument { argument: "from", value, allowed } => {
                 Self::Option { option: "--from", value, allowed }
             }
-            squeal::Error::Cycle(squeal::cycle::Error::Setting { field: "harmonics", value, allowed }) => {
-                Self::Option { option: "--harmonics", value: value.to_string(), allowed }
-            }
-            squeal::Error::Cycle(squeal::cycle::Error::Setting { field: "samples of a period", value, allowed }) => {
-                Self::Option { option: "--time-samples", value: value.to_string(), allowed }
-            }
+            squeal::Error::Question(error) => (*error).into(),
             squeal::Error::Study(error) => error.into(),
             other => Self::Study(other),
         }
+    }
+}
+
+impl From<squeal::questions::Error> for Error {
+    fn from(error: squeal::questions::Error) -> Self {
+        use squeal::cycle::Error::Setting;
+        match error {
+            squeal::questions::Error::Cycle(Setting { field: "harmonics", value, allowed }) => {
+                Self::Option { option: "--harmonics", value: value.to_string(), allowed }
+            }
+            squeal::questions::Error::Cycle(Setting { field: "samples of a period", value, allowed }) => {
+                Self::Option { option: "--time-samples", value: value.to_string(), allowed }
+            }
+            other => match squeal::Error::from(other) {
+                question @ squeal::Error::Question(_) => Self::Study(question),
+                other => other.into(),
+            },
+        }
+    }
+}
+
+impl From<squeal::montecarlo::MonteCarloError> for Error {
+    fn from(error: squeal::montecarlo::MonteCarloError) -> Self {
+        squeal::Error::from(error).into()
     }
 }
 

@@ -36,13 +36,14 @@ pub(super) fn write_manifest(
 /// # Errors
 /// The error of a question without an answer.
 pub(super) fn or_given_back<T>(
-    found: Result<T, squeal::Error>,
+    found: Result<T, impl Into<squeal::Error>>,
     folder: Option<RunFolder>,
     kept: &str,
 ) -> Result<(T, Option<RunFolder>), Error> {
     match found {
         Ok(found) => Ok((found, folder)),
         Err(error) => {
+            let error = error.into();
             if let Some(folder) = folder.filter(|_| is_final(&error)) {
                 folder.give_back(kept);
             }

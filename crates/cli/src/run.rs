@@ -221,7 +221,8 @@ impl RunArgs {
             if let Some(draws) = self.cycles {
                 let asked = (draws, stick);
                 let progress = &*told.stage("draws whose motion is followed");
-                let found = CyclesOfDraws::run(study, results, asked, &self.out, dir, progress)?;
+                let found = CyclesOfDraws::run(study, &results.summary, asked, &self.out, dir, progress)?;
+                results.note(found.note(stick));
                 found.add_to_summary(study.plan(), dir)?;
                 estimates += &found.text(study.plan());
                 motions = Some(found);

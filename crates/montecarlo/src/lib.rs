@@ -47,7 +47,7 @@
 //! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`not_exceeded`], [`BoxStatistics`] |
 //! | do two quantities order things alike? | [`rank_correlation`] |
 //! | which input makes an output vary? | [`first_order_by_ranks`], [`PickFreeze`], [`SobolIndex`] |
-//! | how uncertain is an estimate? | [`Confidence`], [`Interval`] |
+//! | how uncertain is an estimate? | [`Confidence`], [`Interval`], [`Estimate`] |
 //!
 //! Random number generators appear in public signatures, so [`rand`] is re-exported: [`StreamRng`] does not implement the
 //! traits of another version of `rand`.
@@ -64,6 +64,7 @@ mod count_difference;
 mod difference;
 mod distribution;
 mod error;
+mod estimate;
 mod experiment;
 mod failures;
 mod few_terms;
@@ -95,6 +96,7 @@ pub use count_difference::{CountDifference, CountedSide};
 pub use difference::{Difference, PairedTrials, dependent_difference, independent_difference};
 pub use distribution::Distribution;
 pub use error::{Damage, DistributionFault, MonteCarloError};
+pub use estimate::Estimate;
 pub use experiment::{Experiment, Runs, Tally};
 pub use failures::{Failure, Failures};
 pub use few_terms::FewTerms;
@@ -110,7 +112,7 @@ pub use quantile_sketch::QuantileSketch;
 pub use rank_correlation::rank_correlation;
 pub use redraw::redraw_until_at_least;
 pub use replicate_mean::ReplicateMean;
-pub use run::{run, run_with};
+pub use run::{run, run_with, workers};
 pub use sampling::Sampling;
 pub use sealed::Sealed;
 pub use sobol_index::{PickFreeze, SobolIndex, first_order_by_ranks};

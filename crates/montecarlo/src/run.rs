@@ -64,7 +64,7 @@ pub fn run_with<S: Experiment, T: Tally<S>>(
     if scenes == 0 {
         return Err(MonteCarloError::Zero { what: "scenes" });
     }
-    let pool = ThreadPoolBuilder::new().num_threads(sampling.threads.unwrap_or(0)).build()?;
+    let pool = workers(sampling.threads)?;
     let mut store = checkpoint.map(|checkpoint| Store::new(checkpoint, sampling, scenes));
 
     let stored = match &store {
@@ -163,4 +163,12 @@ fn complete<S: Experiment, T: Tally<S>>(
         store.save(&state)?;
     }
     ended.map(|()| state)
+}
+
+/// Threads for work in parallel; one per core without a number.
+///
+/// # Errors
+/// A system that makes no threads.
+pub fn workers(threads: Option<usize>) -> Result<ThreadPool, MonteCarloError> {
+    Ok(ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?)
 }

@@ -90,7 +90,10 @@ fn of_study(error: &squeal::Error) -> Kind {
     use squeal::Error as Of;
     match error {
         Of::Study(error) => of_inner(error),
-        Of::Sweep(error) => of_sweep(error),
+        Of::Question(error) => match &**error {
+            squeal::questions::Error::Sweep(error) => of_sweep(error),
+            _ => ("SquealError", Vec::new()),
+        },
         Of::PartsMissing { .. } => ("FolderError", Vec::new()),
         Of::OtherStudy { path, .. }
         | Of::PartIncomplete { path, .. }

@@ -43,28 +43,21 @@
 //! ```
 
 pub mod compare;
-pub mod cycles;
 mod error;
-mod every_mode;
 pub mod folder;
-pub mod influence;
-mod kept;
 mod part_manifest;
 pub mod parts;
-pub mod rare;
-mod real_system;
 pub mod results;
 mod run;
-pub mod screen;
-pub mod why;
 
 pub use error::Error;
-pub use every_mode::{EVERY_MODE, write_every_mode};
-pub use real_system::check_real;
-pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, expected_time, run_study, run_study_with, workers};
+pub use montecarlo::workers;
+pub use questions::{EVERY_MODE, check_real, cycles, influence, rare, screen, why, write_every_mode};
+pub use run::{DrawResults, ExpectedTime, RunOptions, RunProgress, expected_time, run_study, run_study_with};
 pub use study::{estimators, fingerprint, identity, memory};
 pub use {
-    cea, cycle, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, sweep, tracking, work,
+    cea, cycle, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, questions, study, sweep,
+    tracking, work,
 };
 
 /// The README's example, compiled and run as a doctest.

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use montecarlo::{Checkpoint, MonteCarloError, part_of, tiled};
+use montecarlo::{Checkpoint, MonteCarloError, part_of, tiled, workers};
 pub use study::identity::rounding_class;
 use study::identity::{Identity, Written};
 use study::{Study, StudyTally, UncertainBrake};
@@ -17,7 +17,7 @@ use crate::folder::RunFolder;
 use crate::part_manifest::made_by;
 pub use crate::part_manifest::{PartManifest, Shard};
 use crate::results::{Manifest, VERSION};
-use crate::run::{DrawResults, RunOptions, checkpoint, identity, run_from, sampled, workers};
+use crate::run::{DrawResults, RunOptions, checkpoint, identity, run_from, sampled};
 
 /// Most missing ranges that a line names; chosen.
 const MOST_NAMED: usize = 20;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use cea::EigenSolver;
-use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, run_with};
+use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, run_with, workers};
 use study::identity::of_study;
 use study::{ModeNaming, Plan, Study, StudyOptions, StudyTally, UncertainBrake, samples_together};
 
@@ -186,7 +186,7 @@ pub(crate) fn run_from<B: UncertainBrake, E: From<Error> + Send>(
     let mut seconds = Times::default();
 
     let start = Instant::now();
-    let pool = workers(threads)?;
+    let pool = workers(threads).map_err(Error::from)?;
     let study =
         pool.install(|| Study::with_options(brake, solver, prepared, progress.preparation)).map_err(Error::from)?;
     seconds.references = start.elapsed().as_secs_f64();
@@ -246,15 +246,6 @@ fn sampled_until(
         }
     }
     Err(MonteCarloError::Zero { what: "looks" }.into())
-}
-
-/// Threads for all of a study but the sampling; one per core without a number.
-///
-/// # Errors
-/// A system that makes no threads.
-pub fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }
 
 /// Time that a study takes, roughly, by its stages.

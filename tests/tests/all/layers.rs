@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 28] = [
+const LAYERS: [(&str, &str); 29] = [
     ("formats", "crates/formats"),
     ("elements", "crates/elements"),
     ("linsys", "crates/linsys"),
@@ -27,6 +27,7 @@ const LAYERS: [(&str, &str); 28] = [
     ("figures", "crates/figures"),
     ("study", "crates/study"),
     ("sweep", "crates/sweep"),
+    ("questions", "crates/questions"),
     ("squeal", "crates/squeal"),
     ("case", "crates/case"),
     ("brakes", "crates/brakes"),

@@ -1,14 +1,13 @@
 //! The answer of a study in words: which modes squeal, how sure that is, which set of constraints helps by how much. It is said once,
 //! for `summary.md` and the page.
 
-use montecarlo::{Interval, QuantileSketch};
+use montecarlo::{Estimate, Interval, QuantileSketch};
 use output::{Block, Cell, Cells, hertz, printable, significant};
 use study::{ModeLabel, SetLinks};
 
 use super::bands::{by_third_octaves, lights};
 use super::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::measured::{RULE, in_cells};
-use super::study_results::Estimate;
 use super::{Results, set_letter};
 use crate::Error;
 

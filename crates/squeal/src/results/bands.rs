@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
+use montecarlo::Estimate;
 use output::{Block, Cell, Cells, significant};
 use study::{Panel, Strength, ThirdOctave};
 
 use super::Results;
 use super::findings::{LIKELY, SetFindings};
-use super::study_results::{ArrangementOccurrence, Estimate};
+use super::study_results::ArrangementOccurrence;
 
 /// Bands below the highest that are listed, at most; chosen: four decades.
 const MOST_BANDS: u16 = 40;

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use montecarlo::Confidence;
+use montecarlo::{Confidence, Estimate};
 use study::{ComparisonKind, ModeLabel, Panel, SceneTally};
 
 use super::Results;
-use super::study_results::{ArrangementOccurrence, Estimate};
+use super::study_results::ArrangementOccurrence;
 use crate::Error;
 
 /// Fraction of the samples: a mode that is unstable in more of them is called likely; chosen.

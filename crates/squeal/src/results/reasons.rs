@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use study::{ModeLabel, Plan, Scene, SceneLabels, SetLinks, Study, UncertainBrake, set_links};
 
 use crate::Error;
-use crate::why::{Explainer, Influence, InfluenceKind, Why};
+use questions::why::{Explainer, Influence, InfluenceKind, Why};
 
 /// Most parameters that a sentence names, and most of those that are 0; chosen.
 const MOST_IN_A_SENTENCE: usize = 3;

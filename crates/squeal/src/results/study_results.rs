@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use montecarlo::{
-    BoundedMean, Bounds, Confidence, CountDifference, CountedSide, LabelTally, Proportion, Summary, quantile,
+    BoundedMean, Bounds, Confidence, CountDifference, CountedSide, Estimate, LabelTally, Proportion, Summary, quantile,
 };
 use num_complex::Complex;
 use study::{
@@ -13,17 +13,6 @@ use study::{
 };
 
 use crate::Error;
-
-/// A value with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Estimate {
-    /// Value.
-    pub value: f64,
-    /// Lower limit.
-    pub lower: f64,
-    /// Upper limit.
-    pub upper: f64,
-}
 
 /// Occurrence of one mode in one arrangement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,7 +174,7 @@ impl Results {
     }
 
     /// Notes something for the manifest.
-    pub(crate) fn note(&self, note: String) {
+    pub fn note(&self, note: String) {
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
     }
 

@@ -133,8 +133,11 @@ fn whatever_takes_long_can_be_cancelled() {
             ("a ranking", rank(&brake, &options, &after(evaluations)).map(drop)),
         ];
         for (what, answer) in answers {
-            let answer: Result<(), squeal::Error> = answer;
-            assert!(answer.as_ref().is_err_and(squeal::Error::is_cancelled), "{what} after {evaluations}: {answer:?}");
+            let answer: Result<(), squeal::questions::Error> = answer;
+            assert!(
+                answer.as_ref().is_err_and(squeal::questions::Error::is_cancelled),
+                "{what} after {evaluations}: {answer:?}"
+            );
         }
     }
 }

@@ -40,7 +40,7 @@ fn followed<B: UncertainBrake>(brake: &B, draws: u64) -> (CyclesOfDraws, tempfil
     let study = Study::new(brake, &squeal::cea::QrSolver).unwrap();
     let results = Results::sampled(&study).unwrap();
     let dir = tempfile::tempdir().unwrap();
-    let found = CyclesOfDraws::run(&study, &results, (draws, STICK), dir.path(), dir.path(), &()).unwrap();
+    let found = CyclesOfDraws::run(&study, &results.summary, (draws, STICK), dir.path(), dir.path(), &()).unwrap();
     (found, dir)
 }
 
@@ -101,8 +101,8 @@ fn tables_are_the_same_bytes_with_any_threads_after_a_stop_and_from_parts() {
     let folder = tempfile::tempdir().unwrap();
     let draw_in = |dir: PathBuf| {
         move |study: &Study<'_, MatricesBrake>, results: &Results, stage: &Path| -> Result<(), Error> {
-            let found = CyclesOfDraws::run(study, results, (6, STICK), &dir, stage, &())?;
-            found.add_to_summary(study.plan(), stage)
+            let found = CyclesOfDraws::run(study, &results.summary, (6, STICK), &dir, stage, &())?;
+            Ok(found.add_to_summary(study.plan(), stage)?)
         }
     };
     let run = |name: &str, threads: usize| {

@@ -10,9 +10,9 @@ use brakes::case::{CaseError, LatticeCase, MatricesCase};
 use brakes::{LatticeBrake, LatticeSample, MatricesBrake};
 use cea::BatchSolver;
 use montecarlo::stream;
-use squeal::Error;
 use squeal::estimators::{Estimator, scene_occurrences};
 use squeal::influence::{Influence, OutputKind, influence};
+use squeal::questions::Error;
 use squeal::study::{DrawnInputs, ModeLabel, Study, UncertainBrake as _};
 
 /// A mass of 1 kg on a spring and a dashpot d, with friction that falls with speed, worth a dashpot -s: growth (s - d) / 2.

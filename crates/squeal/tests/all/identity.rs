@@ -71,8 +71,8 @@ impl UncertainBrake for SlidingMass {
 }
 
 /// What a refusal says, in one line.
-fn refused<T: std::fmt::Debug>(found: Result<T, Error>) -> String {
-    let error = found.unwrap_err();
+fn refused<T: std::fmt::Debug>(found: Result<T, impl Into<Error>>) -> String {
+    let error = found.map_err(Into::into).unwrap_err();
     assert!(matches!(error, Error::OtherStudy { .. }), "{error}");
     let line = error.to_string();
     assert!(!line.contains('\n') && line.contains("allowed: a new or empty folder"), "{line}");
@@ -147,7 +147,7 @@ fn a_folder_of_another_study_of_an_own_type_is_refused_by_what_differs() {
         }
     }
     let options = RunOptions::default().keeping_samples(true);
-    let line = refused(run_study_with(&right, &dir, options, &mut |_, _, _| Ok(())));
+    let line = refused(run_study_with(&right, &dir, options, &mut |_, _, _| Ok::<(), Error>(())));
     assert!(line.contains("no samples"), "{line}");
     assert_eq!(std::fs::read(dir.join("occurrence.csv")).unwrap(), before);
     let mut more = right;

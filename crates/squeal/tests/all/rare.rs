@@ -11,7 +11,7 @@ use cea::BatchSolver;
 use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use montecarlo::{Distribution, Experiment as _, Progress, stream};
 use osc_model::{Brake, ContactArrangement, LatticeParameters};
-use squeal::Error;
+use squeal::questions::Error;
 use squeal::rare::{Options, Rare, rare};
 use squeal::study::{Drawn, IndependentBrake, Scratch, Study, UncertainBrake};
 use squeal::sweep::{Over, sweep};

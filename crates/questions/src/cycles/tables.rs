@@ -5,7 +5,7 @@ use cycle::{Cycle, Measures, Motion};
 use output::Table;
 
 use super::{Branch, Branches, Cycles, MotionOfMode};
-use crate::sweep::{ChangeOf, Sweep, SweptParameter, event};
+use sweep::{ChangeOf, Sweep, SweptParameter, event};
 
 /// Column of the power that the outer faces radiate at radiation efficiency 1.
 const RADIATED: &str = "radiated_power_at_efficiency_1_w";

@@ -191,7 +191,7 @@ pub fn confirm<B: UncertainBrake>(
     let to_confirm: Vec<usize> = (0..sets.len()).filter(|&at| sets[at].confirmation.is_some()).collect();
     let changes: Vec<ChangeSet> = to_confirm.iter().map(|&at| sets[at].changes.clone()).collect();
     let modified = Modified::new(brake, &changes)?;
-    let pool = crate::run::workers(how.threads)?;
+    let pool = montecarlo::workers(how.threads)?;
     let study = pool.install(|| Study::with_progress(&modified, how.solver, how.preparation))?;
     let plan = study.plan();
     let mut sampling = Sampling::new(plan.seed, how.samples);

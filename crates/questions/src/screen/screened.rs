@@ -6,7 +6,7 @@ use super::criterion::Criterion;
 use super::growing::GrowingMode;
 use super::modified::ChangeSet;
 use super::predict::Prediction;
-use crate::results::Estimate;
+use montecarlo::Estimate;
 
 /// Changes of a brake together, with their predicted and their confirmed effect.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use montecarlo::{
-    BoundedMean, Bounds, Confidence, CountDifference, CountedSide, Failures, Merge, QuantileSketch, Runs, Tally, wilson,
+    BoundedMean, Bounds, Confidence, CountDifference, CountedSide, Estimate, Failures, Merge, QuantileSketch, Runs,
+    Tally, wilson,
 };
 use serde::{Deserialize, Serialize};
 use study::{Plan, Scene, UncertainBrake};
 
 use super::sounded::Sounded;
-use crate::results::Estimate;
 
 /// Part of the draws of which the growth, or the loudness, is not exceeded, of [`Confirmed::growth_quantile`] and [`Confirmed::loudness_quantile`].
 pub(super) const QUANTILE: f64 = 0.95;

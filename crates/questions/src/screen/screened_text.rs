@@ -4,7 +4,7 @@ use super::candidates::ChangeKind;
 use super::confirm::Confirmed;
 use super::criterion::{Criterion, Form};
 use super::screened::{Screen, ScreenedSet};
-use crate::results::Estimate;
+use montecarlo::Estimate;
 
 /// Most sets of each kind that are printed without being confirmed; more are in the table. Chosen.
 const MOST_PRINTED: usize = 5;

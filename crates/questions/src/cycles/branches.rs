@@ -19,7 +19,7 @@ use super::{
 };
 use crate::Error;
 use crate::kept::Question;
-use crate::sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
+use sweep::{ChangeOf, Over, Sweep, SweepOnset, sweep};
 
 /// Longest step along a branch, in amplitudes of the first kink; chosen: some 20 points between an onset and the end of a range.
 const LONGEST_STEP: f64 = 0.3;

@@ -6,18 +6,17 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use cea::{EigenSolver as _, QrSolver, Workspace};
-use montecarlo::{Experiment as _, Progress, Sealed, stream};
+use montecarlo::{Experiment as _, Progress, Sealed, Summary, stream};
 use num_complex::Complex;
 use output::{OutputError, write};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use study::identity::of_study;
-use study::{DrawnContacts, ModeLabel, Scratch, Study, UncertainBrake};
+use study::{DrawnContacts, ModeLabel, Scratch, Study, StudyTally, UncertainBrake};
 
 use super::drawn::{DrawnFate, Following, motions};
 use super::{MOTION, digest, grows_in_band, when_cancelled};
 use crate::Error;
-use crate::results::Results;
 
 /// Name of the file in which motions are kept, so that a run that was stopped goes on.
 const STATE: &str = "cycles_of_draws.json";
@@ -102,7 +101,7 @@ impl CyclesOfDraws {
     /// As [`check_contacts_of_draws`]; a folder that cannot be written; work that is cancelled.
     pub fn run<B: UncertainBrake>(
         study: &Study<'_, B>,
-        results: &Results,
+        summary: &Summary<StudyTally>,
         (most_draws, stick): (u64, f64),
         kept_in: &Path,
         dir: &Path,
@@ -110,13 +109,13 @@ impl CyclesOfDraws {
     ) -> Result<Self, Error> {
         let following = Following::of_study(stick);
         let (contacts, digest) = check_contacts_of_draws(study.brake(), stick)?;
-        let asked = format!("{most_draws} of {} samples, {following:?}, contacts {digest}", results.summary.samples);
+        let asked = format!("{most_draws} of {} samples, {following:?}, contacts {digest}", summary.samples);
         let identity = of_study(study.brake()).given("cycles", asked).into_line();
         let mut found = match Self::kept(&identity, kept_in) {
             Some(kept) => kept,
             None => {
                 let scenes = (0..contacts.len()).into_par_iter();
-                let scenes = scenes.map(|scene| first_unstable(study, results, scene, most_draws, progress));
+                let scenes = scenes.map(|scene| first_unstable(study, summary, scene, most_draws, progress));
                 let draws = scenes.collect::<Result<Vec<_>, Error>>()?;
                 let scenes = draws.into_iter().zip(contacts).map(|(draws, contacts)| SceneDraws { draws, contacts });
                 Self { identity, most_draws, scenes: scenes.collect() }
@@ -126,11 +125,17 @@ impl CyclesOfDraws {
         for table in found.tables(study.plan()) {
             table.write(dir)?;
         }
-        results.note(format!(
-            "the motion from each unstable mode of the first {most_draws} unstable samples of each scene was followed, LuGre contacts said to stick below \
-             {stick} of their speed"
-        ));
         Ok(found)
+    }
+
+    /// A sentence for the summary of the study: which motions were followed, and below which part of its speed a LuGre contact was said to stick.
+    #[must_use]
+    pub fn note(&self, stick: f64) -> String {
+        format!(
+            "the motion from each unstable mode of the first {} unstable samples of each scene was followed, LuGre contacts said to stick below \
+             {stick} of their speed",
+            self.most_draws
+        )
     }
 
     /// Follows all motions that are still to be followed.
@@ -195,13 +200,13 @@ impl CyclesOfDraws {
 /// The first samples of a scene with an unstable mode, their motions still to be followed.
 fn first_unstable<B: UncertainBrake>(
     study: &Study<'_, B>,
-    results: &Results,
+    summary: &Summary<StudyTally>,
     scene: usize,
     most_draws: u64,
     progress: &dyn Progress,
 ) -> Result<Vec<DrawOfScene>, Error> {
-    let (seed, samples) = (study.plan().seed, results.summary.samples);
-    let mut left = results.summary.tally.scenes[scene].any_unstable;
+    let (seed, samples) = (study.plan().seed, summary.samples);
+    let mut left = summary.tally.scenes[scene].any_unstable;
     let mut draws = Vec::new();
     for block in 0..samples.div_ceil(BLOCK) {
         if left == 0 {

@@ -29,8 +29,9 @@ use study::UncertainBrake;
 use study::identity::{of_study, rounding_class};
 
 use crate::Error;
-use crate::results::VERSION;
 
+/// Version of the program, which all crates share.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Format of a record; the version changes when the answers of an older program can no longer be taken.
 const FORMAT: Sealed = Sealed { kind: "squeal-answers", version: 1 };
 

@@ -1,5 +1,6 @@
 //! Tables and JSON of a screening, for machines.
 
+use montecarlo::Estimate;
 use output::Table;
 use serde_json::{Value, json};
 
@@ -7,7 +8,6 @@ use super::candidates::ChangeKind;
 use super::confirm::Confirmed;
 use super::criterion::Criterion;
 use super::screened::{Screen, ScreenedSet};
-use crate::results::Estimate;
 
 /// Columns of a screen by loudness.
 const LOUDNESS_COLUMNS: [&str; 8] = [

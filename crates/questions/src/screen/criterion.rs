@@ -1,10 +1,10 @@
 //! Criteria of a screening: by what changes are ranked, and their effect told.
 
+use montecarlo::Estimate;
 use serde::Serialize;
 
 use super::confirm::Confirmed;
 use super::predict::Prediction;
-use crate::results::Estimate;
 
 /// Quantity by which changes are ranked; less is better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
