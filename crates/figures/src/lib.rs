@@ -44,6 +44,7 @@ mod font;
 mod index_bars;
 mod legend;
 mod loglog;
+mod loudness;
 mod mode_work;
 mod model_diagram;
 mod occurrence;
@@ -67,6 +68,7 @@ pub use error::FigureError;
 pub use figure::Figure;
 pub use index_bars::{IndexBar, IndexFigure, IndexPanel, index_bars};
 pub use loglog::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
+pub use loudness::{LoudMotion, LoudnessFigure, LoudnessPanel, loudness_figure};
 pub use mode_work::{BodyInMode, LawMode, ModeWorkFigure, NetWork, mode_and_work};
 pub use model_diagram::{ModelDiagram, model_diagram};
 pub use occurrence::{

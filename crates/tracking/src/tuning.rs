@@ -22,7 +22,7 @@
 /// | negligible_error | 2 lost, 13.2 | 2 lost, 13.0 |
 ///
 /// So `first_step` is the one number on which a name depends there. `narrow_gap` and `least_step` count where all happens in a small part of the path
-/// (`cargo test -p brake-squeal-brakes --test opening_paths`); `largest_error_ratio` is on the safe side at the price of a quarter of the time.
+/// (`cargo test -p brake-squeal-brakes --test all opening_paths::`); `largest_error_ratio` is on the safe side at the price of a quarter of the time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tuning {
     /// The first step, as a fraction of the path: most continued modes allow long steps.

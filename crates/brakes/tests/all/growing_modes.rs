@@ -1,7 +1,5 @@
 //! The growing modes of samples that differ in friction alone, beside whole spectra of the reduced brake, and beside the whole one: none may be missing.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
-
 use std::f64::consts::TAU;
 use std::path::Path;
 

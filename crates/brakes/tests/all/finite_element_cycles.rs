@@ -1,7 +1,5 @@
 //! The motion after the onset of finite element brakes: its equations against the nodes of the mesh and the analysis, cycles against another program.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
-
 use std::path::{Path, PathBuf};
 
 use brakes::case::{CaseFile, FiniteElementCase};

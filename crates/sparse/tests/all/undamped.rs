@@ -1,7 +1,5 @@
 //! Eigenvalues of undamped systems, which are on the imaginary axis until two of them meet, however little their bounds tell.
 
-#![allow(clippy::unwrap_used)]
-
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
 

@@ -1,7 +1,5 @@
 //! Prepared brakes: what is read is what was made, to the last bit, and what is damaged or of another brake is not taken.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};

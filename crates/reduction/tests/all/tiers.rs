@@ -2,8 +2,6 @@
 //! that whole spectra of the same samples have, and answers for some samples at least. Written against what a user calls, so that another
 //! reduction is judged by the same.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
-
 use linsys::{Channel, ChannelGain, Lag, OperatingPoint};
 use nalgebra::DMatrix;
 use num_complex::Complex;
@@ -286,7 +284,7 @@ fn modes_that_no_guess_leads_to_are_found_from_all_eigenvalues() {
     Reduction { brake: &brake, reduced, points }.compare(&found, &expected, "all eigenvalues");
 }
 
-/// `cargo test -p brake-squeal-reduction --test tiers -- --ignored`
+/// `cargo test -p brake-squeal-reduction --test all tiers:: -- --ignored`
 #[test]
 #[ignore = "a minute"]
 fn each_way_finds_the_growing_modes_of_a_ring_with_double_ones() {

@@ -4,8 +4,6 @@
 //! nothing of its structure shows in the entries and rounding moves every eigenvalue a little. All are then in a rectangle as often as
 //! they occur, by the certified route and by the search.
 
-#![allow(clippy::unwrap_used)]
-
 use std::ops::Range;
 
 use cea::Verdict;
@@ -414,7 +412,7 @@ fn a_rectangle_of_any_size_holds_the_eigenvalue_in_its_middle() {
     assert!(refused < 9, "{refused} of 132 are refused");
 }
 
-/// `SYSTEMS=1000 cargo test --release -p brake-squeal-sparse --test counted -- --ignored --nocapture`
+/// `SYSTEMS=1000 cargo test --release -p brake-squeal-sparse --test all counted:: -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes"]
 fn a_thousand_systems_by_both_routes() {

@@ -1,7 +1,5 @@
 //! A basis of modes at a few points: its columns follow the modes and not the contacts, and it serves for frictions and arrangements in between.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
-
 use cea::{EigenSolver as _, QrSolver, Workspace};
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint};
 use nalgebra::DMatrix;

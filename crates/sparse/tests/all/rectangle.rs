@@ -1,7 +1,5 @@
 //! All eigenvalues in a rectangle, compared with those of the certified dense solver.
 
-#![allow(clippy::unwrap_used)]
-
 use cea::certified::{certify, solve};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector};

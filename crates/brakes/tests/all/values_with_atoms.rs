@@ -1,7 +1,5 @@
 //! A parameter with a value that has a probability of its own is studied like any other.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
-
 use brakes::MatricesBrake;
 use brakes::case::MatricesCase;
 use cea::QrSolver;

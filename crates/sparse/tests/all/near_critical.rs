@@ -1,7 +1,5 @@
 //! Equal oscillators next to critical damping: copies of an eigenvalue that is not told apart from its conjugate, or hardly.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};

@@ -1,7 +1,5 @@
 //! Friction across the sliding of finite element brakes: closed forms, and random small brakes assembled a second time by hand.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
-
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -387,7 +385,7 @@ fn random_brakes_are_those_assembled_by_hand() {
     assert!(matrices > 100 && modes > 200 && growing > 20, "{matrices} {modes} {growing}");
 }
 
-/// BRAKES of these, 200 without it, with 12 samples of each scene: `cargo test -p brake-squeal-brakes --test friction_across -- --ignored --nocapture`.
+/// BRAKES of these, 200 without it, with 12 samples of each scene: `cargo test -p brake-squeal-brakes --test all friction_across:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn many_random_brakes_are_those_assembled_by_hand() {

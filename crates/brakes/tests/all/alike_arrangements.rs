@@ -1,8 +1,6 @@
 //! Arrangements that the symmetry of a lattice makes of each other are one scene only where the study has that symmetry too: its draws, and its list of
 //! arrangements.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
-
 use std::collections::BTreeSet;
 use std::path::Path;
 

@@ -1,7 +1,5 @@
 //! The motion after the onset, of lattices and of matrices: against numbers integrated elsewhere, and what is refused.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
-
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -4,8 +4,6 @@
 //! The stiffness of the contact fades out in equal parts over the path, so that all that happens to the modes happens in its last hundredth where the contact
 //! is stiff. What is told apart there must not follow from rounding.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
-
 use cea::{CeaError, EigenSolver, Mode, Modes, NewtonStep, QrSolver, Workspace};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};

@@ -1,7 +1,5 @@
 //! Reductions of a plate of 240 degrees of freedom, with the answers of dense solvers as the truth.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
-
 use cea::{EigenSolver, QrSolver, Workspace, backward_error};
 use linsys::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 use nalgebra::{DMatrix, DVector};
@@ -267,7 +265,7 @@ fn drawn(at: usize) -> OperatingPoint {
     contact((at % 2) as f64, 0.1 * (at % 7) as f64, -0.2 * (at % 5) as f64, lag)
 }
 
-/// `cargo test -p brake-squeal-reduction --test reduction -- --ignored`
+/// `cargo test -p brake-squeal-reduction --test all reduction:: -- --ignored`
 #[test]
 #[ignore = "a minute"]
 fn a_smaller_basis_within_holds_the_eigenvalues_of_one_arrangement() {

@@ -1,7 +1,5 @@
 //! The shipped brake of two pads against SciPy, which makes contact, equilibrium and rotation by itself.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lint does not recognise outside test functions.
-
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,5 @@
 //! A brake of two pads whose faces do not match the disc's, which turns: as a case file alone, against SciPy.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
-
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -43,7 +41,7 @@ impl Folder {
         let mut bodies: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         let mut products: BTreeMap<String, Vec<(usize, f64)>> = BTreeMap::new();
         let (mut deck, mut body, mut last) = ("*NODE\n".to_owned(), String::new(), String::new());
-        for line in include_str!("../../../contact/tests/two_pads/two_pads.txt").lines() {
+        for line in include_str!("../../../../contact/tests/two_pads/two_pads.txt").lines() {
             let words: Vec<&str> = line.split(' ').collect();
             let real = |at: usize| words[at].parse::<f64>().unwrap();
             match words[0] {

@@ -1,7 +1,5 @@
 //! The shipped finite element brake: its modes against SciPy's, unreduced and reduced.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
-
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
@@ -226,7 +224,7 @@ fn friction_across_the_sliding_silences_the_lower_mode_as_in_scipy() {
     ]);
 }
 
-/// `cargo test -p brake-squeal-brakes --test finite_elements -- --ignored`
+/// `cargo test -p brake-squeal-brakes --test all finite_elements:: -- --ignored`
 #[test]
 #[ignore = "a minute"]
 fn friction_across_the_sliding_is_that_of_scipy_at_higher_speeds() {
@@ -439,7 +437,7 @@ fn a_band_without_modes_is_refused_by_its_name() {
 
 /// A spring that few draws have: none of those that a basis is made of may be among them.
 ///
-/// `cargo test -p brake-squeal-brakes --test finite_elements -- --ignored`
+/// `cargo test -p brake-squeal-brakes --test all finite_elements:: -- --ignored`
 #[test]
 #[ignore = "two minutes"]
 fn a_reduction_that_draws_do_not_confirm_is_trained_on_whatever_the_number_of_samples() {

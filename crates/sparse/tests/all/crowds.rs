@@ -1,8 +1,6 @@
 //! Rectangles at a crowd: thousands of eigenvalues on one line, that are written down, next to the rectangle and in it. Seen from a shift beside the line they are
 //! nearly equally far, and a Ritz value is a mean of many of them, farther from the shift than the nearest.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{Options, Rectangle, SparseError, SparseSecondOrder, eigenpairs_in};
 
