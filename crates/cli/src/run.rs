@@ -7,7 +7,7 @@ use std::time::Instant;
 use brakes::case::{HALF_WIDTHS, is_half_width};
 use brakes::{CaseBrake, Purpose};
 use output::{OutputError, printable};
-use report::{draw_damping, draw_occurrence, write_page};
+use report::{draw_damping, draw_motions, draw_occurrence, write_page};
 use serde_json::{Value, json};
 use squeal::cycles::{CycleOptions, CyclesOfDraws, check_contacts_of_draws};
 use squeal::influence::write_kept_samples;
@@ -223,6 +223,7 @@ impl RunArgs {
                 let progress = &*told.stage("draws whose motion is followed");
                 let found = CyclesOfDraws::run(study, &results.summary, asked, &self.out, dir, progress)?;
                 results.note(found.note(stick));
+                draw_motions(results, &found, dir)?;
                 found.add_to_summary(study.plan(), dir)?;
                 estimates += &found.text(study.plan());
                 motions = Some(found);

@@ -23,8 +23,8 @@ pub use html::{
     write_page, write_screen_page, write_sweep_page,
 };
 pub use pictures::{
-    branches_figure, compare_figure, cycle_figures, draw_damping, draw_occurrence, influence_figure, occurrence,
-    rare_figure, screen_figure, set_heading, sweep_figure,
+    branches_figure, compare_figure, cycle_figures, draw_damping, draw_motions, draw_occurrence, influence_figure,
+    occurrence, rare_figure, screen_figure, set_heading, sweep_figure,
 };
 
 /// The README's example, compiled and run as a doctest.

@@ -10,7 +10,7 @@ use super::page::Page;
 use super::text::escaped;
 use super::{FILE, Geometry, answer, data, facts, shapes};
 use crate::Error;
-use crate::pictures::damping;
+use crate::pictures::{damping, motions_of_draws};
 
 /// The figure of occurrences, with what its marks are: arrangements are told where there are several.
 fn occurrence_section(results: &Results) -> String {
@@ -23,18 +23,17 @@ fn occurrence_section(results: &Results) -> String {
     include_str!("study.html").replace("MARKS", marks)
 }
 
-/// The figures of damping ratio against frequency; empty where no set of constraints has modes.
-fn damping_section(results: &Results) -> Result<String, Error> {
-    let figures = damping(results)?;
+/// A section with a figure for each set of constraints; empty without figures. `head` is what stands above, `label` what the figures are.
+fn section(head: &str, label: &str, figures: &[(String, Figure)]) -> String {
     let figure = |(set, figure): &(String, Figure)| {
-        let label = escaped(&format!("Damping ratio against frequency, constraints {set}"));
+        let label = escaped(&format!("{label}, constraints {set}"));
         format!(
             "<figure class=\"paper\" tabindex=\"0\" role=\"group\" aria-label=\"{label}\">{}</figure>\n",
             figure.svg()
         )
     };
     let all: String = figures.iter().map(figure).collect();
-    Ok(if all.is_empty() { all } else { format!("{}{all}</section>\n", include_str!("damping.html")) })
+    if all.is_empty() { all } else { format!("{head}{all}</section>\n") }
 }
 
 /// Writes `report.html` into `dir`, in which the tables of the same results stand already; `motions` are the motions of the draws, where they
@@ -48,10 +47,13 @@ pub fn write_page(
     geometry: &Geometry<'_>,
     dir: &Path,
 ) -> Result<(), Error> {
+    let damping = section(include_str!("damping.html"), "Damping ratio against frequency", &damping(results)?);
+    let loudness = motions.map(|motions| motions_of_draws(results, motions)).transpose()?.unwrap_or_default();
+    let loudness = section(include_str!("motions.html"), "Loudness of motions against the growth of modes", &loudness);
     let page = Page {
         title: results.plan().name.clone(),
         answer: answer::answer(results, motions)?,
-        figures: [occurrence_section(results), damping_section(results)?, shapes::section_of_modes()].concat(),
+        figures: [occurrence_section(results), damping, loudness, shapes::section_of_modes()].concat(),
         facts: facts::of_study(results),
         data: data::of_study(results, geometry, dir)?,
     };
