@@ -74,7 +74,7 @@ pub struct CycleArgs {
 ///
 /// # Errors
 /// As [`brakes::check_motion`]; a case of matrices without a contact.
-pub(crate) fn has_motion(case: &CaseFile, option: &'static str, value: &str) -> Result<(), Error> {
+pub fn has_motion(case: &CaseFile, option: &'static str, value: &str) -> Result<(), Error> {
     match case {
         CaseFile::FiniteElements(case) => Ok(brakes::check_motion(case)?),
         CaseFile::Matrices(case) if case.system.channels().is_empty() => {

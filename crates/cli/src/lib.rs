@@ -35,7 +35,7 @@ pub use self::cea::CeaArgs;
 pub use case_file::{CaseArgs, commit};
 pub use check::CheckArgs;
 pub use compare::CompareArgs;
-pub use cycle::CycleArgs;
+pub use cycle::{CycleArgs, has_motion};
 pub use eig::{EigArgs, largest_order, search_options};
 pub use error::Error;
 pub use exit_code::{finish, refuse};

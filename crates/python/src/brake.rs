@@ -165,6 +165,11 @@ impl Source {
         Ok(self)
     }
 
+    /// Refuses a brake that does not give its contacts, before its reduction, which would take long.
+    pub(crate) fn has_motion(&self) -> Result<(), Error> {
+        squeal_cli::has_motion(&self.case, "brake", &self.case.header().name)
+    }
+
     /// The brake, for a purpose, if the machine has the memory for it; it is made on this many threads.
     pub(crate) fn brake(
         self,

@@ -30,9 +30,17 @@ pub(crate) fn array(py: Python<'_>, argument: &str, line: &str) -> PyErr {
 pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
     match error {
         Error::Option { option, value, allowed } => {
-            argument(py, &option.trim_start_matches('-').replace('-', "_"), value, allowed)
+            let name = option.trim_start_matches('-').replace('-', "_");
+            // A word of the language is no name of an argument.
+            argument(py, if name == "from" { "from_" } else { &name }, value, allowed)
         }
         Error::Study(squeal::Error::Argument { argument: name, value, allowed }) => argument(py, name, value, allowed),
+        Error::Study(squeal::Error::Question(question)) => match &**question {
+            squeal::questions::Error::Rare(rare::Error::Option { name, value, allowed }) => {
+                argument(py, name, value, allowed)
+            }
+            _ => exception(py, &error.to_string(), kind(error)),
+        },
         Error::TooLarge(source) => exception(py, &source.to_string(), ("TooLargeError", Vec::new())),
         other => exception(py, &other.to_string(), kind(other)),
     }

@@ -29,5 +29,5 @@ mod _squeal {
     #[pymodule_export]
     use super::matrices::{is_triangle, read_matrices};
     #[pymodule_export]
-    use super::questions::{cea, estimate, evaluate, influence, merge, run, screen, shard, sweep};
+    use super::questions::{cea, cycle, estimate, evaluate, influence, merge, rare, run, screen, shard, sweep};
 }

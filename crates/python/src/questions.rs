@@ -13,8 +13,11 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use output::Table;
 use pyo3::prelude::*;
 use rayon::prelude::*;
+use serde_json::json;
+use squeal::cycles::{CycleOptions, Start, branches, cycles};
 use squeal::influence::{influence as of_inputs, influence_table};
 use squeal::parts::{Shard, completed, consistent, run_part};
+use squeal::rare::{Options, design_points_table, rare as rare_squeal, rare_table};
 use squeal::screen::{ChangeKind, Confirmation, Criterion, Joined, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::{Cost, Study, UncertainBrake};
 use squeal::sweep::{Found, Over, stability_map, sweep as over_one};
@@ -73,23 +76,28 @@ fn run_args(out: PathBuf, kept: [bool; 2], threads: Option<usize>, until_half_wi
     }
 }
 
-/// Runs the study of a brake in a folder; the half widths are that of the estimates, and that to which it is sampled, and `kept` is as in [`run_args`].
+/// Runs the study of a brake in a folder; the half widths are that of the estimates, and that to which it is sampled, `kept` is as in [`run_args`] with
+/// the number of unstable draws of each scene that are followed into their motion.
 #[pyfunction]
 pub(crate) fn run(
     py: Python<'_>,
     brake: &Brake,
     out: PathBuf,
     half_widths: [Option<f64>; 2],
-    kept: [bool; 2],
+    kept: (bool, bool, Option<u64>),
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Ran> {
-    let [half_width, until_half_width] = half_widths;
+    let ([half_width, until_half_width], (keep_samples, every_mode, cycles)) = (half_widths, kept);
     let source = brake.source.clone();
     away(py, Ends::Itself, progress.as_ref(), move |watch| {
         let half_width = half_width.or(source.half_width());
+        if cycles.is_some() {
+            source.has_motion()?;
+        }
         let brake = source.brake(Purpose::Study, threads, watch)?;
-        let (args, mut text) = (run_args(out, kept, threads, until_half_width), Vec::new());
+        let (args, mut text) =
+            (RunArgs { cycles, ..run_args(out, [keep_samples, every_mode], threads, until_half_width) }, Vec::new());
         ran(args.study(&brake, half_width, None, &**watch, &mut text), text)
     })
 }
@@ -222,6 +230,86 @@ pub(crate) fn influence(
         })?;
         let Table { name, columns, rows } = influence_table(plan, [(&plan.scenes[0], &found)]);
         Ok(((name, columns, rows), found.failures, found.evaluations, found.text(plan)))
+    })
+}
+
+/// Starts of a motion: from noise, or the rank of a mode; of neither each unstable mode. Harmonics, steps of a period and what counts as sticking.
+type Motion = (bool, Option<usize>, usize, usize, f64);
+
+/// The motion after the onset in the first scene, at the medians or over a parameter: tables, text.
+#[pyfunction]
+pub(crate) fn cycle(
+    py: Python<'_>,
+    brake: &Brake,
+    over: Option<(String, f64, f64)>,
+    motion: Motion,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Vec<AsTable>, String)> {
+    let (is_noise, rank, harmonics, samples, stick) = motion;
+    let from = match rank {
+        _ if is_noise => Start::Noise,
+        Some(rank) => Start::Mode(rank),
+        None => Start::UnstableModes,
+    };
+    let options = CycleOptions { from, harmonics, samples, stick };
+    let over = over.map(|(name, from, to)| Over { name: parameter_of(&name).into(), from, to });
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        source.has_motion()?;
+        let purpose = over.as_ref().map_or(Purpose::Analysis, |over| Purpose::Sweep(std::slice::from_ref(over)));
+        let brake = source.brake(purpose, threads, watch)?;
+        let scene = &brake.plan().scenes[0];
+        workers(threads)?.install(|| match &over {
+            None => {
+                let told = watch.stage("periods of the modes at most");
+                let found = cycles(&brake, scene, &options, None, &*told)?;
+                let of = vec![found.table(), found.contacts_table(), found.spectrum_table()];
+                Ok((tables(of), found.text()))
+            }
+            Some(over) => {
+                let study = Study::with_progress(&brake, &QrSolver, &*watch.stage(PREPARED))?;
+                let (swept, followed) = (watch.stage("steps of the sweep"), watch.stage("steps of the branches"));
+                let found = branches(&study, 0, over, &options, None, [&*swept, &*followed])?;
+                Ok((tables(vec![found.table()]), found.text()))
+            }
+        })
+    })
+}
+
+/// The probability of squeal in the first scene, by a relative standard error, a number of spectra and of directions: tables, JSON, text.
+#[pyfunction]
+pub(crate) fn rare(
+    py: Python<'_>,
+    brake: &Brake,
+    asked: (f64, u64, usize),
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Vec<AsTable>, String, String)> {
+    let (relative, budget, directions) = asked;
+    let source = brake.source.clone();
+    away(py, Ends::Itself, progress.as_ref(), move |watch| {
+        let brake = source.brake(Purpose::Analysis, threads, watch)?;
+        let plan = brake.plan();
+        let options = Options { relative, budget, directions, seed: plan.seed };
+        let found = workers(threads)?.install(|| -> Result<_, Error> {
+            let study = Study::with_progress(&brake, &BatchSolver, &*watch.stage(PREPARED))?;
+            Ok(rare_squeal(&study, 0, &options, &BatchSolver, None, &*watch.stage("spectra"))?)
+        })?;
+        let scene = &plan.scenes[0];
+        let of = vec![rare_table(plan, [(scene, &found)]), design_points_table(plan, [(scene, &found)])];
+        let document = json!({
+            "scene": plan.describe(scene),
+            "warnings": found.doubts,
+            "seed": plan.seed,
+            "probability": found.probability,
+            "certified": found.bound,
+            "lines": found.lines,
+            "elsewhere": found.elsewhere,
+            "spectra": found.spectra,
+            "is_reached": found.is_reached,
+        });
+        Ok((tables(of), document.to_string(), found.text(plan)))
     })
 }
 

@@ -3,6 +3,7 @@
 import csv
 import filecmp
 import json
+import math
 import pickle
 import re
 import shutil
@@ -148,6 +149,62 @@ def test_influence_is_that_of_the_program(cases, tmp_path):
     same_table(i.table, tmp_path / "i" / "influence.csv")
     with pytest.raises(sq.ArgumentError, match="100 to 1000000"):
         sq.influence(sq.Case(cases / "hoffmann.toml"), samples=5, progress=False)
+
+
+def test_a_motion_is_that_of_the_program(cases, tmp_path):
+    case = sq.Case(cases / "hoffmann.toml")
+    program("cycle", cases / "hoffmann.toml", "--harmonics", 5, "--out", tmp_path / "c")
+    m = sq.cycle(case, harmonics=5, progress=False)
+    for table, name in ((m.cycles, "cycles"), (m.contacts, "cycle_contacts"), (m.spectrum, "cycle_spectrum")):
+        same_table(table, tmp_path / "c" / f"{name}.csv")
+    assert m.cycles["kind"][0] == "cycle" and "multiplier" in m.text
+    program("cycle", cases / "hoffmann.toml", "--over", "mu=0.7:0.8", "--out", tmp_path / "b")
+    over = sq.cycle(case, mu=(0.7, 0.8), progress=False)
+    same_table(over.branches, tmp_path / "b" / "cycle_branches.csv")
+    with pytest.raises(AttributeError, match="a motion at the medians"):
+        over.cycles
+    noise = sq.cycle(sq.Case(cases / "paper.toml"), law="velocity-dependent", speed=3.2, from_="noise", progress=False)
+    assert list(noise.cycles["from_mode"]) == [f"noise {stream}" for stream in (1, 2, 3, 4)]
+    for wrong, said in (
+        ({"from_": 7}, "from_ = 7; allowed: noise, or the rank of an unstable mode: 2"),
+        ({"from_": "mode"}, "from_ = "),
+        ({"harmonics": 600}, "harmonics = 600; allowed: 1 to 100"),
+        ({"stick": 0.0}, "stick = 0"),
+        ({"mu": (0.7, 0.8), "from_": 2}, "None beside a range"),
+        ({"mu": (0.7, 0.8), "c": (1, 2)}, "one parameter"),
+    ):
+        with pytest.raises(sq.ArgumentError, match=re.escape(said)):
+            sq.cycle(case, progress=False, **wrong)
+    with pytest.raises(sq.SquealError, match="no mode oscillates and grows"):
+        sq.cycle(sq.Case(cases / "hoffmann.toml", set={"mu": 0.1}), progress=False)
+
+
+def test_motions_of_draws_are_those_of_the_program(cases, tmp_path):
+    program("run", cases / "hoffmann.toml", "--samples", 40, "--cycles", 4, "--out", tmp_path / "d")
+    r = sq.run(sq.Case(cases / "hoffmann.toml"), samples=40, cycles=4, progress=False)
+    same_table(r.cycles_of_draws, tmp_path / "d" / "cycles_of_draws.csv")
+    assert len(r.cycles_of_draws["kind"]) == 4 and {"cycles_by_mode", "cycles_by_scene"} <= set(r.tables)
+    with pytest.raises(AttributeError, match="run. with cycles"):
+        sq.run(sq.Case(cases / "hoffmann.toml"), samples=20, progress=False).cycles_of_draws
+
+
+def test_rare_squeal_is_that_of_the_program(cases, tmp_path):
+    scene = ("--law", "velocity-dependent", "--constraints", "corners-4-6")
+    program("rare", cases / "paper.toml", *scene, "--out", tmp_path / "r")
+    r = sq.rare(sq.Case(cases / "paper.toml"), law="velocity-dependent", constraints="corners-4-6", progress=False)
+    same_table(r.table, tmp_path / "r" / "rare.csv")
+    same_table(r.design_points, tmp_path / "r" / "design_points.csv")
+    lower, upper = r.limits
+    assert 0 < lower <= r.probability <= upper < 1 and r.json["spectra"] > 0
+    # One input: the onset and the tail of a normal distribution say it in closed form.
+    case = sq.Case(cases / "hoffmann.toml", set={"mu": sq.Normal(0.5, 0.06)})
+    onset = sq.sweep(case, mu=(0.5, 1.1), progress=False).onsets["mu"][0]
+    exact = 0.5 * math.erfc((onset - 0.5) / 0.06 / math.sqrt(2))
+    assert abs(sq.rare(case, progress=False).probability / exact - 1) < 1e-6
+    with pytest.raises(sq.ArgumentError, match="relative = 2"):
+        sq.rare(case, relative=2.0, progress=False)
+    with pytest.raises(sq.ArgumentError, match="budget = 5"):
+        sq.rare(case, budget=5, progress=False)
 
 
 def test_a_screen_is_that_of_the_program(cases, tmp_path):

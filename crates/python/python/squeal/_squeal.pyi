@@ -6,7 +6,7 @@ import numpy.typing as npt
 
 from ._arrays import Columns, Floats
 
-__all__ = ["Brake", "cea", "check", "eig", "eig_in_box", "eigvals", "estimate", "evaluate", "held", "influence", "is_triangle", "main", "merge", "read_matrices", "run", "screen", "shard", "sweep"]
+__all__ = ["Brake", "cea", "check", "cycle", "eig", "eig_in_box", "eigvals", "estimate", "evaluate", "held", "influence", "is_triangle", "main", "merge", "rare", "read_matrices", "run", "screen", "shard", "sweep"]
 
 def main(arguments: Sequence[str]) -> int: ...
 def eig(m: Floats, c: Floats, k: Floats) -> dict[str, Any]: ...
@@ -50,7 +50,7 @@ def run(
     brake: Brake,
     out: str,
     half_widths: tuple[float | None, float | None],
-    kept: tuple[bool, bool],
+    kept: tuple[bool, bool, int | None],
     threads: int | None,
     progress: _Told,
 ) -> tuple[str, str | None]: ...
@@ -73,6 +73,16 @@ def sweep(
 def influence(
     brake: Brake, draws: int, total: int | None, threads: int | None, progress: _Told
 ) -> tuple[_AsTable, int, int, str]: ...
+def cycle(
+    brake: Brake,
+    over: tuple[str, float, float] | None,
+    motion: tuple[bool, int | None, int, int, float],
+    threads: int | None,
+    progress: _Told,
+) -> tuple[list[_AsTable], str]: ...
+def rare(
+    brake: Brake, asked: tuple[float, int, int], threads: int | None, progress: _Told
+) -> tuple[list[_AsTable], str, str]: ...
 def screen(
     brake: Brake, variants: list[tuple[str, Brake]], screening: _Screening, set: int, threads: int | None, progress: _Told
 ) -> tuple[list[_AsTable], str, str]: ...

@@ -134,6 +134,11 @@ class Results(Frozen):
         return _optional(self.tables, "influence", "results of `run` with keep_samples=True")
 
     @property
+    def cycles_of_draws(self) -> Table:
+        """Motions of draws, a row for each unstable mode; only with `cycles`. `tables` has them by mode and by scene."""
+        return _optional(self.tables, "cycles_of_draws", "results of `run` with cycles")
+
+    @property
     def estimates(self) -> Table:
         """Occurrences by the cheapest estimator; only with `half_width`."""
         return _optional(self.tables, "estimates", "results of `run` with half_width")
@@ -232,6 +237,7 @@ def run(
     until_half_width: float | None = None,
     keep_samples: bool = False,
     every_mode: bool = False,
+    cycles: int | None = None,
     threads: int | None = None,
     out: Folder | None = None,
     progress: Progress = None,
@@ -241,11 +247,11 @@ def run(
     `samples` and `seed` stand for those of the brake. `design` has samples of your own instead, a DataFrame, structured array or dict of
     columns with a column for each parameter (of brakes given by their matrices). `half_width` adds every occurrence to this half width
     by the cheapest estimator; `until_half_width` takes as many samples as every occurrence needs for it. `keep_samples` keeps what was drawn
-    and which modes grow, `every_mode` stable ones too, for surrogates. With `out` the study is in
+    and which modes grow, `every_mode` stable ones too, for surrogates. `cycles` unstable draws of each scene are followed into their motion. With `out` the study is in
     this folder, as that of `squeal run`: an interrupt leaves what there is, and the same call goes on. `progress` is None for a bar
     where standard error is a terminal, False, or a function of (stage, done, total).
     """
-    native, kept = native_of(brake), (flag("keep_samples", keep_samples), flag("every_mode", every_mode))
+    native, kept = native_of(brake), (flag("keep_samples", keep_samples), flag("every_mode", every_mode), _whole("cycles", cycles, 1))
     if design is not None:
         given = {"samples": samples, "half_width": half_width, "until_half_width": until_half_width}
         for name in (name for name, of in given.items() if of is not None):
@@ -500,6 +506,23 @@ class Sweep(Frozen):
         return self.text
 
 
+def _ranges(
+    over: dict[str, tuple[float, float]] | None, ranges: dict[str, tuple[float, float]]
+) -> list[tuple[str, float, float]]:
+    """Names of parameters with the ends of their ranges, given by a dict and by keywords."""
+    first = {} if over is None else mapped("over", over, "(from, to)")
+    for name in first.keys() & ranges.keys():
+        raise refused(name, ranges[name], f"one range; `over` has {first[name]}")
+    found = []
+    for name, ends in {**first, **ranges}.items():
+        try:
+            begin, end = (number(name, of) for of in ends)
+        except (TypeError, ValueError):
+            raise refused(name, repr(ends), "(from, to)") from None
+        found.append((name, begin, end))
+    return found
+
+
 def sweep(
     brake: AnyBrake,
     over: dict[str, tuple[float, float]] | None = None,
@@ -513,20 +536,10 @@ def sweep(
     **ranges: tuple[float, float],
 ) -> Sweep:
     """Sweep one parameter or two, all others at their medians: `sweep(brake, mu=(0, 1.3))`, or by a dict from name to (from, to)."""
-    first = {} if over is None else mapped("over", over, "(from, to)")
-    for name in first.keys() & ranges.keys():
-        raise refused(name, ranges[name], f"one range; `over` has {first[name]}")
-    parameters = {**first, **ranges}
-    listed = []
-    for name, ends in parameters.items():
-        try:
-            begin, end = (number(name, of) for of in ends)
-        except (TypeError, ValueError):
-            raise refused(name, repr(ends), "(from, to)") from None
-        listed.append((name, begin, end))
+    parameters = _ranges(over, ranges)
     native = _only(brake, law, contact, constraints, speed)
-    tables, found, text = _squeal.sweep(native, listed, workers(threads), receiver(progress))
-    return Sweep(tuple(parameters), Tables([Table(*of) for of in tables]), json.loads(found), text)
+    tables, found, text = _squeal.sweep(native, parameters, workers(threads), receiver(progress))
+    return Sweep(tuple(name for name, _, _ in parameters), Tables([Table(*of) for of in tables]), json.loads(found), text)
 
 
 @dataclass(frozen=True, eq=False)
@@ -574,6 +587,135 @@ def influence(
     draws = min(max(native.header()[1], 100), 1_000_000)
     table, failures, evaluations, text = _squeal.influence(native, draws, total, workers(threads), receiver(progress))
     return Influence(Table(*table), failures, evaluations, text)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(Frozen):
+    """The motion after the onset: at the medians, or cycles over a parameter."""
+
+    #: At the medians `cycles`, `cycle_contacts`, `cycle_spectrum`; over a parameter `cycle_branches`: the tables of `squeal cycle`.
+    tables: Tables
+    #: The same in words.
+    text: str = field(repr=False)
+
+    @property
+    def cycles(self) -> Table:
+        """What became of each start: kind, frequency, loudness, shares of the period open and stuck, power."""
+        return _optional(self.tables, "cycles", "a motion at the medians")
+
+    @property
+    def contacts(self) -> Table:
+        """Normal force and sliding velocity of each contact over the period of each cycle."""
+        return _optional(self.tables, "cycle_contacts", "a motion at the medians")
+
+    @property
+    def spectrum(self) -> Table:
+        """The harmonics of each cycle."""
+        return _optional(self.tables, "cycle_spectrum", "a motion at the medians")
+
+    @property
+    def branches(self) -> Table:
+        """The cycles of each branch, from each onset."""
+        return _optional(self.tables, "cycle_branches", "a motion over a parameter")
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def cycle(
+    brake: AnyBrake,
+    over: dict[str, tuple[float, float]] | None = None,
+    *,
+    law: str | None = None,
+    contact: Sequence[int] | None = None,
+    constraints: str | None = None,
+    speed: float | None = None,
+    from_: int | str | None = None,
+    harmonics: int = 9,
+    time_samples: int = 512,
+    stick: float = 0.01,
+    threads: int | None = None,
+    progress: Progress = None,
+    **ranges: tuple[float, float],
+) -> Motion:
+    """Follow unstable modes into the motion that they grow to, in one scene: contacts open, slide and stick, and mostly a limit cycle is reached.
+
+    At the medians from each unstable mode, or `from_` the one of a rank, or "noise"; over a parameter, `cycle(brake, mu=(0.5, 1.1))`, the branches
+    of cycles from each onset. `harmonics` and `time_samples` are those of the harmonic balance; below the part `stick` of the sliding speed it smooths friction.
+    """
+    ranged = _ranges(over, ranges)
+    if len(ranged) > 1:
+        raise refused("over", ", ".join(name for name, _, _ in ranged), "one parameter")
+    if from_ is not None and ranged:
+        raise refused("from_", from_, "None beside a range")
+    is_noise = isinstance(from_, str) and from_ == "noise"
+    rank = None if from_ is None or is_noise else _whole("from_", from_ if isinstance(from_, int | np.integer) else -1, 1)
+    asked = tuple(_whole(name, -1 if given is None else given, 1) or 0 for name, given in (("harmonics", harmonics), ("time_samples", time_samples)))
+    native = _only(brake, law, contact, constraints, speed)
+    motion = (is_noise, rank, asked[0], asked[1], number("stick", stick))
+    tables, text = _squeal.cycle(native, ranged[0] if ranged else None, motion, workers(threads), receiver(progress))
+    return Motion(Tables([Table(*of) for of in tables]), text)
+
+
+@dataclass(frozen=True, eq=False)
+class Rare(Frozen):
+    """How probable squeal is where it is rare."""
+
+    #: `rare` and `design_points`: the tables of `squeal rare`.
+    tables: Tables
+    #: The probability with its limits, the certified bound, what was spent and what speaks against it.
+    json: dict[str, Any] = field(repr=False)
+    #: The same in words.
+    text: str = field(repr=False)
+
+    @property
+    def probability(self) -> float:
+        """Probability that any mode grows."""
+        return float(self.table["probability"][0])
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Its limits at 95 %."""
+        return float(self.table["lower"][0]), float(self.table["upper"][0])
+
+    @property
+    def table(self) -> Table:
+        """The probability that any mode grows in the first row, that of each mode below."""
+        return self.tables["rare"]
+
+    @property
+    def design_points(self) -> Table:
+        """The likeliest squealing brakes, a row for each input."""
+        return self.tables["design_points"]
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def rare(
+    brake: AnyBrake,
+    *,
+    relative: float = 0.1,
+    budget: int = 2000,
+    directions: int = 32,
+    seed: int | None = None,
+    law: str | None = None,
+    contact: Sequence[int] | None = None,
+    constraints: str | None = None,
+    speed: float | None = None,
+    speed_range: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Rare:
+    """How probable squeal is in one scene, mode by mode, down to 1e-9, and which brakes are the likeliest to squeal.
+
+    To the standard error `relative`, by some `budget` spectra; `directions` are random ones from which likely squealing brakes are looked for.
+    """
+    counts = [_whole(name, -1 if given is None else given, 0) or 0 for name, given in (("budget", budget), ("directions", directions))]
+    native = _only(brake, law, contact, constraints, speed, (speed_range,)).with_run(None, _whole("seed", seed, 0))
+    asked = (number("relative", relative), counts[0], counts[1])
+    tables, found, text = _squeal.rare(native, asked, workers(threads), receiver(progress))
+    return Rare(Tables([Table(*of) for of in tables]), json.loads(found), text)
 
 
 @dataclass(frozen=True, eq=False)

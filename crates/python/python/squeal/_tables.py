@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _TEXT = frozenset(
     "constraints law speed arrangement mode label shape_file dof from_constraints from_mode to_constraints to_mode continuation family"
     " body comparison other_constraints other_law other_speed scene error kind parameter unit output input index places"
-    " estimator change set more less other".split()
+    " estimator change set more less other contact loudest_body".split()
 )
 
 
