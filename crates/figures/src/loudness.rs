@@ -41,15 +41,19 @@ pub struct LoudMotion {
     pub growth: f64,
     /// Loudness of the motion, m/s.
     pub loudness: f64,
+    /// Kind of the motion, in words.
+    pub kind: &'static str,
     /// The motion is a limit cycle.
     pub is_cycle: bool,
+    /// Index of the sample.
+    pub sample: u64,
 }
 
 /// Height of a panel, pt; chosen.
 const HEIGHT: f64 = 130.0;
 
-/// Draws the loudness of each motion over the growth of the mode that it starts from, with a mark for each mode and a ring about cycles. Growth has one axis in all panels,
-/// loudness one in each. The table has one row for each motion.
+/// Draws the loudness of each motion over the growth of the mode that it starts from, with a mark for each mode and a ring about cycles. All panels have one axis of growth, and each
+/// its own of loudness. The table has one row for each motion.
 ///
 /// # Errors
 /// [`FigureError::Empty`] without motions, [`FigureError::NotFinite`].
@@ -81,10 +85,10 @@ pub fn loudness_figure(data: &LoudnessFigure) -> Result<Figure, FigureError> {
         let area = Area { x: left, y: y + 6.0, width: right - left, height: HEIGHT };
         plot.axes(&mut canvas, area);
         for motion in &panel.motions {
-            let kind = if motion.is_cycle { "a cycle" } else { "not periodic" };
+            let LoudMotion { mode, growth, loudness, kind, sample, .. } = motion;
             let words = format!(
-                "mode {}: growth {} 1/s, {kind}, loudness {} m/s",
-                data.modes[motion.mode], motion.growth, motion.loudness
+                "mode {} of sample {sample}: growth {growth:.1} 1/s, {kind}, loudness {loudness:.4} m/s",
+                data.modes[*mode]
             );
             canvas.group("motion", words, |canvas| {
                 let at = plot.place(area, [motion.growth, motion.loudness]);
@@ -115,14 +119,14 @@ fn check(data: &LoudnessFigure) -> Result<Table, FigureError> {
                 finite(value, || format!("a motion of mode {name}"))?;
             }
             let numbers = [motion.growth, motion.loudness].map(|value| value.to_string());
-            let kind = motion.is_cycle.to_string();
-            rows.push([panel.name.clone(), name.clone(), kind].into_iter().chain(numbers).collect::<Vec<_>>());
+            let own = [panel.name.clone(), motion.sample.to_string(), name.clone(), motion.kind.to_owned()];
+            rows.push(own.into_iter().chain(numbers).collect::<Vec<_>>());
         }
     }
     if rows.is_empty() {
         return Err(FigureError::Empty { what: "motions" });
     }
-    Ok(Table::new("figure", ["panel", "mode", "cycle", "growth_per_s", "loudness_m_per_s"], rows))
+    Ok(Table::new("figure", ["panel", "sample", "mode", "kind", "growth_per_s", "loudness_m_per_s"], rows))
 }
 
 #[cfg(test)]
@@ -131,10 +135,21 @@ mod tests {
 
     #[test]
     fn each_motion_has_its_mark_and_a_cycle_its_ring() {
-        let motion = |mode, growth, loudness, is_cycle| LoudMotion { mode, growth, loudness, is_cycle };
+        let motion = |mode, growth, loudness, kind| LoudMotion {
+            mode,
+            growth,
+            loudness,
+            kind,
+            is_cycle: kind == "cycle",
+            sample: 12,
+        };
         let panel = LoudnessPanel {
             name: "nine in contact".into(),
-            motions: vec![motion(0, 120.0, 2.5, true), motion(1, 250.0, 1.5, false), motion(0, 130.0, 0.0, true)],
+            motions: vec![
+                motion(0, 120.0, 2.5, "cycle"),
+                motion(1, 250.0, 1.5, "not settled"),
+                motion(0, 130.0, 0.0, "rest"),
+            ],
         };
         let data = LoudnessFigure {
             title: "a brake".into(),
@@ -144,18 +159,21 @@ mod tests {
         };
         let figure = loudness_figure(&data).unwrap();
         let svg = figure.svg();
-        for words in
-            ["mode 20|22: growth 250 1/s, not periodic, loudness 1.5 m/s", "nine in contact", "a note", "a cycle"]
-        {
+        for words in [
+            "mode 20|22 of sample 12: growth 250.0 1/s, not settled, loudness 1.5000 m/s",
+            "nine in contact",
+            "a note",
+            "a cycle",
+        ] {
             assert!(svg.contains(words), "{words:?} is missing");
         }
-        assert_eq!(svg.matches("r=\"4.6\"").count(), 3); // two cycles and the key
+        assert_eq!(svg.matches("r=\"4.6\"").count(), 2); // a cycle and the key
         assert_eq!(figure.table.rows.len(), 3);
         assert!(matches!(loudness_figure(&LoudnessFigure::default()), Err(FigureError::Empty { .. })));
         let mut wrong = data.clone();
         wrong.panels[0].motions[0].loudness = f64::NAN;
         assert!(matches!(loudness_figure(&wrong), Err(FigureError::NotFinite { .. })));
-        wrong.panels[0].motions[0] = motion(7, 1.0, 1.0, true);
+        wrong.panels[0].motions[0] = motion(7, 1.0, 1.0, "cycle");
         assert!(matches!(loudness_figure(&wrong), Err(FigureError::Empty { .. })));
     }
 }

@@ -14,63 +14,82 @@ use crate::Error;
 /// Motions of a panel, each with the names of its mode.
 type NamedMotions<'a> = Vec<(&'a [ModeLabel], LoudMotion)>;
 
-/// Draws the motions of draws under each set of constraints, `motions-SET`.
+/// Draws the motions of draws under each set of constraints and each law, `motions-SET-LAW`, or `motions-SET` where there is one law.
 ///
 /// # Errors
 /// Those of the figures.
 pub fn draw_motions(results: &Results, motions: &CyclesOfDraws, dir: &Path) -> Result<(), Error> {
-    for (set, figure) in motions_of_draws(results, motions)? {
-        figure.save(dir, &format!("motions-{set}"))?;
+    for (name, figure) in motions_of_draws(results, motions)? {
+        figure.save(dir, &format!("motions-{name}"))?;
     }
     Ok(())
 }
 
-/// Figure of each set of constraints under which a motion has a loudness, with the name of the set: a panel for each law and speed range.
+/// Figure of each set of constraints and each law under which a motion has a loudness, with its name: a panel for each range of speeds and number of contacts.
 pub(crate) fn motions_of_draws(results: &Results, motions: &CyclesOfDraws) -> Result<Vec<(String, Figure)>, Error> {
     let Plan { name, labels, scenes, .. } = results.plan();
     let mut found = Vec::new();
     for (constraints, set) in labels.constraints.iter().enumerate() {
-        let mut panels: BTreeMap<(usize, Option<usize>), NamedMotions<'_>> = BTreeMap::new();
-        let mut without = 0;
-        for (scene, of) in scenes.iter().zip(&motions.scenes).filter(|(scene, _)| scene.key.constraints == constraints)
-        {
-            for motion in of.draws.iter().flat_map(|draw| &draw.motions) {
-                let Some(fate) = &motion.fate else { continue };
-                let Some(loudness) = fate.loudness() else {
-                    without += 1;
-                    continue;
-                };
-                let is_cycle = matches!(fate, DrawnFate::Cycle { .. });
-                let drawn = LoudMotion { mode: 0, growth: motion.growth, loudness, is_cycle };
-                panels.entry((scene.key.law, scene.key.speed)).or_default().push((&motion.names, drawn));
+        for (law, of_law) in labels.laws.iter().enumerate() {
+            let mut panels: BTreeMap<(Option<usize>, usize), NamedMotions<'_>> = BTreeMap::new();
+            let mut without = 0;
+            let of_figure = scenes.iter().zip(&motions.scenes);
+            for (scene, of) in
+                of_figure.filter(|(scene, _)| (scene.key.constraints, scene.key.law) == (constraints, law))
+            {
+                for (draw, motion) in
+                    of.draws.iter().flat_map(|draw| draw.motions.iter().map(move |motion| (draw, motion)))
+                {
+                    let Some((fate, loudness)) = motion.fate.as_ref().and_then(|fate| Some((fate, fate.loudness()?)))
+                    else {
+                        without += 1;
+                        continue;
+                    };
+                    let (kind, is_cycle) = (fate.kind(), matches!(fate, DrawnFate::Cycle { .. }));
+                    let drawn =
+                        LoudMotion { mode: 0, growth: motion.growth, loudness, kind, is_cycle, sample: draw.sample };
+                    panels.entry((scene.key.speed, scene.key.panel)).or_default().push((&motion.names, drawn));
+                }
             }
-        }
-        if panels.is_empty() {
-            continue;
-        }
-        let mut names: Vec<&[ModeLabel]> = panels.values().flatten().map(|(names, _)| *names).collect();
-        names.sort_unstable();
-        names.dedup();
-        let panel = |((law, speed), of): ((usize, Option<usize>), NamedMotions<'_>)| {
-            let speed = speed.map_or("all speeds", |speed| &labels.speeds[speed].name);
-            let numbered = |(own, motion): (&[ModeLabel], LoudMotion)| {
-                let mode = names.iter().position(|names| *names == own).unwrap_or_default();
-                LoudMotion { mode, ..motion }
+            if panels.is_empty() {
+                continue;
+            }
+            let mut names: Vec<&[ModeLabel]> = panels.values().flatten().map(|(names, _)| *names).collect();
+            names.sort_unstable();
+            names.dedup();
+            let panel = |((speed, panel), of): ((Option<usize>, usize), NamedMotions<'_>)| {
+                // Where nothing depends on the speed before the onset, motions have that of the first range.
+                let speed = labels.speeds.get(speed.unwrap_or_default()).map(|range| format!("speed {}", range.name));
+                let contacts =
+                    (labels.panels.len() > 1).then(|| format!("{} in contact", labels.panels[panel].in_contact));
+                let numbered = |(own, motion): (&[ModeLabel], LoudMotion)| {
+                    names.iter().position(|names| *names == own).map(|mode| LoudMotion { mode, ..motion })
+                };
+                let name = contacts.into_iter().chain(speed).collect::<Vec<_>>().join(", ");
+                LoudnessPanel { name, motions: of.into_iter().filter_map(numbered).collect() }
             };
-            let name = format!("{} friction, {speed}", labels.laws[law].title);
-            LoudnessPanel { name, motions: of.into_iter().map(numbered).collect() }
-        };
-        let data = LoudnessFigure {
-            title: format!("{name}: motions of draws, {}", set_heading(results, constraints)),
-            panels: panels.into_iter().map(panel).collect(),
-            modes: names.iter().map(|names| ModeLabel::candidates(names)).collect(),
-            note: match without {
-                0 => String::new(),
-                1 => "1 motion without a loudness is in cycles_of_draws.csv alone".to_owned(),
-                more => format!("{more} motions without a loudness are in cycles_of_draws.csv alone"),
-            },
-        };
-        found.push((set.clone(), loudness_figure(&data)?));
+            let heading = set_heading(results, constraints);
+            let (stem, heading) = match labels.laws.len() {
+                1 => (set.clone(), heading),
+                _ => (format!("{set}-{}", of_law.name), format!("{heading}, {} friction", of_law.title)),
+            };
+            let data = LoudnessFigure {
+                title: format!("{name}: motions of draws, {heading}"),
+                panels: panels.into_iter().map(panel).collect(),
+                modes: names.iter().map(|names| ModeLabel::candidates(names)).collect(),
+                note: match without {
+                    0 => String::new(),
+                    1 => "1 motion without a loudness, unbounded or not followed, is in cycles_of_draws.csv alone"
+                        .to_owned(),
+                    more => {
+                        format!(
+                            "{more} motions without a loudness, unbounded or not followed, are in cycles_of_draws.csv alone"
+                        )
+                    }
+                },
+            };
+            found.push((stem, loudness_figure(&data)?));
+        }
     }
     Ok(found)
 }
