@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Error between a case file and its brake.
+/// Error in making a brake of its case file, or in what that brake computes.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -60,7 +60,7 @@ pub enum Error {
     /// A prepared brake that cannot be written.
     #[error(transparent)]
     PreparedWrite(Box<output::OutputError>),
-    /// Friction whose motion is not followed, only its tangent.
+    /// Friction of which only the tangent at steady sliding is there, so that no motion can be followed in time.
     #[error("{what} has no motion here, only a tangent; allowed: {allowed}")]
     Motion {
         /// Name of the friction, in words.
@@ -86,6 +86,7 @@ impl Error {
         match self {
             Self::Study(error) => error.is_cancelled(),
             Self::Sweep(error) => error.is_cancelled(),
+            Self::Cycle(cycle::Error::Stopped) => true,
             _ => false,
         }
     }

@@ -1,4 +1,4 @@
-//! Arithmetic on one vector register: lane l belongs to sample l, and no operation mixes lanes.
+//! Arithmetic on one vector register. No operation mixes lanes, whether these are samples or neighbours in a row.
 
 use std::marker::PhantomData;
 
@@ -67,11 +67,6 @@ impl<S: Simd, T: Precision> Ops<S, T> {
     pub fn fnma(self, a: T::Register<S>, b: T::Register<S>, c: T::Register<S>) -> T::Register<S> {
         <T as Precision>::fnma(self.simd, a, b, c)
     }
-    /// The sum over the lanes.
-    #[inline(always)]
-    pub fn sum(self, a: T::Register<S>) -> T {
-        <T as Precision>::sum(self.simd, a)
-    }
 }
 
 impl<S: Simd> Ops<S> {
@@ -85,7 +80,7 @@ impl<S: Simd> Ops<S> {
     pub fn abs(self, a: S::f64s) -> S::f64s {
         self.simd.abs_f64s(a)
     }
-    /// The larger of both.
+    /// The larger of both; of a NaN and a number either, as the instruction set has it.
     #[inline(always)]
     pub fn max(self, a: S::f64s, b: S::f64s) -> S::f64s {
         self.simd.max_f64s(a, b)
@@ -148,8 +143,8 @@ impl<S: Simd> Ops<S> {
     }
 }
 
-/// `number` registers in `scratch`, which grows as needed. They begin at a cache line (8 numbers), so that no register
-/// straddles two lines.
+/// `number` registers in `scratch`, which grows as needed. They hold old numbers: whoever borrows them writes before they read. They begin at a cache line (8 numbers),
+/// so that no register straddles two lines, which is faster.
 pub fn registers<S: Simd>(scratch: &mut Vec<f64>, number: usize) -> &mut [S::f64s] {
     let needed = number * S::F64_LANES;
     if scratch.len() < needed + 8 {

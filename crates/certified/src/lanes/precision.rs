@@ -21,8 +21,6 @@ pub trait Precision: RealField + Copy + Default {
     fn registers<S: Simd>(of: &[Self]) -> &[Self::Register<S>];
     /// [`registers`](Self::registers), to be changed.
     fn registers_mut<S: Simd>(of: &mut [Self]) -> &mut [Self::Register<S>];
-    /// The sum over the lanes.
-    fn sum<S: Simd>(simd: S, a: Self::Register<S>) -> Self;
     /// `a` in every lane.
     fn splat<S: Simd>(simd: S, a: Self) -> Self::Register<S>;
     /// `a + b`.
@@ -85,7 +83,6 @@ macro_rules! precision {
 }
 
 precision!(f64, f64s, F64_LANES, 8, as_simd_f64s, as_mut_simd_f64s, [
-    sum(a: S::f64s) -> Self = reduce_sum_f64s;
     splat(a: Self) -> S::f64s = splat_f64s;
     add(a: S::f64s, b: S::f64s) -> S::f64s = add_f64s;
     sub(a: S::f64s, b: S::f64s) -> S::f64s = sub_f64s;
@@ -97,7 +94,6 @@ precision!(f64, f64s, F64_LANES, 8, as_simd_f64s, as_mut_simd_f64s, [
     fnma(a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s = negate_mul_add_e_f64s;
 ]);
 precision!(f32, f32s, F32_LANES, 16, as_simd_f32s, as_mut_simd_f32s, [
-    sum(a: S::f32s) -> Self = reduce_sum_f32s;
     splat(a: Self) -> S::f32s = splat_f32s;
     add(a: S::f32s, b: S::f32s) -> S::f32s = add_f32s;
     sub(a: S::f32s, b: S::f32s) -> S::f32s = sub_f32s;
