@@ -1,4 +1,4 @@
-//! Errors of what is asked of a brake, each one line for its user.
+//! Errors of questions about a brake, each one line for its user.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What is asked of a brake and its study, each an answer in memory.
+//! Questions about a brake and its study, each with an answer in memory.
 //!
 //! | question | see |
 //! | --- | --- |

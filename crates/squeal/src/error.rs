@@ -9,7 +9,7 @@ pub enum Error {
     /// An error of the study.
     #[error(transparent)]
     Study(#[from] study::Error),
-    /// What is asked of a brake.
+    /// A question about a brake.
     #[error(transparent)]
     Question(Box<questions::Error>),
     /// An error of an estimator of occurrences.

@@ -18,20 +18,24 @@ use crate::Error;
 /// Those of the figures.
 pub fn draw_occurrence(results: &Results, dir: &Path) -> Result<(), Error> {
     let Plan { name, labels, .. } = results.plan();
-    for (constraints, set) in labels.constraints.iter().enumerate() {
-        for (law, label) in labels.laws.iter().enumerate() {
-            let (stem, heading) = match labels.laws.len() {
-                1 => (format!("occurrence-{set}"), set_heading(results, constraints)),
-                _ => {
-                    let heading = format!("{}, {} friction", set_heading(results, constraints), label.title);
-                    (format!("occurrence-{set}-{}", label.name), heading)
-                }
-            };
+    for constraints in 0..labels.constraints.len() {
+        for law in 0..labels.laws.len() {
+            let (set_and_law, heading) = set_and_law(results, constraints, law);
             let data = occurrence(results, constraints, &[law], format!("{name}: {heading}"), Vec::new());
-            occurrence_boxes(&data)?.save(dir, &stem)?;
+            occurrence_boxes(&data)?.save(dir, &format!("occurrence-{set_and_law}"))?;
         }
     }
     Ok(())
+}
+
+/// Name of a set of constraints and a law, in files and in headings; of the set alone where there is one law.
+pub(super) fn set_and_law(results: &Results, constraints: usize, law: usize) -> (String, String) {
+    let labels = &results.plan().labels;
+    let (set, heading) = (&labels.constraints[constraints], set_heading(results, constraints));
+    match &labels.laws[..] {
+        [_] => (set.clone(), heading),
+        laws => (format!("{set}-{}", laws[law].name), format!("{heading}, {} friction", laws[law].title)),
+    }
 }
 
 /// Name of a set of constraints in headings.
