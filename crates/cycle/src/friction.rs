@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use friction::{BristleMotion, FrictionLaw, LuGre};
+use friction::{BristleMotion, FrictionLaw, FrictionSeries, LuGre};
 
 /// Friction in any relative motion; a [`FrictionLaw`] is its linearisation about steady sliding.
 pub trait ContactFriction: Debug + Send + Sync {
@@ -25,6 +25,12 @@ pub trait ContactFriction: Debug + Send + Sync {
     /// The coefficient where it slides forwards, or backwards, at a speed, m/s, of friction that jumps where the sliding turns: [`ContactFriction::at`] smooths it. `None` of friction
     /// that does not jump.
     fn sliding(&self, _speed: f64, _is_forwards: bool) -> Option<BristleMotion> {
+        None
+    }
+
+    /// Terms of friction along a motion that is a power series of time and does not turn: those of [`ContactFriction::sliding`], or else of
+    /// [`ContactFriction::at`]. Without them, `None`, the same motion takes several times as long.
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
         None
     }
 }
@@ -75,6 +81,10 @@ impl<L: FrictionLaw + Debug + Send + Sync> ContactFriction for Smoothed<L> {
     fn sliding(&self, speed: f64, is_forwards: bool) -> Option<BristleMotion> {
         Some(self.beyond(speed, is_forwards))
     }
+
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        self.law.series()
+    }
 }
 
 impl<L: FrictionLaw> Smoothed<L> {
@@ -108,5 +118,9 @@ impl ContactFriction for Bristled {
 
     fn stick_speed(&self) -> f64 {
         self.stick_speed
+    }
+
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        self.law.series()
     }
 }

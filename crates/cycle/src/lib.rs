@@ -26,7 +26,7 @@
 //! | hear it | [`harmonics`]: its Fourier series, [`Harmonics`] | `harmonics` |
 //! | follow cycles over a parameter | [`Balance`]: harmonic balance on the contacts, its friction smoothed, a cycle as a [`BalancedCycle`]; [`Balance::branch_from_onset`] within a [`Reach`] | `harmonic_balance`; `continuation` |
 //!
-//! Motion in time is in pieces: `path` makes one as a power series, whose terms and zeros are in `series`; `kinks` finds where it ends; `sides` says on which side of
+//! Motion in time is in pieces: `path` makes one as a power series, whose terms and zeros are in `series`; `terms` are those of friction; `kinks` finds where it ends; `sides` says on which side of
 //! each kink it is and what changes beyond; `stick` has the friction of contacts that stick; `moments` are the instants of a piece at which forces are looked at, and
 //! integrals made. `size` compares states, `factor` solves large linear systems.
 
@@ -50,6 +50,7 @@ mod size;
 mod stick;
 mod system;
 mod tangent;
+mod terms;
 mod variation;
 
 pub use contact::SlidingContact;

@@ -2,8 +2,8 @@
 //!
 //! A piece ends where the force of a contact has a kink, so that within it all forces are smooth. There `x' = x_0' + J (x - x_0) + B r`, with the
 //! Jacobian J at the begin of the piece and r, what friction has beyond its tangent there. A constant coefficient has no r: each term of
-//! the series follows from the one before by a product with J, whatever is open. Else r is a polynomial of time through its values at some
-//! moments of the piece, found by repeated substitution. A contact that sticks has the friction that keeps it from sliding, term by term (`stick.rs`).
+//! the series follows from the one before by a product with J, whatever is open. Else r follows term by term from the motion (`terms.rs`), or, of
+//! a law that does not tell its series, is a polynomial of time through its values at some moments of the piece, found by repeated substitution. A contact that sticks has the friction that keeps it from sliding, term by term (`stick.rs`).
 //!
 //! A. Jorba, M. Zou, A software package for the numerical integration of ODEs by means of high-order Taylor methods, Experiment. Math. 14 (2005)
 //! 99-117.
@@ -16,7 +16,8 @@ use crate::moments::{FITTED, LEADING, MOMENTS, fit, moment};
 use crate::series::{MOST_TERMS, root, value_and_slope};
 use crate::size::{amplitude, largest};
 use crate::stick::{AT_REST, Stuck};
-use crate::system::{ContactForces, product};
+use crate::system::{ContactForces, add_product, product};
+use crate::terms::Terms;
 use crate::{ContactSystem, Error};
 
 /// Number of terms fewer than in the piece before from which on their size is looked at; chosen.
@@ -88,8 +89,12 @@ pub(crate) struct Path<'a> {
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
     pub forces: Vec<ContactForces>,
     pub below: DMatrix<f64>,
-    /// Contacts whose friction is more than its tangent.
+    /// Contacts whose friction is more than its tangent; those of them whose friction has terms, and the others.
     pub curved: Vec<usize>,
+    exact: Vec<Terms>,
+    fitted: Vec<usize>,
+    /// What the next term of friction, N, and of the rates of bristles has beyond the tangent, by contacts.
+    beyond: [Vec<f64>; 2],
     /// Powers from the first on of the remainder of friction of each contact, and then of the rates of their bristles.
     remainder: DMatrix<f64>,
     /// Change of the state in the time 1 s by a remainder of 1, in scales.
@@ -140,6 +145,10 @@ impl<'a> Path<'a> {
             system.sliding.column(at).iter().zip(&scales[n..]).map(|(b, scale)| (b / scale).abs()).fold(0.0, f64::max)
         };
         let of_rate = |at: usize| system.bristle(at).map_or(0.0, |place| 1.0 / scales[place]);
+        let is_curved = |at: &usize| !system.contacts()[*at].friction.is_constant();
+        let curved: Vec<usize> = (0..contacts).filter(is_curved).collect();
+        let exact: Vec<Terms> = curved.iter().filter_map(|&at| Terms::new(system, at)).collect();
+        let is_fitted = |at: &usize| exact.iter().all(|terms| terms.contact != *at);
         let mut path = Self {
             system,
             scales,
@@ -159,7 +168,10 @@ impl<'a> Path<'a> {
             sparse_reads,
             forces: Vec::new(),
             below: DMatrix::zeros(0, 0),
-            curved: (0..contacts).filter(|at| !system.contacts()[*at].friction.is_constant()).collect(),
+            fitted: curved.iter().copied().filter(is_fitted).collect(),
+            curved,
+            exact,
+            beyond: [vec![0.0; contacts], vec![0.0; contacts]],
             remainder: DMatrix::zeros(2 * contacts, FITTED),
             held: DMatrix::zeros(contacts, MOST_TERMS),
             sliding: vec![Sliding::Smooth; contacts],
@@ -248,7 +260,7 @@ impl<'a> Path<'a> {
             let reach = self.fill(unit, is_curved)?;
             self.see();
             let (length, kink) = self.first_kink(reach, &self.seen_at([0.0, reach]));
-            let [change, last] = match self.curved.is_empty() {
+            let [change, last] = match self.fitted.is_empty() {
                 true => [0.0; 2],
                 false => self.take_remainder(unit, length, is_curved, &self.seen_at([0.0, length])),
             };
@@ -310,6 +322,10 @@ impl<'a> Path<'a> {
     fn fill(&mut self, unit: f64, is_curved: bool) -> Result<f64, f64> {
         let (n, contacts) = (self.system.order(), self.system.contacts().len());
         self.terms.column_mut(0).copy_from_slice(&self.x);
+        for at in 0..self.exact.len() {
+            let phase = self.phase(self.exact[at].contact);
+            self.exact[at].begin(phase);
+        }
         let (expected, mut before, mut last) = (self.degree, f64::INFINITY, f64::INFINITY);
         for k in 0..MOST_TERMS {
             let (from, mut to) = self.terms.columns_range_pair_mut(k, k + 1);
@@ -320,13 +336,21 @@ impl<'a> Path<'a> {
                 to[..n].copy_from_slice(&from[n..2 * n]);
                 product(&self.below, from, &mut to[n..]);
             }
-            if is_curved && (1..=FITTED).contains(&k) {
-                for contact in 0..contacts {
-                    let friction = self.remainder[(contact, k - 1)];
-                    let column = self.system.sliding.column(contact);
-                    to[n..2 * n].iter_mut().zip(&column).for_each(|(to, b)| *to += b * friction);
+            if !self.curved.is_empty() {
+                let [friction, rates] = &mut self.beyond;
+                for terms in &mut self.exact {
+                    let contact = terms.contact;
+                    [friction[contact], rates[contact]] = terms.beyond(self.system, &self.forces[contact], from);
+                }
+                for &contact in &self.fitted {
+                    let power = if is_curved && (1..=FITTED).contains(&k) { Some(k - 1) } else { None };
+                    let remainder = |row: usize| power.map_or(0.0, |power| self.remainder[(row, power)]);
+                    [friction[contact], rates[contact]] = [contact, contacts + contact].map(remainder);
+                }
+                add_product(&self.system.sliding, friction, &mut to[n..2 * n]);
+                for (contact, rate) in rates.iter().enumerate() {
                     if let Some(place) = self.system.bristle(contact) {
-                        to[place] += self.remainder[(contacts + contact, k - 1)];
+                        to[place] += rate;
                     }
                 }
             }
@@ -401,8 +425,8 @@ impl<'a> Path<'a> {
     fn take_remainder(&mut self, unit: f64, length: f64, is_curved: bool, values: &DMatrix<f64>) -> [f64; 2] {
         let contacts = self.system.contacts().len();
         let (mut change, mut last) = (0.0_f64, 0.0_f64);
-        let curved = self.curved.iter().copied().filter(|contact| self.sliding[*contact] != Sliding::Stuck);
-        for contact in curved {
+        let fitted = self.fitted.iter().copied().filter(|contact| self.sliding[*contact] != Sliding::Stuck);
+        for contact in fitted {
             let at_begin = &self.forces[contact];
             let bristle = self.system.bristle(contact).map(|place| 2 * contacts + place - 2 * self.system.order());
             let state = |values: &DMatrix<f64>, moment: usize| bristle.map_or(0.0, |row| values[(row, moment)]);
@@ -421,7 +445,8 @@ impl<'a> Path<'a> {
                     of_state - state(&self.seen, 0),
                 ];
                 let linear = at_begin.linear(moved);
-                (*friction, *rate) = (found.friction - linear[0], found.rate - linear[1]);
+                *friction = found.friction - at_begin.friction - linear[0];
+                *rate = found.rate - at_begin.rate - linear[1];
             }
             for (row, values) in [(contact, remainders[0]), (contacts + contact, remainders[1])] {
                 let weight = unit * length * self.weights[row] / self.allowed;
@@ -480,6 +505,12 @@ impl<'a> Path<'a> {
             let [velocity, slope] = velocity_and_slope(part);
             [velocity.abs() - of.friction.stick_speed(), velocity.signum() * slope]
         };
+        let slip = self.seen.row(row);
+        let least =
+            (of.speed + slip[0]).abs() - slip.iter().take(self.degree + 1).skip(1).map(|x| x.abs()).sum::<f64>();
+        if least > of.friction.stick_speed() {
+            return 0.0;
+        }
         let (mut slow, mut before) = (0.0, (0.0, above(0.0)[0] < 0.0));
         for at in 0..MOMENTS {
             let part = self.length * moment(at);

@@ -94,13 +94,10 @@ impl ContactForces {
         ]
     }
 
-    /// Friction and rate of the state by their tangents, where gap, velocity and state differ so much.
+    /// Changes of friction and of the rate of the state by their tangents, where gap, velocity and state differ so much.
     pub fn linear(&self, [gap, velocity, state]: [f64; 3]) -> [f64; 2] {
         let [by_gap, by_velocity, by_state, rate_by_velocity, rate_by_state] = self.slopes();
-        [
-            self.friction + by_gap * gap + by_velocity * velocity + by_state * state,
-            self.rate + rate_by_velocity * velocity + rate_by_state * state,
-        ]
+        [by_gap * gap + by_velocity * velocity + by_state * state, rate_by_velocity * velocity + rate_by_state * state]
     }
 
     /// True if all derivatives are the same.
@@ -423,10 +420,16 @@ impl ContactSystem {
 
 /// A matrix times a vector.
 pub(crate) fn product(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    add_product(matrix, x, out);
+}
+
+/// Adds a matrix times a vector.
+pub(crate) fn add_product(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
     Arch::new().dispatch(Product { matrix, x, out });
 }
 
-/// The product: its sums are the same bits on registers of any width.
+/// What is added: its sums are the same bits on registers of any width.
 struct Product<'a> {
     matrix: &'a DMatrix<f64>,
     x: &'a [f64],
@@ -439,7 +442,6 @@ impl WithSimd for Product<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { matrix, x, out } = self;
-        out.fill(0.0);
         let rows = out.len();
         // Four columns at a time, so that each entry of the result is loaded and stored once for them.
         let (columns, entries) = (matrix.as_slice().chunks_exact(4 * rows.max(1)), x.chunks_exact(4));

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
-use crate::moments::{FITTED, fit, moment};
+use crate::moments::{FITTED, LEADING, fit, moment};
 use crate::path::Path;
 use crate::size::{amplitude, largest};
 
@@ -15,6 +15,9 @@ const LAST_TERMS: f64 = 1e-11;
 
 /// Part of the largest deviation above which terms that cancel each other cost too many digits; chosen.
 const CANCELLING: f64 = 1e4;
+
+/// Part of the largest deviation by which slopes of friction that are fitted may change one over a part of a piece; chosen, as what a piece may be wrong by.
+const FIT: f64 = 1e-10;
 
 /// Number of terms after which their size is looked at again, which costs as much as a term; chosen.
 const LOOKED_AT: usize = 4;
@@ -61,7 +64,7 @@ impl Path<'_> {
     fn carry_over(&self, deviations: &DMatrix<f64>, [from, to]: [f64; 2]) -> Option<DMatrix<f64>> {
         let (system, below) = (self.system, &self.below);
         let (d, n, contacts) = (system.dimension(), system.order(), system.contacts().len());
-        let slopes = self.slopes([from, to]);
+        let slopes = self.slopes([from, to])?;
         let size = |of: &DMatrix<f64>| {
             of.column_iter().fold(0.0, |size, column| largest(size, amplitude(column.as_slice(), self.scales)))
         };
@@ -116,11 +119,12 @@ impl Path<'_> {
         None
     }
 
-    /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some.
-    fn slopes(&self, [from, to]: [f64; 2]) -> Vec<Slopes> {
+    /// Changes of the slopes of contacts from those at the begin of the piece, over a part of it, of contacts that have some; `None` where the part is too
+    /// long for a fit.
+    fn slopes(&self, [from, to]: [f64; 2]) -> Option<Vec<Slopes>> {
         let system = self.system;
         if self.curved.is_empty() {
-            return Vec::new();
+            return Some(Vec::new());
         }
         let mut x = vec![0.0; system.dimension()];
         let mut found: Vec<Vec<[f64; 5]>> = vec![Vec::with_capacity(FITTED + 1); system.contacts().len()];
@@ -148,6 +152,21 @@ impl Path<'_> {
         };
         let changed =
             found.into_iter().enumerate().filter(|(_, changes)| changes.iter().flatten().any(|change| *change != 0.0));
-        changed.map(fitted).collect()
+        let slopes: Vec<Slopes> = changed.map(fitted).collect();
+        let duration = (to - from) * self.duration();
+        slopes.iter().all(|slopes| duration * self.rate_of_error(slopes) <= FIT).then_some(slopes)
+    }
+
+    /// Change of a deviation of one scale in the time 1 s, in scales, by the last power of fitted slopes.
+    fn rate_of_error(&self, Slopes { contact, powers }: &Slopes) -> f64 {
+        let (system, contacts) = (self.system, self.system.contacts().len());
+        let seen = |row: usize| -> f64 {
+            system.reads.row(row).iter().zip(self.scales).map(|(read, scale)| (read * scale).abs()).sum()
+        };
+        let [gap, slip] = [*contact, contacts + contact].map(seen);
+        let state = system.bristle(*contact).map_or(0.0, |place| self.scales[place]);
+        let last = |slope: usize| powers[slope][FITTED].abs() / LEADING;
+        let [friction, rate] = [*contact, contacts + contact].map(|row| self.weights[row]);
+        friction * (last(0) * gap + last(1) * slip + last(2) * state) + rate * (last(3) * slip + last(4) * state)
     }
 }

@@ -6,14 +6,14 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Curve, FAST, hoffmann, hoffmann_mode, mass_on_belt, mass_on_belts, part};
+use common::{Curve, FAST, hoffmann, hoffmann_mode, hoffmann_under, mass_on_belt, mass_on_belts, part};
 use cycle::{
     Bristled, ContactFriction, ContactState, ContactSystem, Cycle, Measures, Motion, Part, Settings, Shares,
     SlidingContact, Smoothed, follow, harmonics, history, measure, state_after, states,
 };
 use friction::{
-    BristleDamping, BristleMotion, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent,
-    VelocityDependentParameters,
+    BristleDamping, BristleMotion, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters, Tangent,
+    VelocityDependent, VelocityDependentParameters,
 };
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, dmatrix, dvector};
@@ -419,6 +419,66 @@ fn jacobians_are_limits_of_differences() {
                     assert!((difference - jacobian[(i, j)]).abs() < 1e-7 * (1.0 + jacobian.amax()), "{x:?} {i} {j}");
                 }
             }
+        }
+    }
+}
+
+/// Friction of another law, whose series is not told.
+#[derive(Debug)]
+struct Untold(Arc<dyn ContactFriction>);
+
+impl ContactFriction for Untold {
+    fn at(&self, velocity: f64, state: f64) -> BristleMotion {
+        self.0.at(velocity, state)
+    }
+
+    fn sliding(&self, speed: f64, is_forwards: bool) -> Option<BristleMotion> {
+        self.0.sliding(speed, is_forwards)
+    }
+
+    fn steady_state(&self, speed: f64) -> Option<f64> {
+        self.0.steady_state(speed)
+    }
+
+    fn stick_speed(&self) -> f64 {
+        self.0.stick_speed()
+    }
+}
+
+/// Motions whose contact closes, sticks and turns, under laws with a series and under the same laws by substitution.
+#[test]
+fn a_motion_by_the_series_of_its_law_is_that_by_substitution() {
+    let stick_speed = 1e-3;
+    let curve = StribeckParameters { mu_s: 1.2, mu_k: 0.7, v_s: 0.5, sigma2: 0.02 };
+    let bristles = |bristle_damping| LuGreParameters {
+        mu_s: 1.2,
+        mu_k: 0.7,
+        v_s: 0.5,
+        sigma0: 40.0,
+        sigma1: 0.3,
+        sigma2: 0.02,
+        bristle_damping,
+    };
+    let bristled = |damping| Bristled { law: LuGre::new(bristles(damping)).unwrap(), stick_speed };
+    let laws: [Arc<dyn ContactFriction>; 4] = [
+        Arc::new(Smoothed { law: law_of_speed(), stick_speed }),
+        Arc::new(Smoothed { law: Stribeck::new(curve).unwrap(), stick_speed }),
+        Arc::new(bristled(BristleDamping::Constant)),
+        Arc::new(bristled(BristleDamping::Decaying)),
+    ];
+    for (law, friction) in laws.into_iter().enumerate() {
+        let untold = || Arc::new(Untold(Arc::clone(&friction)));
+        let pairs = [
+            [hoffmann_under(friction.clone(), 1.0, 0.4), hoffmann_under(untold(), 1.0, 0.4)],
+            [mass_on_belts(&[1.0, 0.6], 0.3, 0.02, friction.clone()), mass_on_belts(&[1.0, 0.6], 0.3, 0.02, untold())],
+        ];
+        for [by_series, by_substitution] in pairs {
+            let start: Vec<f64> = (0..by_series.dimension()).map(|i| [1.3, -0.9, 0.2, 0.7, 0.0][i % 5]).collect();
+            let after = |system| state_after(system, start.clone(), 12.0, 1.0, 1e-12).unwrap();
+            let (found, expected) = (after(&by_series), after(&by_substitution));
+            let difference = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(difference < 1e-8, "law {law}: {found:?} {expected:?}");
+            assert!(found != start);
         }
     }
 }

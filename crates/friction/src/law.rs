@@ -2,8 +2,8 @@
 
 use num_complex::Complex;
 
-use crate::FrictionError;
 use crate::error::{non_negative, positive};
+use crate::{FrictionError, FrictionSeries};
 
 /// A friction law in sliding at a positive relative speed.
 pub trait FrictionLaw {
@@ -19,6 +19,11 @@ pub trait FrictionLaw {
     /// True of a law whose coefficient is the same at every speed.
     fn is_constant(&self) -> bool {
         false
+    }
+
+    /// Terms of the friction along a motion that is a power series of time; `None` of a law that has none, which costs a motion after the onset time alone.
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        None
     }
 
     /// [`FrictionLaw::steady`] and [`FrictionLaw::tangent`] in one call.

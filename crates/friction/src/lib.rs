@@ -24,6 +24,7 @@ mod amontons_coulomb;
 mod error;
 mod law;
 mod lugre;
+mod series;
 mod stribeck;
 mod velocity_dependent;
 
@@ -31,6 +32,7 @@ pub use amontons_coulomb::AmontonsCoulomb;
 pub use error::{Allowed, FrictionError};
 pub use law::{FrictionLaw, InternalTangent, Steady, Tangent};
 pub use lugre::{BristleDamping, BristleMotion, LuGre, LuGreParameters};
+pub use series::{FrictionSeries, product_term};
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use velocity_dependent::{VelocityDependent, VelocityDependentParameters};
 

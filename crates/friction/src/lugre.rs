@@ -1,7 +1,10 @@
 //! LuGre friction: bristles deflect, so that the coefficient follows the speed with a delay.
 
 use crate::error::{non_negative, positive};
-use crate::{FrictionError, FrictionLaw, InternalTangent, Steady, Stribeck, StribeckParameters, Tangent};
+use crate::series::LuGreSeries;
+use crate::{
+    FrictionError, FrictionLaw, FrictionSeries, InternalTangent, Steady, Stribeck, StribeckParameters, Tangent,
+};
 
 /// Dependence of the bristle damping sigma1 on speed. `sigma1 = 0` means no bristle damping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,10 +46,10 @@ pub struct LuGreParameters {
 /// `h(lambda) = sigma2 + (sigma0 + sigma1 lambda) b / (lambda + a)`, see [`Tangent::complex_slope`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuGre {
-    curve: Stribeck,
-    sigma0: f64,
-    sigma1: f64,
-    bristle_damping: BristleDamping,
+    pub(crate) curve: Stribeck,
+    pub(crate) sigma0: f64,
+    pub(crate) sigma1: f64,
+    pub(crate) bristle_damping: BristleDamping,
 }
 
 impl LuGre {
@@ -133,5 +136,9 @@ impl FrictionLaw for LuGre {
             slope: sigma1 * drive + self.curve.sigma2(),
             internal: Some(InternalTangent { decay, drive, force: self.sigma0 - sigma1 * decay }),
         }
+    }
+
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        Some(Box::new(LuGreSeries::new(*self)))
     }
 }

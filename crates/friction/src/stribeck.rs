@@ -1,7 +1,8 @@
 //! The Stribeck curve as a friction law: LuGre without bristles.
 
 use crate::error::{non_negative, positive, static_not_below_kinetic};
-use crate::{FrictionError, FrictionLaw, Steady, Tangent};
+use crate::series::{CurveSeries, Exponent};
+use crate::{FrictionError, FrictionLaw, FrictionSeries, Steady, Tangent};
 
 /// Parameters of [`Stribeck`], the static part of the parameters of [`LuGre`](crate::LuGre).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +65,12 @@ impl Stribeck {
     pub(crate) fn sigma2(&self) -> f64 {
         self.parameters.sigma2
     }
+
+    /// Terms of `g(v) + viscous v`.
+    pub(crate) fn terms(&self, viscous: f64) -> CurveSeries {
+        let StribeckParameters { mu_s, mu_k, v_s, .. } = self.parameters;
+        CurveSeries::new([mu_k, mu_s - mu_k, viscous], Exponent::Square(v_s))
+    }
 }
 
 impl FrictionLaw for Stribeck {
@@ -73,5 +80,9 @@ impl FrictionLaw for Stribeck {
 
     fn tangent(&self, at: &Steady) -> Tangent {
         Tangent { mu: at.mu(), slope: self.g_slope(at.speed()) + self.sigma2(), internal: None }
+    }
+
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        Some(Box::new(self.terms(self.sigma2())))
     }
 }

@@ -1,7 +1,8 @@
 //! Velocity-dependent friction: an exponential fall from the static to the kinetic coefficient.
 
 use crate::error::{non_negative, static_not_below_kinetic};
-use crate::{FrictionError, FrictionLaw, Steady, Tangent};
+use crate::series::{CurveSeries, Exponent};
+use crate::{FrictionError, FrictionLaw, FrictionSeries, Steady, Tangent};
 
 /// Parameters of [`VelocityDependent`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,5 +48,10 @@ impl FrictionLaw for VelocityDependent {
 
     fn tangent(&self, at: &Steady) -> Tangent {
         Tangent { mu: at.mu(), slope: -self.parameters.alpha * self.excess(at.speed()), internal: None }
+    }
+
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        let VelocityDependentParameters { mu_s, mu_k, alpha } = self.parameters;
+        Some(Box::new(CurveSeries::new([mu_k, mu_s - mu_k, 0.0], Exponent::Linear(alpha))))
     }
 }

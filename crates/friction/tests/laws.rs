@@ -184,3 +184,49 @@ fn refuses_bad_parameters_by_name() {
         assert!(message.starts_with("speed = ") && message.ends_with("; allowed: finite and > 0"), "{message}");
     }
 }
+
+/// Value of a series with these terms.
+fn sum(terms: &[f64], at: f64) -> f64 {
+    terms.iter().rev().fold(0.0, |sum, term| sum * at + term)
+}
+
+proptest! {
+    /// Along a motion that is a polynomial of time, the terms add up to the law itself at each time.
+    #[test]
+    fn series_of_a_law_add_up_to_the_law(
+        p in lugre_parameters(), alpha in 0.0..3.0, v in 0.3..5.0, moved in proptest::array::uniform4(-0.05..0.05), is_forwards: bool,
+    ) {
+        let sign = if is_forwards { 1.0 } else { -1.0 };
+        let velocity = [sign * v, moved[0], moved[1], moved[2]];
+        let lugre = LuGre::new(p).unwrap();
+        let state = [sign * lugre.steady_bristle(v), 0.1 * moved[3] / p.sigma0, 0.1 * moved[0] / p.sigma0];
+        let falling = VelocityDependent::new(VelocityDependentParameters { mu_s: p.mu_s, mu_k: p.mu_k, alpha }).unwrap();
+        let stribeck = stribeck_of(&p);
+        let of_speed = |law: &dyn FrictionLaw, w: f64| [sign * law.steady(w.abs()).unwrap().mu(), 0.0];
+        let expected = |law: usize, w: f64, z: f64| match law {
+            0 => of_speed(&falling, w),
+            1 => of_speed(&stribeck, w),
+            _ => {
+                let motion = lugre.moving(w, z);
+                [motion.mu, motion.rate]
+            }
+        };
+        for (law, series) in [falling.series(), stribeck.series(), lugre.series()].into_iter().enumerate() {
+            let mut series = series.unwrap();
+            // What was asked before is forgotten.
+            series.begin(!is_forwards);
+            series.next(1.0, 1.0);
+            series.begin(is_forwards);
+            let term = |terms: &[f64], k: usize| terms.get(k).copied().unwrap_or(0.0);
+            let terms: Vec<[f64; 2]> = (0..40).map(|k| series.next(term(&velocity, k), term(&state, k))).collect();
+            for at in [0.0, 0.2, 0.5] {
+                let expected = expected(law, sum(&velocity, at), sum(&state, at));
+                let scale = [1.0 + p.sigma1 * v, v];
+                for of in 0..2 {
+                    let found = sum(&terms.iter().map(|term| term[of]).collect::<Vec<_>>(), at);
+                    prop_assert!((found - expected[of]).abs() <= 1e-11 * scale[of], "{law} {of} {at}: {found} {expected:?}");
+                }
+            }
+        }
+    }
+}

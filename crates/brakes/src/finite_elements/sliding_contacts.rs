@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cycle::{ContactFriction, ContactSystem, SlidingContact};
-use friction::BristleMotion;
+use friction::{BristleMotion, FrictionSeries};
 use linsys::{AffineSystem, OperatingPoint};
 use study::{DrawnContacts, Scene, SlidingContacts};
 
@@ -196,5 +196,26 @@ impl ContactFriction for Times {
 
     fn is_constant(&self) -> bool {
         self.law.is_constant()
+    }
+
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        Some(Box::new(SeriesTimes { factor: self.factor, series: self.law.series()? }))
+    }
+}
+
+/// The series of such a law.
+struct SeriesTimes {
+    factor: f64,
+    series: Box<dyn FrictionSeries>,
+}
+
+impl FrictionSeries for SeriesTimes {
+    fn begin(&mut self, is_forwards: bool) {
+        self.series.begin(is_forwards);
+    }
+
+    fn next(&mut self, velocity: f64, state: f64) -> [f64; 2] {
+        let [mu, rate] = self.series.next(velocity, state);
+        [self.factor * mu, rate]
     }
 }

@@ -24,6 +24,11 @@ pub fn coulomb(mu: f64, stick_speed: f64) -> Arc<dyn ContactFriction> {
 
 /// Hoffmann's oscillator of `cases/hoffmann.toml`, whose contact may open.
 pub fn hoffmann(mu: f64, load: f64) -> ContactSystem {
+    hoffmann_under(coulomb(mu, 1e-3), load, FAST)
+}
+
+/// The same under another friction and at another speed.
+pub fn hoffmann_under(friction: Arc<dyn ContactFriction>, load: f64, speed: f64) -> ContactSystem {
     let zero = || DMatrix::zeros(2, 2);
     let springs = part("springs", dmatrix![1.0, 0.0; 0.0, 1.0], zero(), dmatrix![2.0, 1.0; 1.0, 2.0]);
     let dashpots = part("dashpots", zero(), dmatrix![0.05, 0.0; 0.0, 0.05], zero());
@@ -34,8 +39,8 @@ pub fn hoffmann(mu: f64, load: f64) -> ContactSystem {
         normal: vec![(1, 1.0)],
         stiffness: 4.0 / 3.0,
         load,
-        speed: FAST,
-        friction: coulomb(mu, 1e-3),
+        speed,
+        friction,
     };
     ContactSystem::new(vec![springs, dashpots], vec![belt]).unwrap()
 }
