@@ -6,7 +6,8 @@ use study::{Measured, MeasuredFrequency};
 use super::CaseError;
 use super::check::Check;
 
-/// Share of the draws, of a case that says none: a mode that is unstable in more of them counts as squeal. Chosen: one in twenty stops of a test is noticed.
+/// Share of the draws, of a case that says none: a mode that is unstable in a larger one, in the arrangement where it is largest, counts as squeal. Chosen, as if draws were the stops
+/// of a test, of which one in twenty is noticed.
 const SHARE: f64 = 0.05;
 
 #[derive(Debug, Clone, Deserialize)]
@@ -50,7 +51,11 @@ impl Check<'_> {
         };
         let one = |(hz, tolerance_hz)| {
             let hz = positive("measured.frequencies", hz)?;
-            Ok(MeasuredFrequency { hz, tolerance_hz: positive("measured.tolerance", tolerance_hz)? })
+            let tolerance_hz = positive("measured.tolerance", tolerance_hz)?;
+            if tolerance_hz >= hz {
+                return Err(self.value("measured.tolerance", tolerance_hz, &format!("below its frequency, {hz} Hz")));
+            }
+            Ok(MeasuredFrequency { hz, tolerance_hz })
         };
         let mut frequencies =
             frequencies.into_iter().zip(tolerances).map(one).collect::<Result<Vec<_>, CaseError>>()?;

@@ -92,7 +92,7 @@ pub fn certify(
         }
     }
     if spectrum.zeros > 1 {
-        let members = (0..found.len()).filter(|&i| found[i].sigma == Complex::default()).collect();
+        let members = (0..sigmas.len()).filter(|&i| sigmas[i] == Complex::default()).collect();
         // As many null vectors of K as zero eigenvalues, or chains.
         let complete = zeros.len() == spectrum.zeros;
         groups.push((members, if complete { ClusterKind::Semisimple } else { ClusterKind::Defective }));
@@ -382,8 +382,47 @@ mod tests {
         (1..5usize).prop_flat_map(move |n| (square(n), square(n), square(n)))
     }
 
+    /// Stiffness of bodies that are free, exactly or but for rounding.
+    fn free_bodies() -> impl Strategy<Value = DMatrix<f64>> {
+        let body = prop_oneof![
+            prop_oneof![Just(0.0), Just(1e-18), Just(1e-17), Just(1.0)].prop_map(|k| dmatrix![k]),
+            (prop_oneof![Just(0.0), Just(0.5), Just(-1.0)], prop_oneof![Just(1.0), Just(3.0)]).prop_map(
+                |(steps, k)| {
+                    let coupling = k * (steps * f64::EPSILON - 1.0);
+                    dmatrix![k, coupling; coupling, k]
+                }
+            ),
+        ];
+        prop::collection::vec(body, 1..5).prop_map(|bodies| {
+            let n = bodies.iter().map(DMatrix::nrows).sum();
+            let (mut k, mut at) = (DMatrix::zeros(n, n), 0);
+            for body in bodies {
+                k.view_mut((at, at), body.shape()).copy_from(&body);
+                at += body.nrows();
+            }
+            k
+        })
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(500))]
+
+        /// Groups of eigenvalues next to zero leave zeros of an exact count as they are.
+        #[test]
+        fn exact_zeros_stay_zero_beside_others_that_are_nearly(
+            k in free_bodies(), damping in prop_oneof![Just(0.1), Just(1.0), Just(50.0)],
+        ) {
+            let n = k.nrows();
+            let system = SecondOrder::new(DMatrix::identity(n, n), DMatrix::identity(n, n) * damping, k).unwrap();
+            let mut counters = Counters::default();
+            let spectrum = solve(&system, &mut counters).unwrap();
+            let found = certify(&system, &spectrum, &mut counters).unwrap();
+            let is_exact = |e: &&CertifiedEigenvalue| e.lambda == Complex::default() && e.bound == 0.0;
+            let zeros: Vec<_> = found.eigenvalues.iter().filter(is_exact).collect();
+            prop_assert_eq!(zeros.len(), spectrum.zeros);
+            prop_assert!(zeros.iter().all(|e| e.verdict == Verdict::Marginal { tolerance: 0.0 }), "{:?}", zeros);
+            prop_assert!(found.clusters.iter().all(|c| c.members.len() > 1 && c.mean.re.is_finite()), "{:?}", found.clusters);
+        }
 
         #[test]
         fn whatever_the_matrices_all_eigenvalues_are_accounted_for((m, c, k) in matrices()) {

@@ -49,13 +49,16 @@ pub(super) fn enclose_groups(
     (discs, groups)
 }
 
-/// Gives the members of a semisimple group the vectors and eigenvalues of their common null space.
+/// Gives the members of a semisimple group the vectors and eigenvalues of their common null space. Simple ones keep their own, as zeros of an exact count do.
 fn adopt(problem: &Measure, found: &mut [State], members: &[usize], mean: Complex<f64>, space: &Semisimple) {
     let (scaled_condition, condition) = problem.conditions(mean, &space.right, &space.left);
     for (at, &i) in members.iter().enumerate() {
+        if found[i].is_simple {
+            continue;
+        }
         let sigma = space.sigmas.as_ref().map_or(found[i].sigma, |s| s[at]);
         let member = problem.state(sigma, space.right[at].clone(), space.left[at].clone());
-        // Members that are told apart have vectors of their own, and a wide group may be worse than they.
+        // Members that are told apart have vectors of their own, and those of a wide group may solve the equations worse.
         if member.error() <= ROUNDING_ONLY.max(found[i].error()) {
             found[i] = member;
         }

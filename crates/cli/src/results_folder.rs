@@ -1,4 +1,4 @@
-//! Words that commands which leave results in a folder have in common: where these come from, and where they are.
+//! What commands that leave results in a folder have in common: the manifest, a folder that is given back, and words on where it is.
 
 use std::path::Path;
 
@@ -10,8 +10,8 @@ use squeal::study::Plan;
 
 use crate::Error;
 
-/// Writes `manifest.json` into a folder: the program, the case and the study, threads and seconds, and what the command adds: enough
-/// to make its results again.
+/// Writes `manifest.json` into a folder: the program, the case and the study, threads and seconds, and what the command adds, whose keys are
+/// none of these. Files that the case names are not in it.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -31,7 +31,8 @@ pub(super) fn write_manifest(
     Ok(folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?)
 }
 
-/// The answer with its folder; of a question without an answer the folder is given back, which holds nothing but the file `kept` of what was found on the way.
+/// The answer with its folder. Of a question that has no answer however often it is asked, the folder is given back where it holds nothing but `kept`, the file of what was
+/// found on the way, and this file with it; after any other error both stay, to go on from.
 ///
 /// # Errors
 /// The error of a question without an answer.
@@ -52,7 +53,7 @@ pub(super) fn or_given_back<T>(
     }
 }
 
-/// True of an error that the same command ends with whenever it is given: none of work that was cancelled, or of a file.
+/// True of an error that the same command ends with whenever it is given: all but those of work that was cancelled, and of files.
 fn is_final(error: &squeal::Error) -> bool {
     use squeal::Error::{FolderLost, Output, Read};
     !(error.is_cancelled() || matches!(error, Output(_) | Read { .. } | FolderLost { .. }))

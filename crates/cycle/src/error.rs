@@ -16,7 +16,7 @@ pub enum Error {
         /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A structure that cannot move in time, or not in these harmonics: no contact, a mass matrix without an inverse, internal states of its own, a resonance without
+    /// A structure that cannot move in time, or not in these harmonics: no contact, a mass matrix that is not symmetric and positive definite, internal states of its own, a resonance without
     /// damping.
     #[error("{0}")]
     Structure(&'static str),

@@ -128,7 +128,7 @@ impl<'a> Path<'a> {
         for (at, contact) in system.contacts().iter().enumerate() {
             let (slip, held) = ((contacts + at, contact.speed), reads.nrows() + 2 * at);
             let [forwards, backwards] =
-                [held, held + 1].map(|row| system.static_friction[at].map_or(slip, |mu| (row, mu * contact.load)));
+                [0, 1].map(|side| system.static_friction[at].map_or(slip, |mu| (held + side, mu[side] * contact.load)));
             kinks.extend([(at, contact.load), forwards, slip, backwards]);
         }
         if !section.is_empty() {
@@ -393,13 +393,13 @@ impl<'a> Path<'a> {
         }
         let stuck = (0..self.sliding.len()).filter(|contact| self.sliding[*contact] == Sliding::Stuck);
         for contact in stuck {
-            let mu = self.system.static_friction[contact].unwrap_or(0.0);
+            let mu = self.system.static_friction[contact].unwrap_or_default();
             for k in 0..terms {
                 // The force has one term less than the motion.
                 let force = if k < self.degree { self.held[(contact, k)] } else { 0.0 };
-                let most = mu * self.seen[(contact, k)];
-                self.seen[(rows + 2 * contact, k)] = most - force;
-                self.seen[(rows + 2 * contact + 1, k)] = most + force;
+                let [forwards, backwards] = mu.map(|mu| mu * self.seen[(contact, k)]);
+                self.seen[(rows + 2 * contact, k)] = forwards - force;
+                self.seen[(rows + 2 * contact + 1, k)] = backwards + force;
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Contacts that stick, as a constraint: a stuck contact does not slide, and its friction is what keeps it so, up to what it can hold.
 //!
-//! Where the sliding of a contact turns, friction of a law of the speed alone jumps (Filippov). A stuck contact keeps its sliding velocity, and the forces f of all
-//! stuck ones solve `(G + d) f = -B^T a`, with the accelerations a that all else makes, `G = B^T M^-1 B`, and a part of the diagonal of G as d, so that the forces of contacts
-//! that move together are known too. So a contact creeps by that part of what its friction could accelerate it. Which contacts stick where several could is a linear
-//! complementarity problem with one solution: no force is above `mu N`, and one that is there does not oppose the sliding that begins.
+//! Where the sliding of a contact turns, friction of a law of the speed alone jumps (Filippov). The sliding velocity of a stuck contact, 0, does not change: the forces f of
+//! all stuck ones, on the structure along b, solve `G f = -B^T a`, with the accelerations a that all else makes and `G = B^T M^-1 B`; the least ones where contacts move
+//! together. Which contacts stick where several could is a linear complementarity problem with one solution: no force is above `mu N`, and a contact whose force is there
+//! begins to slide the way that friction with this force belongs to.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -11,26 +11,29 @@ use crate::contact::{Sliding, along};
 use crate::system::ContactForces;
 use crate::{ContactSystem, Error};
 
-/// Part of G's diagonal that is added to it; chosen: contacts that move together have known forces, and one creeps by less than a smoothing would let it.
-const CREEP: f64 = 1e-9;
+/// Part of G's diagonal that is added to it, so that contacts that move together have known forces; chosen, its square as far below 1 as rounding.
+const ADDED: f64 = 1e-9;
 
-/// Sliding velocity, as a part of that in steady sliding, below which a contact sticks where a state alone is known; chosen, above what a stuck one creeps.
+/// Sliding velocity, as a part of that in steady sliding, up to which a contact may stick where its state of motion alone is known, and not how it came there; chosen, above what roundings
+/// make a stuck one creep.
 pub(crate) const AT_REST: f64 = 1e-7;
 
-/// Sliding velocity, as a part of that in steady sliding, by which one must turn to be said to; chosen, far above rounding.
+/// Sliding velocity beyond 0, as a part of that in steady sliding, from which on a contact has turned; chosen, far above rounding.
 pub(crate) const TURNED: f64 = 1e-10;
 
 /// Part of the largest friction by which a stuck contact may be above it; chosen, above rounding.
 const ABOVE: f64 = 1e-12;
 
-/// Exchanges between sticking and sliding after which no state of the contacts was found.
+/// Exchanges between sticking and sliding for each contact in question after which no state of them was found; chosen, as one or two are the rule.
 const MOST_EXCHANGES: usize = 1000;
 
 /// Contacts that stick at the same time.
 #[derive(Debug, Clone)]
 pub(crate) struct Stuck {
     contacts: Vec<usize>,
-    /// Factor of G + d.
+    /// G.
+    mobility: DMatrix<f64>,
+    /// Factor of G with the added part.
     factor: Cholesky<f64, Dyn>,
 }
 
@@ -43,19 +46,29 @@ impl Stuck {
         }
         let mobility = |i: usize, j: usize| {
             let (one, other) = (contacts[i], contacts[j]);
-            let found = along(&system.contacts[one].sliding, system.sliding.column(other).as_slice());
-            if i == j { found * (1.0 + CREEP) } else { found }
+            along(&system.contacts[one].sliding, system.sliding.column(other).as_slice())
         };
-        let factor = Cholesky::new(DMatrix::from_fn(contacts.len(), contacts.len(), mobility))?;
-        Some(Self { contacts, factor })
+        let mobility = DMatrix::from_fn(contacts.len(), contacts.len(), mobility);
+        let mut definite = mobility.clone();
+        (0..contacts.len()).for_each(|at| definite[(at, at)] *= 1.0 + ADDED);
+        let factor = Cholesky::new(definite)?;
+        Some(Self { contacts, mobility, factor })
+    }
+
+    /// The forces, or impulses, f of `G f = right`, the least ones where contacts move together: `right` is a product with B^T, so that there are some. What the added part of the
+    /// diagonal leaves of it, a second solution takes away.
+    fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+        let mut forces = self.factor.solve(right);
+        let left = right - &self.mobility * &forces;
+        forces += self.factor.solve(&left);
+        forces
     }
 
     /// Takes from a state of motion what its stuck contacts still slide.
     pub fn stop(&self, system: &ContactSystem, x: &mut [f64]) {
         let n = system.order();
         let slip = |contact: &usize| system.contacts[*contact].slip(&x[n..2 * n]);
-        let mut impulses = DVector::from_iterator(self.contacts.len(), self.contacts.iter().map(slip));
-        self.factor.solve_mut(&mut impulses);
+        let impulses = self.solve(&DVector::from_iterator(self.contacts.len(), self.contacts.iter().map(slip)));
         for (&contact, impulse) in self.contacts.iter().zip(&impulses) {
             x[n..2 * n].iter_mut().zip(&system.sliding.column(contact)).for_each(|(v, b)| *v += b * impulse);
         }
@@ -64,8 +77,7 @@ impl Stuck {
     /// Adds to accelerations what the stuck contacts do to them, and gives their forces, N, by all contacts.
     pub fn hold(&self, system: &ContactSystem, acceleration: &mut [f64], mut force: impl FnMut(usize, f64)) {
         let along = |contact: &usize| -along(&system.contacts[*contact].sliding, acceleration);
-        let mut forces = DVector::from_iterator(self.contacts.len(), self.contacts.iter().map(along));
-        self.factor.solve_mut(&mut forces);
+        let forces = self.solve(&DVector::from_iterator(self.contacts.len(), self.contacts.iter().map(along)));
         for (&contact, &of_contact) in self.contacts.iter().zip(&forces) {
             let column = system.sliding.column(contact);
             acceleration.iter_mut().zip(&column).for_each(|(a, b)| *a += b * of_contact);
@@ -112,19 +124,18 @@ impl ContactSystem {
         open.iter().for_each(|&contact| sliding[contact] = Sliding::Stuck);
         let mut rate = vec![0.0; self.dimension()];
         let mut held = vec![0.0; sliding.len()];
-        for _ in 0..MOST_EXCHANGES {
+        for _ in 0..MOST_EXCHANGES * open.len() {
             self.rate_of(x, is_closed, sliding, &mut rate, |contact, force| held[contact] = force);
             // The least of those that are wrong is exchanged (Murty): a problem of this kind ends so.
             let wrong = open.iter().find_map(|&contact| {
                 let of = &self.contacts[contact];
-                let most = self.static_friction[contact].unwrap_or(0.0) * (of.load + of.change_of_load(x)).max(0.0);
+                let normal = (of.load + of.change_of_load(x)).max(0.0) * (1.0 + ABOVE);
+                let [forwards, backwards] = self.static_friction[contact].unwrap_or_default().map(|mu| mu * normal);
                 let sliding_rate = -along(&of.sliding, &rate[self.order()..2 * self.order()]);
                 match sliding[contact] {
-                    Sliding::Stuck if held[contact] < -most * (1.0 + ABOVE) => Some((contact, Sliding::Backwards)),
+                    Sliding::Stuck if held[contact] < -backwards => Some((contact, Sliding::Backwards)),
                     // What a law has no coefficient for is not held, and integration fails where it slides.
-                    Sliding::Stuck
-                        if held[contact].is_nan() || most.is_nan() || held[contact] > most * (1.0 + ABOVE) =>
-                    {
+                    Sliding::Stuck if held[contact].is_nan() || forwards.is_nan() || held[contact] > forwards => {
                         Some((contact, Sliding::Forwards))
                     }
                     Sliding::Forwards if sliding_rate < 0.0 => Some((contact, Sliding::Stuck)),
@@ -140,7 +151,7 @@ impl ContactSystem {
         Err(Error::NoConvergence { method: "which contacts stick", residual: f64::NAN })
     }
 
-    /// The rate x' of a state of motion whose contacts are closed and slide like this, and the forces of those that stick.
+    /// The rate x' of a state of motion by the contacts that are closed, as `is_closed` says, and how each of them slides, and the forces of those that stick.
     pub(crate) fn rate_of(
         &self,
         x: &[f64],

@@ -12,6 +12,9 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::contact::Sliding;
 use crate::{Error, SlidingContact};
 
+/// Largest difference of a mass matrix and its transpose, as a part of its largest entry; chosen, above what rounding makes.
+const ASYMMETRY: f64 = 1e-9;
+
 /// A part of a structure whose forces are one family: M, C and K.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
@@ -47,8 +50,8 @@ pub struct ContactSystem {
     pub(crate) contacts: Vec<SlidingContact>,
     /// z and mu of steady sliding, by contact.
     steady: Vec<(f64, f64)>,
-    /// Coefficient up to which each contact sticks, where its friction jumps.
-    pub(crate) static_friction: Vec<Option<f64>>,
+    /// Coefficients up to which each contact does not begin to slide forwards, and backwards, where its friction jumps.
+    pub(crate) static_friction: Vec<Option<[f64; 2]>>,
     /// Place of the bristle of each contact in a state of motion.
     pub(crate) bristles: Vec<Option<usize>>,
     pub(crate) dimension: usize,
@@ -110,7 +113,7 @@ impl ContactSystem {
     /// A structure with its closed contact springs, and the contacts on it.
     ///
     /// # Errors
-    /// No part, no contact, parts of different order, one with internal states, a mass matrix without an inverse, a contact with a number that is not
+    /// No part, no contact, parts of different order, one with internal states, a mass matrix that is not symmetric and positive definite, a contact with a number that is not
     /// allowed.
     pub fn new(parts: Vec<Part>, contacts: Vec<SlidingContact>) -> Result<Self, Error> {
         let order = parts.first().map_or(0, |part| part.matrices.order());
@@ -135,8 +138,15 @@ impl ContactSystem {
             ));
         }
         contacts.iter().try_for_each(|contact| contact.check(order))?;
+        let asymmetry = (&structure.m - structure.m.transpose()).amax();
+        if asymmetry > ASYMMETRY * structure.m.amax() {
+            return Err(Error::Structure("the mass matrix is not symmetric"));
+        }
         let inverse_mass = structure.m.clone().try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()));
         let inverse_mass = inverse_mass.ok_or(Error::Structure("the mass matrix has no inverse"))?;
+        if structure.m.clone().cholesky().is_none() {
+            return Err(Error::Structure("the mass matrix is not positive definite"));
+        }
         let columns = |of: fn(&SlidingContact) -> &Vec<(usize, f64)>| {
             let mut columns = DMatrix::zeros(order, contacts.len());
             for (at, contact) in contacts.iter().enumerate() {
@@ -165,7 +175,10 @@ impl ContactSystem {
             .view_mut((2 * contacts.len(), 2 * order), (dimension - 2 * order, dimension - 2 * order))
             .fill_with_identity();
         let steady = contacts.iter().map(SlidingContact::steady).collect();
-        let sticks = |contact: &SlidingContact| contact.friction.sliding(0.0, true).map(|at| at.mu);
+        let sticks = |contact: &SlidingContact| {
+            let coefficient = |is_forwards| contact.friction.sliding(0.0, is_forwards).map(|at| at.mu.abs());
+            Some([coefficient(true)?, coefficient(false)?])
+        };
         let static_friction = contacts.iter().map(sticks).collect();
         let at_rest = (Vec::new(), DMatrix::zeros(dimension - order, dimension));
         let stop = None;

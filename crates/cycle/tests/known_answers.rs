@@ -177,6 +177,20 @@ fn springs_that_the_stiffness_does_not_hold_are_refused_by_name() {
     }
 }
 
+#[test]
+fn masses_that_no_contact_can_be_held_with_are_refused() {
+    let (zero, one) = (|| DMatrix::zeros(2, 2), || DMatrix::identity(2, 2));
+    let belt = hoffmann(0.8, 1.0).contacts()[0].clone();
+    for (mass, reason) in [
+        (dmatrix![1.0, 0.1; 0.0, 1.0], "the mass matrix is not symmetric"),
+        (dmatrix![1.0, 0.0; 0.0, -1.0], "the mass matrix is not positive definite"),
+        (dmatrix![1.0, 0.0; 0.0, 0.0], "the mass matrix has no inverse"),
+    ] {
+        let error = ContactSystem::new(vec![part("structure", mass, zero(), one())], vec![belt.clone()]).unwrap_err();
+        assert_eq!(error.to_string(), reason);
+    }
+}
+
 /// Rayleigh's equation, whose velocity is van der Pol's x: y'' - (y' - y'^3 / 3) + k y = 0 under the belt's v = 10, with k = 1.
 fn van_der_pol() -> ContactSystem {
     let curve = Curve(|w| (1.0 + (10.0 - w) - (10.0 - w).powi(3) / 3.0, -1.0 + (10.0 - w).powi(2)));
@@ -480,6 +494,62 @@ fn a_motion_by_the_series_of_its_law_is_that_by_substitution() {
             assert!(difference < 1e-8, "law {law}: {found:?} {expected:?}");
             assert!(found != start);
         }
+    }
+}
+
+/// Friction with another coefficient forwards than backwards.
+#[derive(Debug)]
+struct Lopsided {
+    forwards: f64,
+    backwards: f64,
+}
+
+impl ContactFriction for Lopsided {
+    fn at(&self, velocity: f64, _: f64) -> BristleMotion {
+        self.sliding(velocity.abs(), velocity > 0.0).unwrap()
+    }
+
+    fn sliding(&self, _: f64, is_forwards: bool) -> Option<BristleMotion> {
+        let mu = if is_forwards { self.forwards } else { -self.backwards };
+        Some(BristleMotion { mu, ..BristleMotion::default() })
+    }
+
+    fn steady_state(&self, _: f64) -> Option<f64> {
+        None
+    }
+
+    fn stick_speed(&self) -> f64 {
+        1e-6
+    }
+}
+
+/// A mass that moves with its belt, drawn by its spring from steady sliding at u = mu forwards: it is held up to what either way allows.
+#[test]
+fn a_contact_is_held_by_the_friction_of_the_way_that_it_would_slide() {
+    for (forwards, backwards) in [(0.5, 0.3), (0.3, 0.5), (0.4, 0.4)] {
+        let system = mass_on_belt(0.1, 0.0, Arc::new(Lopsided { forwards, backwards }));
+        for tenths in -9..=9 {
+            let force = 0.1 * f64::from(tenths) + 0.05;
+            // The spring is at rest without friction at -mu.
+            let mut rate = [0.0; 2];
+            system.rate(&[force - forwards, 0.1], &mut rate);
+            let expected = force.clamp(-backwards, forwards) - force;
+            assert!((rate[1] - expected).abs() < 1e-6, "{forwards} {backwards} {force}: {rate:?}");
+        }
+    }
+}
+
+/// However long a contact sticks, it is at rest: its creep does not add up to sliding.
+#[test]
+fn a_contact_that_sticks_for_long_sticks_to_its_end() {
+    for speed in [1e-2, 1e-4] {
+        let system = mass_on_belt(speed, 0.0, common::coulomb(0.5, 1e-3 * speed));
+        // Drawn along from the middle until the spring needs 0.4 of the 0.5.
+        let x = state_after(&system, vec![-0.5, speed], 0.4 / speed, 1.0, 1e-10).unwrap();
+        let mut rate = [0.0; 2];
+        system.rate(&x, &mut rate);
+        assert!((x[0] + 0.1).abs() < 1e-6 && (x[1] / speed - 1.0).abs() < 1e-7, "{x:?}");
+        assert!(rate[1].abs() < 1e-6, "{speed}: {rate:?}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! Parts of a mesh, and how what is integrated over their elements becomes a matrix of the model.
 
+use std::collections::HashSet;
+
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 
@@ -18,12 +20,16 @@ impl<'a> Body<'a> {
     /// The body of the elements with these indices in the mesh.
     ///
     /// # Errors
-    /// No elements, an index without one, an element that is inverted or has no volume.
+    /// No elements, an index without one or given twice, an element that is inverted or has no volume.
     pub fn new(mesh: &'a Mesh, elements: Vec<usize>, rows: &'a Rows) -> Result<Self, ElementsError> {
         if elements.is_empty() {
             return Err(ElementsError::Empty { what: "elements" });
         }
         elements.iter().try_for_each(|&place| mesh.points(place).map(drop))?;
+        let mut seen = HashSet::new();
+        if let Some(&twice) = elements.iter().find(|place| !seen.insert(**place)) {
+            return Err(ElementsError::Twice { what: "element", label: mesh.elements()[twice].label });
+        }
         Ok(Self { mesh, elements, rows })
     }
 

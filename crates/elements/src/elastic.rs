@@ -20,7 +20,7 @@ impl Material {
     /// The material of Young's modulus E and Poisson's ratio nu.
     ///
     /// # Errors
-    /// E that is not > 0, nu that is not above -1 and below 0.5.
+    /// E that is not finite and > 0, nu that is not above -1 and below 0.5.
     pub fn new(young: f64, poisson: f64) -> Result<Self, ElementsError> {
         positive("Young's modulus", young)?;
         if !(poisson > -1.0 && poisson < 0.5) {
@@ -48,10 +48,11 @@ pub(crate) fn gradient(mesh: &Mesh, place: usize, point: &Point, displacements: 
 }
 
 impl Body<'_> {
-    /// The consistent mass matrix, `int rho N^T N`, by the rule of each kind: what Abaqus and CalculiX make of quadratic elements.
+    /// The consistent mass matrix, `int rho N^T N`, by the rule of each kind: what CalculiX makes, and Abaqus of quadratic elements but C3D10M. Of linear ones and
+    /// of C3D10M Abaqus lumps the mass, so that its own matrix differs.
     ///
     /// # Errors
-    /// A density that is not > 0.
+    /// A density that is not finite and > 0.
     pub fn mass(&self, density: f64) -> Result<CscMatrix<f64>, ElementsError> {
         positive("the density", density)?;
         let mass = self.scalar(|_, point, matrix| {
@@ -63,11 +64,11 @@ impl Body<'_> {
         Ok(symmetric(&mass))
     }
 
-    /// The stiffness matrix of a material, fully integrated by the rule of each kind. It is meant for solutions beside the model's own
-    /// stiffness, such as the stress under rotation: programs integrate hexahedra in other ways.
+    /// The stiffness matrix of a material, fully integrated by the rule of each kind. It is meant for auxiliary solutions, such as the stress under rotation, and is
+    /// no substitute for the stiffness that a program exports: programs integrate hexahedra in other ways, as full integration of C3D8 is too stiff in bending.
     ///
     /// # Errors
-    /// None beyond the errors of the body.
+    /// None, as the body was checked.
     pub fn stiffness(&self, material: &Material) -> Result<CscMatrix<f64>, ElementsError> {
         let Material { lambda, shear } = *material;
         let stiffness = self.blocks(|point, a, b| {

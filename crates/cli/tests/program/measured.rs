@@ -19,6 +19,8 @@ fn a_measured_frequency_is_hit_by_a_mode_within_its_tolerance_that_surely_squeal
         ("frequencies = [0.5, 0.225]\ntolerance = 0.01", "1 of 2 frequencies hit", &["hit", "missed"][..]),
         ("frequencies = [0.5]\ntolerance = 0.01", "0 of 1 frequencies hit", &["missed", "not measured"]),
         ("frequencies = [0.225]\ntolerance = [0.01]\nshare = 0.58", "0 of 1 frequencies hit", &["open"]),
+        ("frequencies = [0.22, 0.23]\ntolerance = 0.02", "1 of 2 frequencies hit", &["open", "hit"]),
+        ("frequencies = [0.22, 0.24]\ntolerance = [0.01, 0.03]", "1 of 2 frequencies hit", &["open", "hit"]),
         ("frequencies = [0.225]\ntolerance = 0.01\nshare = 0.9", "0 of 1 frequencies hit", &["missed"]),
     ] {
         let case = case(dir.path(), measured);
@@ -61,8 +63,9 @@ fn what_cannot_be_a_measured_frequency_is_refused() {
     for (measured, said) in [
         ("frequencies = []\ntolerance = 1.0", "measured.frequencies = []; allowed: one frequency or more"),
         ("frequencies = [-1.0]\ntolerance = 1.0", "measured.frequencies = -1; allowed: a number of Hz, > 0"),
-        ("frequencies = [1.0, 1.0]\ntolerance = 1.0", "measured.frequencies = 1; allowed: each once"),
+        ("frequencies = [1.0, 1.0]\ntolerance = 0.5", "measured.frequencies = 1; allowed: each once"),
         ("frequencies = [1.0]\ntolerance = [1.0, 2.0]", "a list of 1, one for each frequency"),
+        ("frequencies = [1.0, 5.0]\ntolerance = 2.0", "measured.tolerance = 2; allowed: below its frequency, 1 Hz"),
         ("frequencies = [1.0]\ntolerance = nan", "measured.tolerance = NaN; allowed: a number of Hz, > 0"),
         ("frequencies = [1.0]\ntolerance = 1.0\nshare = 1.0", "measured.share = 1; allowed: 0 or more, below 1"),
         ("frequencies = [1.0]", "missing field `tolerance`"),

@@ -97,5 +97,7 @@ fn numbers_that_are_none_are_refused() {
     let error = body.stress_stiffness(&material, &[]).unwrap_err();
     assert_eq!(error, ElementsError::Displacements { found: 0, expected: 15 });
     assert!(matches!(Body::new(&mesh, Vec::new(), &rows), Err(ElementsError::Empty { .. })));
+    let twice = Body::new(&mesh, vec![0, 0], &rows).unwrap_err();
+    assert_eq!(twice.to_string(), "element 1 is there twice; each number must be there once");
     assert!(matches!(Body::new(&mesh, vec![1], &rows), Err(ElementsError::NoElement { place: 1, total: 1 })));
 }

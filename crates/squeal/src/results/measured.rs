@@ -12,7 +12,8 @@ use super::{Estimate, Results, UnstableHertz};
 /// Rule of the comparison, for whoever reads one.
 pub(super) const RULE: &str = "A measured frequency is hit where the occurrence of a mode within its tolerance surely is above the \
      share in some arrangement; open where it may be, as with few samples, or where modes some of whose draws reach the tolerance may be above the share \
-     together, as where one squeal has other names from draw to draw; missed else. A mode lies where the median of its frequency \
+     together, as where one squeal has other names from draw to draw; missed else. A mode within the tolerance of several counts for the one that is nearest in \
+     tolerances; the others are open, as it may be any of them. A mode lies where the median of its frequency \
      does, over the draws in which it is unstable; the median is known to 1 in 2048, and within the tolerance where it may be. One whose name is \
      open in all of these draws has no such frequency, as that at the medians is not where it squeals: a measured frequency is open where it may be it, by \
      what is unstable in the third octaves of the tolerance. Modes that are unstable in some draw, and may be in more than the share of them, next to no \
@@ -98,7 +99,8 @@ impl<'a> Beside<'a> {
         };
         let verdict = |frequency: &'a MeasuredFrequency| {
             let near = || modes.iter().filter(|mode| is_near(frequency, mode));
-            let found = if near().any(|mode| mode.occurrence.lower > measured.share) {
+            let is_hit = |mode: &Placed| mode.occurrence.lower > measured.share;
+            let found = if near().any(|mode| is_hit(mode) && is_nearest(frequency, mode, &measured.frequencies)) {
                 Found::Hit
             } else if near().any(|mode| mode.occurrence.upper > measured.share)
                 || modes.iter().filter(|mode| reaches(frequency, mode)).map(|mode| mode.occurrence.upper).sum::<f64>()
@@ -118,8 +120,12 @@ impl<'a> Beside<'a> {
         Self { set, measured: measured_frequencies, modes, unplaced, share: measured.share }
     }
 
+    /// Modes that count for a measured frequency.
     fn near(&self, frequency: &MeasuredFrequency) -> Vec<&Placed> {
-        self.modes.iter().filter(|mode| is_near(frequency, mode)).collect()
+        let counts = |mode: &&Placed| {
+            is_near(frequency, mode) && is_nearest(frequency, mode, self.measured.iter().map(|(other, _)| *other))
+        };
+        self.modes.iter().filter(counts).collect()
     }
 
     /// Modes that may be squeal and are next to nothing that was measured.
@@ -143,6 +149,17 @@ fn is_placed(mode: &Placed) -> bool {
 /// True if a mode may be within the tolerance of a measured frequency: its own is known to an error.
 fn is_near(frequency: &MeasuredFrequency, mode: &Placed) -> bool {
     (mode.hz.median - frequency.hz).abs() <= frequency.tolerance_hz + mode.hz.error
+}
+
+/// True if a mode is as near to a measured frequency as to any, in tolerances: within several of them it is one squeal and not several. Of two that are as near it is
+/// the lower one.
+fn is_nearest<'a>(
+    frequency: &MeasuredFrequency,
+    mode: &Placed,
+    all: impl IntoIterator<Item = &'a MeasuredFrequency>,
+) -> bool {
+    let order = |of: &MeasuredFrequency| ((mode.hz.median - of.hz).abs() / of.tolerance_hz, of.hz);
+    all.into_iter().all(|other| order(frequency) <= order(other))
 }
 
 /// True if a mode may be within the tolerance of a measured frequency in any of the draws in which it is unstable.
