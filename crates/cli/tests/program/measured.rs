@@ -67,7 +67,7 @@ fn what_cannot_be_a_measured_frequency_is_refused() {
         ("frequencies = [1.0]\ntolerance = [1.0, 2.0]", "a list of 1, one for each frequency"),
         ("frequencies = [1.0, 5.0]\ntolerance = 2.0", "measured.tolerance = 2; allowed: below its frequency, 1 Hz"),
         ("frequencies = [1.0]\ntolerance = nan", "measured.tolerance = NaN; allowed: a number of Hz, > 0"),
-        ("frequencies = [1.0]\ntolerance = 1.0\nshare = 1.0", "measured.share = 1; allowed: 0 or more, below 1"),
+        ("frequencies = [1.0]\ntolerance = 0.5\nshare = 1.0", "measured.share = 1; allowed: 0 or more, below 1"),
         ("frequencies = [1.0]", "missing field `tolerance`"),
     ] {
         let output = squeal().arg("cea").arg(case(dir.path(), measured)).output().unwrap();
