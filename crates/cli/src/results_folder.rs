@@ -1,4 +1,4 @@
-//! What commands that leave results in a folder have in common: the manifest, a folder that is given back, and words on where it is.
+//! Folder of results of a command: its manifest, whether it is given back after an error, and words on where it is.
 
 use std::path::Path;
 

@@ -89,11 +89,11 @@ pub(crate) struct Path<'a> {
     /// Forces of the contacts at its begin, and the rows of J below those that say that velocities are rates of displacements.
     pub forces: Vec<ContactForces>,
     pub below: DMatrix<f64>,
-    /// Contacts whose friction is more than its tangent; those of them whose friction has terms, and the others.
-    pub curved: Vec<usize>,
+    /// Terms of the contacts whose friction is more than its tangent and has a series.
     exact: Vec<Terms>,
+    /// Contacts whose friction is more than its tangent and has none.
     fitted: Vec<usize>,
-    /// What the next term of friction, N, and of the rates of bristles has beyond the tangent, by contacts.
+    /// Parts of the next terms of friction, N, and of the rates of bristles beyond the tangent, by contacts.
     beyond: [Vec<f64>; 2],
     /// Powers from the first on of the remainder of friction of each contact, and then of the rates of their bristles.
     remainder: DMatrix<f64>,
@@ -146,9 +146,13 @@ impl<'a> Path<'a> {
         };
         let of_rate = |at: usize| system.bristle(at).map_or(0.0, |place| 1.0 / scales[place]);
         let is_curved = |at: &usize| !system.contacts()[*at].friction.is_constant();
-        let curved: Vec<usize> = (0..contacts).filter(is_curved).collect();
-        let exact: Vec<Terms> = curved.iter().filter_map(|&at| Terms::new(system, at)).collect();
-        let is_fitted = |at: &usize| exact.iter().all(|terms| terms.contact != *at);
+        let (mut exact, mut fitted) = (Vec::new(), Vec::new());
+        for contact in (0..contacts).filter(is_curved) {
+            match Terms::new(system, contact) {
+                Some(terms) => exact.push(terms),
+                None => fitted.push(contact),
+            }
+        }
         let mut path = Self {
             system,
             scales,
@@ -168,9 +172,8 @@ impl<'a> Path<'a> {
             sparse_reads,
             forces: Vec::new(),
             below: DMatrix::zeros(0, 0),
-            fitted: curved.iter().copied().filter(is_fitted).collect(),
-            curved,
             exact,
+            fitted,
             beyond: [vec![0.0; contacts], vec![0.0; contacts]],
             remainder: DMatrix::zeros(2 * contacts, FITTED),
             held: DMatrix::zeros(contacts, MOST_TERMS),
@@ -196,6 +199,11 @@ impl<'a> Path<'a> {
         if let Some(stuck) = &self.stuck {
             stuck.hold(self.system, acceleration, force);
         }
+    }
+
+    /// True where friction is its tangent in all contacts.
+    pub fn is_linear(&self) -> bool {
+        self.exact.is_empty() && self.fitted.is_empty()
     }
 
     /// Powers of time that the series needs as far as the piece goes, about: it may go on beyond its end.
@@ -320,7 +328,7 @@ impl<'a> Path<'a> {
     /// Fills in the terms of the series in a unit of time. Returns the part of the unit, up to 1, over which it holds; fails with the part of the unit
     /// with which to try again.
     fn fill(&mut self, unit: f64, is_curved: bool) -> Result<f64, f64> {
-        let (n, contacts) = (self.system.order(), self.system.contacts().len());
+        let (n, contacts, is_linear) = (self.system.order(), self.system.contacts().len(), self.is_linear());
         self.terms.column_mut(0).copy_from_slice(&self.x);
         for at in 0..self.exact.len() {
             let phase = self.phase(self.exact[at].contact);
@@ -336,7 +344,7 @@ impl<'a> Path<'a> {
                 to[..n].copy_from_slice(&from[n..2 * n]);
                 product(&self.below, from, &mut to[n..]);
             }
-            if !self.curved.is_empty() {
+            if !is_linear {
                 let [friction, rates] = &mut self.beyond;
                 for terms in &mut self.exact {
                     let contact = terms.contact;

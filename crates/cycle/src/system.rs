@@ -442,7 +442,7 @@ pub(crate) fn add_product(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
     Arch::new().dispatch(Product { matrix, x, out });
 }
 
-/// What is added: its sums are the same bits on registers of any width.
+/// Product that is added: its sums are the same bits on registers of any width.
 struct Product<'a> {
     matrix: &'a DMatrix<f64>,
     x: &'a [f64],

@@ -8,17 +8,19 @@ use crate::system::ContactForces;
 
 /// Terms of the friction of one contact in a piece of motion.
 pub(crate) struct Terms {
+    /// Place of the contact, from 0.
     pub contact: usize,
     series: Box<dyn FrictionSeries>,
-    /// Terms of mu and of the normal force, N.
+    /// Terms of mu.
     coefficient: Vec<f64>,
+    /// Terms of the normal force, N; 0 of a contact that is open.
     normal: Vec<f64>,
-    /// Whether it is closed, and how it slides.
+    /// Phase of the contact in the piece: whether it is closed, and how it slides.
     phase: (bool, Sliding),
 }
 
 impl Terms {
-    /// Those of a contact; `None` where its law has none.
+    /// Terms of a contact; `None` where its law has no series.
     pub fn new(system: &ContactSystem, contact: usize) -> Option<Self> {
         let series = system.contacts[contact].friction.series()?;
         Some(Self { contact, series, coefficient: Vec::new(), normal: Vec::new(), phase: (true, Sliding::Stuck) })
@@ -32,8 +34,8 @@ impl Terms {
         self.normal.clear();
     }
 
-    /// What the next term of friction, N, and of the rate of the bristle have beyond the tangent at the begin of the piece, by the term of the motion;
-    /// nothing of the first ones, which are in the tangent.
+    /// Parts of the next terms of friction, N, and of the rate of the bristle beyond the tangent at the begin of the piece, by the term of the motion;
+    /// 0 of the first ones, which are in the tangent.
     pub fn beyond(&mut self, system: &ContactSystem, tangent: &ContactForces, x: &[f64]) -> [f64; 2] {
         let (contact, (is_closed, sliding)) = (&system.contacts[self.contact], self.phase);
         if sliding == Sliding::Stuck {

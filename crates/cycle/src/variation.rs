@@ -123,7 +123,7 @@ impl Path<'_> {
     /// long for a fit.
     fn slopes(&self, [from, to]: [f64; 2]) -> Option<Vec<Slopes>> {
         let system = self.system;
-        if self.curved.is_empty() {
+        if self.is_linear() {
             return Some(Vec::new());
         }
         let mut x = vec![0.0; system.dimension()];

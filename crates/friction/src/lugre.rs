@@ -1,7 +1,7 @@
 //! LuGre friction: bristles deflect, so that the coefficient follows the speed with a delay.
 
 use crate::error::{non_negative, positive};
-use crate::series::LuGreSeries;
+use crate::series::{CurveSeries, product_term};
 use crate::{
     FrictionError, FrictionLaw, FrictionSeries, InternalTangent, Steady, Stribeck, StribeckParameters, Tangent,
 };
@@ -46,10 +46,10 @@ pub struct LuGreParameters {
 /// `h(lambda) = sigma2 + (sigma0 + sigma1 lambda) b / (lambda + a)`, see [`Tangent::complex_slope`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuGre {
-    pub(crate) curve: Stribeck,
-    pub(crate) sigma0: f64,
-    pub(crate) sigma1: f64,
-    pub(crate) bristle_damping: BristleDamping,
+    curve: Stribeck,
+    sigma0: f64,
+    sigma1: f64,
+    bristle_damping: BristleDamping,
 }
 
 impl LuGre {
@@ -140,5 +140,52 @@ impl FrictionLaw for LuGre {
 
     fn series(&self) -> Option<Box<dyn FrictionSeries>> {
         Some(Box::new(LuGreSeries::new(*self)))
+    }
+}
+
+/// Terms of LuGre friction.
+#[derive(Debug, Clone)]
+struct LuGreSeries {
+    law: LuGre,
+    curve: CurveSeries,
+    /// Terms of g.
+    g: Vec<f64>,
+    /// Terms of z.
+    z: Vec<f64>,
+    /// Terms of `v z / g`.
+    ratio: Vec<f64>,
+    /// Terms of z'.
+    rate: Vec<f64>,
+}
+
+impl LuGreSeries {
+    fn new(law: LuGre) -> Self {
+        let none = Vec::new;
+        Self { law, curve: law.curve.terms(0.0), g: none(), z: none(), ratio: none(), rate: none() }
+    }
+}
+
+impl FrictionSeries for LuGreSeries {
+    fn begin(&mut self, is_forwards: bool) {
+        self.curve.begin(is_forwards);
+        [&mut self.g, &mut self.z, &mut self.ratio, &mut self.rate].into_iter().for_each(Vec::clear);
+    }
+
+    fn next(&mut self, velocity: f64, state: f64) -> [f64; 2] {
+        let k = self.z.len();
+        let g = self.curve.falling(velocity);
+        self.g.push(g);
+        self.z.push(state);
+        // The ratio y of v z to g: g y = v z.
+        let known = product_term(&self.g[1..], &self.ratio);
+        self.ratio.push((product_term(&self.curve.speed, &self.z) - known) / self.g[0]);
+        let LuGre { sigma0, sigma1, bristle_damping, .. } = self.law;
+        let rate = velocity - sigma0 * self.ratio[k];
+        self.rate.push(rate);
+        let damped = match bristle_damping {
+            BristleDamping::Constant => rate,
+            BristleDamping::Decaying => product_term(&self.curve.exponential, &self.rate),
+        };
+        [sigma0 * state + sigma1 * damped + self.law.curve.sigma2() * velocity, rate]
     }
 }

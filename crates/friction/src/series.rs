@@ -3,9 +3,6 @@
 //! A. Jorba, M. Zou, A software package for the numerical integration of ODEs by means of high-order Taylor methods, Experiment. Math. 14 (2005)
 //! 99-117, proposition 2.1.
 
-use crate::LuGre;
-use crate::lugre::BristleDamping;
-
 /// Terms of the friction of a law, one after the other, by those of a motion that does not turn.
 pub trait FrictionSeries {
     /// Begins another motion, which slides forwards, or backwards.
@@ -46,10 +43,12 @@ pub(crate) struct CurveSeries {
     exponent: Exponent,
     viscous: f64,
     sign: f64,
-    /// Terms of the speed; those of the derivative of the exponent by time, from the first on; and of the exponential.
-    speed: Vec<f64>,
+    /// Terms of the speed.
+    pub(crate) speed: Vec<f64>,
+    /// Terms of the derivative of the exponent by time.
     slope: Vec<f64>,
-    exponential: Vec<f64>,
+    /// Terms of the exponential.
+    pub(crate) exponential: Vec<f64>,
 }
 
 impl CurveSeries {
@@ -57,15 +56,9 @@ impl CurveSeries {
         let none = Vec::new;
         Self { level, height, exponent, viscous, sign: 1.0, speed: none(), slope: none(), exponential: none() }
     }
-}
 
-impl FrictionSeries for CurveSeries {
-    fn begin(&mut self, is_forwards: bool) {
-        self.sign = if is_forwards { 1.0 } else { -1.0 };
-        [&mut self.speed, &mut self.slope, &mut self.exponential].into_iter().for_each(Vec::clear);
-    }
-
-    fn next(&mut self, velocity: f64, _: f64) -> [f64; 2] {
+    /// The next term of `level + height e^exponent`, by that of the sliding velocity.
+    pub fn falling(&mut self, velocity: f64) -> f64 {
         let k = self.speed.len();
         self.speed.push(self.sign * velocity);
         let exponent = match self.exponent {
@@ -80,51 +73,17 @@ impl FrictionSeries for CurveSeries {
             self.exponential.push(product_term(&self.slope, &self.exponential) / k as f64);
         }
         let level = if k == 0 { self.level } else { 0.0 };
-        [self.sign * (level + self.height * self.exponential[k]) + self.viscous * velocity, 0.0]
+        level + self.height * self.exponential[k]
     }
 }
 
-/// Terms of LuGre friction.
-#[derive(Debug, Clone)]
-pub(crate) struct LuGreSeries {
-    law: LuGre,
-    /// g, with the sign of the sliding.
-    curve: CurveSeries,
-    /// Terms of g, of z, of `v z / g` and of z'.
-    g: Vec<f64>,
-    z: Vec<f64>,
-    ratio: Vec<f64>,
-    rate: Vec<f64>,
-}
-
-impl LuGreSeries {
-    pub fn new(law: LuGre) -> Self {
-        let none = Vec::new;
-        Self { law, curve: law.curve.terms(0.0), g: none(), z: none(), ratio: none(), rate: none() }
-    }
-}
-
-impl FrictionSeries for LuGreSeries {
+impl FrictionSeries for CurveSeries {
     fn begin(&mut self, is_forwards: bool) {
-        self.curve.begin(is_forwards);
-        [&mut self.g, &mut self.z, &mut self.ratio, &mut self.rate].into_iter().for_each(Vec::clear);
+        self.sign = if is_forwards { 1.0 } else { -1.0 };
+        [&mut self.speed, &mut self.slope, &mut self.exponential].into_iter().for_each(Vec::clear);
     }
 
-    fn next(&mut self, velocity: f64, state: f64) -> [f64; 2] {
-        let k = self.z.len();
-        let [curve, _] = self.curve.next(velocity, 0.0);
-        self.g.push(self.curve.sign * curve);
-        self.z.push(state);
-        // The ratio y of v z to g: g y = v z.
-        let known = product_term(&self.g[1..], &self.ratio);
-        self.ratio.push((product_term(&self.curve.speed, &self.z) - known) / self.g[0]);
-        let LuGre { sigma0, sigma1, bristle_damping, .. } = self.law;
-        let rate = velocity - sigma0 * self.ratio[k];
-        self.rate.push(rate);
-        let damped = match bristle_damping {
-            BristleDamping::Constant => rate,
-            BristleDamping::Decaying => product_term(&self.curve.exponential, &self.rate),
-        };
-        [sigma0 * state + sigma1 * damped + self.law.curve.sigma2() * velocity, rate]
+    fn next(&mut self, velocity: f64, _: f64) -> [f64; 2] {
+        [self.sign * self.falling(velocity) + self.viscous * velocity, 0.0]
     }
 }

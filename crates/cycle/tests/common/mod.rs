@@ -27,7 +27,7 @@ pub fn hoffmann(mu: f64, load: f64) -> ContactSystem {
     hoffmann_under(coulomb(mu, 1e-3), load, FAST)
 }
 
-/// The same under another friction and at another speed.
+/// Hoffmann's oscillator under another friction and at another speed.
 pub fn hoffmann_under(friction: Arc<dyn ContactFriction>, load: f64, speed: f64) -> ContactSystem {
     let zero = || DMatrix::zeros(2, 2);
     let springs = part("springs", dmatrix![1.0, 0.0; 0.0, 1.0], zero(), dmatrix![2.0, 1.0; 1.0, 2.0]);

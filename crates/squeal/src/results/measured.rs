@@ -99,8 +99,8 @@ impl<'a> Beside<'a> {
         };
         let verdict = |frequency: &'a MeasuredFrequency| {
             let near = || modes.iter().filter(|mode| is_near(frequency, mode));
-            let is_hit = |mode: &Placed| mode.occurrence.lower > measured.share;
-            let found = if near().any(|mode| is_hit(mode) && is_nearest(frequency, mode, &measured.frequencies)) {
+            let mut own = near().filter(|mode| is_nearest(frequency, mode, &measured.frequencies));
+            let found = if own.any(|mode| mode.occurrence.lower > measured.share) {
                 Found::Hit
             } else if near().any(|mode| mode.occurrence.upper > measured.share)
                 || modes.iter().filter(|mode| reaches(frequency, mode)).map(|mode| mode.occurrence.upper).sum::<f64>()
