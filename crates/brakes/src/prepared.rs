@@ -288,8 +288,12 @@ impl Pieces<'_> {
         Some(digest(&all))
     }
 
-    /// A piece that is kept, with its bytes.
+    /// A piece that is kept, or was collected before, with its bytes.
     fn known<T: Bits>(&self, key: &Key) -> Option<(Vec<u8>, T)> {
+        let collected = self.all.collected.as_ref().and_then(|all| locked(all).pieces.get(&key[..]).cloned());
+        if let Some((bytes, found)) = collected.and_then(|bytes| T::whole(&bytes).map(|found| (bytes, found))) {
+            return Some((bytes, found));
+        }
         let given = self.all.given.as_ref().and_then(|given| given.pieces.get(&key[..]));
         if let Some((bytes, found)) = given.and_then(|bytes| Some((bytes.clone(), T::whole(bytes)?))) {
             locked(&self.all.counts).from_file += 1;

@@ -107,6 +107,12 @@ fn what_is_read_is_what_was_made_to_the_last_bit() {
     assert_eq!(all_of(&made(&of_file, Purpose::Study)), expected);
     assert_eq!(of_file.counts(), PreparedCounts { from_file: count, ..PreparedCounts::default() });
 
+    // Without a folder, what was made for one purpose is there for the next.
+    let collected = Prepared::default().collecting();
+    assert_eq!(all_of(&made(&collected, Purpose::Study)), expected);
+    assert_eq!(all_of(&made(&collected, Purpose::Study)), expected);
+    assert_eq!(collected.counts().made, count);
+
     // A preparation that was killed: the pieces that are not there are made, others are not; nor is one that is cut or changed taken.
     let all = pieces(&folder);
     fs::remove_file(&all[1]).unwrap();
