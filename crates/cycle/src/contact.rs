@@ -4,6 +4,9 @@ use std::sync::Arc;
 
 use crate::{ContactFriction, Error};
 
+/// Difference, relative, below which two ways to say a friction say the same; chosen: of a law that is written twice, rounding stays far below it.
+const SAME: f64 = 1e-6;
+
 /// A contact of one normal direction and one direction of sliding.
 ///
 /// With u the displacement from steady sliding, z the state of a bristle and mu0 the coefficient in steady sliding, its normal force is
@@ -55,6 +58,9 @@ impl SlidingContact {
         if self.friction.stick_speed() >= self.speed {
             return Err(refused("stick speed", self.friction.stick_speed(), "below the speed of steady sliding"));
         }
+        if let Some((field, value)) = self.contradiction() {
+            return Err(refused(field, value, "that of the coefficient where it slides, and of its derivatives"));
+        }
         let mut entries = self.sliding.iter().chain(&self.normal);
         match entries.find(|(dof, value)| *dof >= order || !value.is_finite()) {
             Some(&(dof, _)) => {
@@ -62,6 +68,41 @@ impl SlidingContact {
             }
             None => Ok(()),
         }
+    }
+
+    /// What its friction says of the coefficient in steady sliding and, backwards, in its mirror image, otherwise than by its coefficient: as a constant, or
+    /// by the first two terms of its series.
+    fn contradiction(&self) -> Option<(&'static str, f64)> {
+        let steady = self.friction.steady_state(self.speed);
+        for sign in [1.0, -1.0] {
+            let (velocity, state) = (sign * self.speed, sign * steady.unwrap_or(0.0));
+            let sliding = self.friction.sliding(self.speed, sign > 0.0);
+            let at = sliding.unwrap_or_else(|| self.friction.at(velocity, state));
+            if self.friction.is_constant() && at.mu_by_velocity != 0.0 {
+                return Some(("slope of constant friction", at.mu_by_velocity));
+            }
+            let Some(mut series) = self.friction.series() else { continue };
+            // In steady sliding the rate of a bristle is the difference of two speeds.
+            let scale = [at.mu.abs(), self.speed];
+            for [faster, stretched] in [[self.speed, 0.0], [0.0, state]] {
+                series.begin(sign > 0.0);
+                let mu = at.mu_by_velocity * faster + at.mu_by_state * stretched;
+                let rate = at.rate_by_velocity * faster + at.rate_by_state * stretched;
+                for (found, expected) in
+                    [(series.next(velocity, state), [at.mu, at.rate]), (series.next(faster, stretched), [mu, rate])]
+                {
+                    for (i, field) in
+                        ["coefficient by its series", "rate of the state by its series"].into_iter().enumerate()
+                    {
+                        let is_same = (found[i] - expected[i]).abs() <= SAME * (scale[i] + expected[i].abs());
+                        if !is_same {
+                            return Some((field, found[i]));
+                        }
+                    }
+                }
+            }
+        }
+        None
     }
 
     /// True of a contact that presses in steady sliding.

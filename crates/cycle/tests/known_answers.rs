@@ -12,8 +12,8 @@ use cycle::{
     SlidingContact, Smoothed, follow, harmonics, history, measure, state_after, states,
 };
 use friction::{
-    BristleDamping, BristleMotion, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters, Tangent,
-    VelocityDependent, VelocityDependentParameters,
+    BristleDamping, BristleMotion, FrictionLaw, FrictionSeries, LuGre, LuGreParameters, Stribeck, StribeckParameters,
+    Tangent, VelocityDependent, VelocityDependentParameters,
 };
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, dmatrix, dvector};
@@ -494,6 +494,94 @@ fn a_motion_by_the_series_of_its_law_is_that_by_substitution() {
             assert!(difference < 1e-8, "law {law}: {found:?} {expected:?}");
             assert!(found != start);
         }
+    }
+}
+
+/// Friction whose series is that of another friction, or that says of itself that it is constant.
+#[derive(Debug)]
+struct Mistaken {
+    law: Arc<dyn ContactFriction>,
+    series: Option<Arc<dyn ContactFriction>>,
+}
+
+impl ContactFriction for Mistaken {
+    fn at(&self, velocity: f64, state: f64) -> BristleMotion {
+        self.law.at(velocity, state)
+    }
+
+    fn sliding(&self, speed: f64, is_forwards: bool) -> Option<BristleMotion> {
+        self.law.sliding(speed, is_forwards)
+    }
+
+    fn steady_state(&self, speed: f64) -> Option<f64> {
+        self.law.steady_state(speed)
+    }
+
+    fn stick_speed(&self) -> f64 {
+        self.law.stick_speed()
+    }
+
+    fn is_constant(&self) -> bool {
+        self.series.is_none()
+    }
+
+    fn series(&self) -> Option<Box<dyn FrictionSeries>> {
+        self.series.as_ref()?.series()
+    }
+}
+
+#[test]
+fn friction_that_contradicts_itself_is_refused() {
+    let falling = |mu_k, alpha| {
+        let law = VelocityDependent::new(VelocityDependentParameters { mu_s: 0.6, mu_k, alpha }).unwrap();
+        Arc::new(Smoothed { law, stick_speed: 1e-3 })
+    };
+    let bristled = |sigma1| {
+        let parameters = LuGreParameters {
+            mu_s: 0.6,
+            mu_k: 0.4,
+            v_s: 0.5,
+            sigma0: 40.0,
+            sigma1,
+            sigma2: 0.02,
+            bristle_damping: BristleDamping::Constant,
+        };
+        Arc::new(Bristled { law: LuGre::new(parameters).unwrap(), stick_speed: 1e-3 })
+    };
+    let said = |law: Arc<dyn ContactFriction>, series: Option<Arc<dyn ContactFriction>>| {
+        let contact = SlidingContact {
+            name: "belt".into(),
+            family: "friction".into(),
+            sliding: vec![(0, 1.0)],
+            normal: Vec::new(),
+            stiffness: 0.0,
+            load: 1.0,
+            speed: 0.7,
+            friction: Arc::new(Mistaken { law, series }),
+        };
+        let mass = part("springs", dmatrix![1.0], dmatrix![0.0], dmatrix![1.0]);
+        ContactSystem::new(vec![mass], vec![contact]).map_err(|error| error.to_string()).err()
+    };
+    let constant = || common::coulomb(0.5, 1e-3);
+    assert_eq!(said(falling(0.4, 2.0), Some(falling(0.4, 2.0))), None);
+    assert_eq!(said(bristled(0.3), Some(bristled(0.3))), None);
+    assert_eq!(said(constant(), None), None);
+    // Another level, the same coefficient with another slope, another damping of bristles, bristles for none, and a coefficient that is not constant.
+    let level = 0.6 + 0.2 * (-1.4_f64).exp_m1();
+    let steep = 0.6 - (level - 0.6) / (-2.8_f64).exp_m1();
+    for (law, series, field) in [
+        (
+            falling(0.4, 2.0) as Arc<dyn ContactFriction>,
+            Some(falling(0.3, 2.0) as Arc<dyn ContactFriction>),
+            "coefficient by its series",
+        ),
+        (falling(0.4, 2.0), Some(falling(steep, 4.0)), "coefficient by its series"),
+        (bristled(0.3), Some(bristled(0.2)), "coefficient by its series"),
+        (bristled(0.3), Some(falling(0.4, 2.0)), "coefficient by its series"),
+        (falling(0.4, 2.0), None, "slope of constant friction"),
+    ] {
+        let said = said(law, series).unwrap_or_default();
+        assert!(said.contains("belt") && said.contains(field), "{said}");
     }
 }
 
