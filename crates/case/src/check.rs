@@ -277,7 +277,7 @@ pub(super) fn field(table: &str, name: &str, key: &str) -> String {
 }
 
 /// Replacements in messages of the parser: a word of Rust or its own, and the word for a user of case files; made in this order.
-const PARSER_WORDS: [(&str, &str); 19] = [
+const PARSER_WORDS: [(&str, &str); 20] = [
     ("expected usize", "expected a whole number >= 0"),
     ("expected u64", "expected a whole number >= 0"),
     ("expected u16", "expected a whole number >= 0"),
@@ -291,6 +291,7 @@ const PARSER_WORDS: [(&str, &str); 19] = [
     ("wanted string or table", "expected a name in quotes, or { name = number }"),
     ("wanted exactly 1 element, more than 1 element", "expected one entry, found more"),
     ("invalid length", "a list of"),
+    ("invalid type: map", "a table"),
     ("invalid type: ", ""),
     ("invalid value: ", ""),
     ("floating point", "the number"),
@@ -320,8 +321,39 @@ pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseEr
     let in_words = |message: String, (rust, word): &(&str, &str)| message.replace(rust, word);
     let message = PARSER_WORDS.iter().fold(error.message().replace('\n', " "), in_words);
     let message = without_struct_name(message);
+    let message = other_brackets(&source, &message).unwrap_or(message);
     let message = if source.is_empty() { message } else { format!("{source}: {message}") };
     CaseError::Syntax { path: path.to_owned(), line, message }
+}
+
+/// The message for a table that stands in the brackets of a list of tables, or the other way round: the parser reads the one into the other and complains of
+/// what it finds inside.
+fn other_brackets(source: &str, message: &str) -> Option<String> {
+    /// Tables that are there once.
+    const SINGLE: [&str; 15] = [
+        "study",
+        "accuracy",
+        "squeal",
+        "measured",
+        "correlation",
+        "lattice",
+        "lattice.plate",
+        "readings",
+        "friction",
+        "alternatives",
+        "paper",
+        "brake",
+        "units",
+        "reduction",
+        "all_contacts",
+    ];
+    let name = source.trim_start_matches('[').trim_end_matches(']');
+    let is_list = source.starts_with("[[");
+    if is_list && SINGLE.contains(&name) {
+        return Some(format!("a list of tables; allowed: one table, [{name}]"));
+    }
+    let is_one = source.starts_with('[') && !is_list && message.ends_with("expected a list");
+    is_one.then(|| format!("one table; allowed: a list of tables, each with the heading [[{name}]]"))
 }
 
 /// The message with "a table" in place of the name of the Rust struct that the parser reads the table into.
@@ -330,4 +362,29 @@ fn without_struct_name(message: String) -> String {
     let Some(start) = message.find(EXPECTED) else { return message };
     let rest = message[start + EXPECTED.len()..].trim_start_matches(|c: char| c.is_ascii_alphanumeric());
     format!("{}expected a table{rest}", &message[..start])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CaseFile;
+
+    #[test]
+    fn a_table_in_the_brackets_of_a_list_is_told_so_and_the_other_way_round() {
+        let case = include_str!("../../../cases/two-by-two.toml");
+        let refused = |given: &str, instead: &str| {
+            let text = case.replacen(&format!("\n{given}\n"), &format!("\n{instead}\n"), 1);
+            assert_ne!(text, case, "{given}");
+            CaseFile::parse(Path::new("case.toml"), text).map(|_| ()).unwrap_err().to_string()
+        };
+        for name in ["study", "lattice", "lattice.plate", "readings", "friction"] {
+            let said = refused(&format!("[{name}]"), &format!("[[{name}]]"));
+            assert!(said.ends_with(&format!("[[{name}]]: a list of tables; allowed: one table, [{name}]")), "{said}");
+        }
+        let said = refused("[[speeds]]", "[speeds]");
+        assert!(
+            said.ends_with("[speeds]: one table; allowed: a list of tables, each with the heading [[speeds]]"),
+            "{said}"
+        );
+    }
 }
