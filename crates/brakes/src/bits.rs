@@ -215,7 +215,7 @@ pub(crate) use bits;
 bits!(OperatingPoint { coefficients, channels });
 bits!(ChannelGain { mu, slope, lag });
 bits!(Lag { decay, drive, force });
-bits!(Within { basis, solved, missed, distance, is_reached });
+bits!(Within { basis, solved, missed, distance });
 bits!(SnapshotMode { lambda, right, left, condition });
 bits!(CoarseBasis { basis, states, error, residual });
 bits!(CoarseStates { channels, directions });

@@ -30,7 +30,7 @@ use crate::Error;
 use crate::bits::Bits;
 
 /// Form of a file of pieces. The version changes when what a piece holds or means does.
-const FILE: Sealed = Sealed { kind: "squeal-prepared", version: 2 };
+const FILE: Sealed = Sealed { kind: "squeal-prepared", version: 3 };
 /// Form of one piece in a folder.
 const PIECE: Sealed = Sealed { kind: "squeal-piece", version: FILE.version };
 /// Most brakes whose pieces a folder keeps, the brakes used last; chosen: each takes some ten megabytes.

@@ -31,7 +31,7 @@ const INVERSES: usize = 8;
 const MOST_CORRECTIONS: usize = 4;
 /// Largest change of an eigenvalue that is taken as it is estimated, as a fraction of its size; chosen: with a larger estimate the eigenvalue stays as it is.
 const SHIFTED: f64 = 0.02;
-/// Most changes of a smaller basis; chosen: one that does not hold the modes after the last change is marked as such.
+/// Most changes of a smaller basis; chosen: where one does not hold the modes after the last change, the larger basis takes its place.
 const MOST_ROUNDS: i32 = 12;
 /// Factor from the least singular value of a direction in one smaller basis to that in the next; the first is the root of the error that is asked for.
 /// Chosen: with less, a basis may have more columns than it needs; with more, it takes more changes.
@@ -47,14 +47,12 @@ pub struct Within {
     /// Eigenvalues, rad/s, of modes that were missing on a smaller basis after the most corrections at a point, or that the whole spectrum at the middle
     /// point showed to be unknown.
     pub missed: Vec<Complex<f64>>,
-    /// The largest estimated error of an eigenvalue in the rectangle, relative to its size; 1 where one is missing.
+    /// The largest estimated error of an eigenvalue in the rectangle, relative to its size.
     pub distance: f64,
-    /// True if the error that was asked for was reached at every point.
-    pub is_reached: bool,
 }
 
 /// The fewest directions within a basis of modes that hold the eigenvalues in and to the right of a rectangle at the given points, draws of a study for
-/// example, up to an error relative to their size, as it is estimated. `reduced` is the brake on that basis, of which the first `leading` columns have all
+/// example, up to an error relative to their size, as it is estimated; where no fewer are found that do, all of them. `reduced` is the brake on that basis, of which the first `leading` columns have all
 /// modes, roughly.
 ///
 /// # Errors
@@ -74,7 +72,6 @@ pub fn within(
     let (probe, mut is_probed) = (points.len() / 2, false);
     loop {
         small = search.smaller(&known, error.sqrt() * LOWER.powi(round))?;
-        let is_last = small.basis().ncols() >= reduced.order() || round == MOST_ROUNDS;
         let (mut is_reached, mut distance, mut at_probe) = (true, 0.0, Vec::new());
         for (at, judged) in search.judged(&mut small)?.into_iter().enumerate() {
             let [lost, found] = search.others(&known[at].lambdas, &judged.modes.lambdas);
@@ -109,14 +106,15 @@ pub fn within(
                 known[probe] = all;
             }
         }
-        if small.basis().ncols() == reduced.order() {
-            // The larger basis itself, in other directions: whatever is known of its modes, nothing is missing.
+        if !is_reached && (small.basis().ncols() == reduced.order() || round == MOST_ROUNDS) {
+            // On the larger basis itself, whatever is known of its modes, nothing is missing.
+            small = Smaller::new(DMatrix::identity(reduced.order(), reduced.order()), reduced);
             (is_reached, distance) = (true, 0.0);
         }
-        if is_reached || is_last {
+        if is_reached {
             let solved = search.points.iter().zip(&corrections).filter(|(_, times)| **times > MOST_CORRECTIONS);
             let solved = solved.map(|(at, _)| at.clone()).collect();
-            return Ok(Within { basis: small.into_basis(), solved, missed, distance, is_reached });
+            return Ok(Within { basis: small.into_basis(), solved, missed, distance });
         }
         round += 1;
     }

@@ -10,7 +10,7 @@ use num_complex::Complex;
 use reduction::{ReducedModes, RouteCounts};
 use study::{BandMode, Bridge, CoarsePath, FullChecks, ModeResidual, ModeSource, Scene, WholeEigenvalue};
 
-use super::{FiniteElementBrake, Part, bridge, on_axis, parameters, settled, whole};
+use super::{FiniteElementBrake, bridge, on_axis, parameters, settled, whole};
 use crate::Error;
 
 /// Factor of the relative error that is assumed of an eigenvalue. It multiplies the sum of two relative distances, each the largest that was measured: of
@@ -93,15 +93,8 @@ impl FiniteElementBrake {
     pub(super) fn error_of_modes(&self, scene: &Scene) -> f64 {
         let part = self.part(scene);
         let set = &self.sets[part.set];
-        let of_part = if self.is_known(part) { part.within.distance } else { 1.0 };
         let of_set = set.compared.distance.max(set.held_out);
-        (ALLOWANCE * (of_part + of_set)).max(BEYOND_CHECKED * set.checked).max(LEAST_ERROR)
-    }
-
-    /// True if the distance of the modes of a part from the modes of its set is known: the basis of the part has the error that was asked for,
-    /// or as many columns as the basis of the set.
-    fn is_known(&self, part: &Part) -> bool {
-        part.within.is_reached || part.within.basis.ncols() == self.sets[part.set].basis.ncols()
+        (ALLOWANCE * (part.within.distance + of_set)).max(BEYOND_CHECKED * set.checked).max(LEAST_ERROR)
     }
 }
 
@@ -166,14 +159,7 @@ impl ModeSource for FiniteElementBrake {
     }
 
     fn unknown_error(&self, scene: &Scene) -> Option<&'static str> {
-        let part = self.part(scene);
-        if self.sets[part.set].held_out >= 1.0 {
-            Some(OTHER_MODES)
-        } else if !self.is_known(part) {
-            Some("the basis of the reduced brake does not hold its modes within reduction.residual")
-        } else {
-            None
-        }
+        (self.sets[self.part(scene).set].held_out >= 1.0).then_some(OTHER_MODES)
     }
 
     fn eigenvalue_at_origin(&self, constraints: usize, lambda: Complex<f64>) -> Complex<f64> {

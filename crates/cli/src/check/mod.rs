@@ -192,12 +192,6 @@ fn reduction(brake: &FiniteElementBrake) -> Lines {
         let parts: Vec<&Part> = brake.parts.iter().filter(|part| part.set == at).collect();
         let columns = parts.iter().map(|part| part.within.basis.ncols());
         let sum = |of: &dyn Fn(&Part) -> usize| parts.iter().map(|part| of(part)).sum::<usize>();
-        let not_reached = sum(&|part| usize::from(!part.within.is_reached));
-        let reached = if not_reached == 0 {
-            String::new()
-        } else {
-            format!(" (the error asked for NOT reached by {not_reached})")
-        };
         let (least, most) = (columns.clone().min().unwrap_or(0), columns.max().unwrap_or(0));
         let size = if least == most { most.to_string() } else { format!("{least} to {most}") };
         let invented = match set.invented(&brake.case) {
@@ -205,7 +199,7 @@ fn reduction(brake: &FiniteElementBrake) -> Lines {
             count => format!("; {count} modes that the whole brake does NOT HAVE"),
         };
         let found = format!(
-            "{name}: {} columns for all arrangements, {} within them of {size}{reached}; {} modes found missing on the way; at the medians {} of {} \
+            "{name}: {} columns for all arrangements, {} within them of {size}; {} modes found missing on the way; at the medians {} of {} \
              modes of the whole brake, within {:.1e}{invented}",
             set.basis.ncols(),
             if parts.len() == 1 { "a basis".to_owned() } else { format!("{} bases", parts.len()) },

@@ -276,7 +276,7 @@ fn a_smaller_basis_within_holds_the_eigenvalues_of_one_arrangement() {
     let mut columns = Vec::new();
     for error in [1e-4, 1e-6, 1e-8] {
         let found = within((&reduced, leading), (RECTANGLE, &open), error).unwrap();
-        assert!(found.is_reached && found.missed.is_empty() && found.distance <= error, "{found:?}");
+        assert!(found.missed.is_empty() && found.distance <= error, "{found:?}");
         let Within { basis: small, .. } = &found;
         assert!((small.tr_mul(small) - DMatrix::identity(small.ncols(), small.ncols())).amax() < 1e-12);
         let combinations = Combinations::new(&system, &basis);
@@ -326,17 +326,16 @@ fn a_poor_start_hides_no_mode_from_a_smaller_basis() {
     let (basis, reduced, leading) = of_modes(&system, &(0..8).map(drawn).collect::<Vec<_>>());
     let points: Vec<OperatingPoint> = (0..6).map(drawn).collect();
     let combinations = Combinations::new(&system, &basis);
-    let mut reached = 0;
+    let mut smaller = 0;
     for leading in [1, leading / 4, leading / 2, leading, basis.ncols()] {
         let found = within((&reduced, leading), (RECTANGLE, &points), 1e-6).unwrap();
         let of = (&basis.clone().into(), &reduced, &combinations);
         let small = Reduced::within(of, None, &found.basis, RECTANGLE, TOLERANCE).unwrap();
         let has_all = |at| small.modes_by_spectrum(at).unwrap().lambdas.len() == truth(&reduced, at).len();
-        println!("{leading} of {}: {:?}", basis.ncols(), (found.is_reached, found.solved.len(), found.missed.len()));
-        assert!(!found.is_reached || points.iter().all(has_all), "{leading}");
-        reached += usize::from(found.is_reached);
+        assert!(points.iter().all(has_all), "{leading}");
+        smaller += usize::from(found.basis.ncols() < basis.ncols());
     }
-    assert!(reached >= 3, "{reached}");
+    assert!(smaller >= 3, "{smaller}");
     let none = within((&reduced, leading), (RECTANGLE, &[]), 1e-6);
     assert_eq!(none.unwrap_err().to_string(), reduction::ReductionError::NoModes.to_string());
 }
