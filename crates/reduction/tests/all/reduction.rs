@@ -336,6 +336,9 @@ fn a_poor_start_hides_no_mode_from_a_smaller_basis() {
         smaller += usize::from(found.basis.ncols() < basis.ncols());
     }
     assert!(smaller >= 3, "{smaller}");
+    // An error that nothing reaches is reached by all of the larger basis.
+    let all = within((&reduced, leading), (RECTANGLE, &points), 0.0).unwrap();
+    assert_eq!((all.basis.ncols(), all.distance), (basis.ncols(), 0.0));
     let none = within((&reduced, leading), (RECTANGLE, &[]), 1e-6);
     assert_eq!(none.unwrap_err().to_string(), reduction::ReductionError::NoModes.to_string());
 }
