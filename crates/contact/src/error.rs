@@ -94,6 +94,19 @@ pub enum ContactError {
         /// The largest that is allowed.
         allowed: f64,
     },
+    /// Faces of the master that lie on each other.
+    #[error(
+        "opposite to node {node} of the slave are two faces of the master that lie on each other, of elements {first} and {second}; one is allowed: which of them is \
+         in contact follows from nothing"
+    )]
+    OnEachOther {
+        /// The number of the node of the slave next to the point.
+        node: i64,
+        /// The number of the element of the one face.
+        first: i64,
+        /// The number of the element of the other face.
+        second: i64,
+    },
     /// A velocity without a direction along the face.
     #[error("nothing slides at node {node}: the velocity {velocity:?} has no part along the face")]
     NoSliding {

@@ -33,11 +33,12 @@ impl OppositeFaces {
     pub fn new(mesh: &Mesh, slave: &[FaceId], master: &[FaceId], pairing: &Pairing) -> Result<Self, ContactError> {
         pairing.check()?;
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
-        let mut search = Search::new(&master, pairing);
+        let mut search = Search::new(mesh, &master, pairing);
         let mut looks = |face: &Face| {
             search.segments(face).into_iter().any(|(own, _)| {
                 let at = face.at(own);
-                matches!(search.opposite(&at.position, &at.area.normalize(), 0), Ok(Some(_)))
+                let found = search.opposite(&at.position, &at.area.normalize(), 0);
+                matches!(found, Ok(Some(_)) | Err(ContactError::OnEachOther { .. }))
             })
         };
         let looking: Vec<bool> = slave.iter().map(&mut looks).collect();

@@ -12,6 +12,10 @@ use crate::{ContactError, Side};
 
 /// Weights up to this absolute value are rounding of a shape function, or of a component of a normal, that is zero.
 const NO_WEIGHT: f64 = 1e-14;
+/// Distance of two projections of a point, as a fraction of the reach, up to which they are one place; chosen, above rounding.
+const SAME: f64 = 1e-6;
+/// Width of the border of a face, as a fraction of it, on which a point may be opposite to the next face as well; chosen, far above [`SAME`].
+const BORDER: f64 = 1e-3;
 
 /// Rule by which the slave's faces are integrated over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -91,7 +95,7 @@ impl Interface {
         pairing.check()?;
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
         pairing.sliding.check(mesh, &slave)?;
-        let mut search = Search::new(&master, pairing);
+        let mut search = Search::new(mesh, &master, pairing);
         let mut points: Vec<ContactPoint> = Vec::new();
         // Points without a face opposite, with what each has of the area.
         let mut beside = Vec::new();
@@ -182,6 +186,13 @@ fn weights(face: &Face, shape: &FaceShape) -> Vec<(usize, f64)> {
     all.filter(|(_, weight)| weight.abs() > NO_WEIGHT).collect()
 }
 
+/// True if own coordinates are within a face, and not next to its border.
+fn is_within(face: &Face, own: [f64; 2]) -> bool {
+    let places = face.kind.places();
+    let middle = [0, 1].map(|x| places.iter().map(|place| place[x]).sum::<f64>() / places.len() as f64);
+    face.kind.outside([0, 1].map(|x| middle[x] + (1.0 + BORDER) * (own[x] - middle[x]))) == 0.0
+}
+
 /// The node of a face with the largest shape function.
 fn largest(shape: &FaceShape) -> usize {
     let values = shape.values().iter().enumerate();
@@ -190,6 +201,7 @@ fn largest(shape: &FaceShape) -> usize {
 
 /// The faces of the master, searched for what is opposite to a point.
 pub(crate) struct Search<'a> {
+    mesh: &'a Mesh,
     grid: Grid,
     master: &'a [Face],
     pairing: &'a Pairing,
@@ -197,8 +209,8 @@ pub(crate) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(master: &'a [Face], pairing: &'a Pairing) -> Self {
-        Self { grid: Grid::new(master, pairing.reach), master, pairing, projections: 0 }
+    pub(crate) fn new(mesh: &'a Mesh, master: &'a [Face], pairing: &'a Pairing) -> Self {
+        Self { mesh, grid: Grid::new(master, pairing.reach), master, pairing, projections: 0 }
     }
 
     /// Points and weights on a face that is cut along the edges of the master's.
@@ -207,7 +219,7 @@ impl<'a> Search<'a> {
     }
 
     /// The face opposite to a point, whose own face looks `outwards`: among the faces within reach the face that the point is over, and of two
-    /// such faces the nearer one.
+    /// such faces the nearer one. Two faces that lie on each other are refused, as the first one is no more opposite than the second.
     pub(crate) fn opposite(
         &mut self,
         at: &Vector3<f64>,
@@ -232,6 +244,15 @@ impl<'a> Search<'a> {
                 }
                 contradicting = Some(contradicting.map_or(cosine, |least| least.min(cosine)));
                 continue;
+            }
+            // On the edge of two faces a point is within neither.
+            let on_each_other = |(known, other): &(&Face, Projection)| {
+                let apart = (other.at.position - found.at.position).norm();
+                apart <= SAME * self.pairing.reach && is_within(known, other.own) && is_within(face, found.own)
+            };
+            if let Some((known, _)) = best.as_ref().filter(|best| on_each_other(best)) {
+                let [first, second] = [known, face].map(|face| self.mesh.elements()[face.id.element].label);
+                return Err(ContactError::OnEachOther { node, first, second });
             }
             let rank = |found: &Projection| (found.outside.max(1e-9), found.gap.abs());
             let is_better = best.as_ref().is_none_or(|(_, known)| rank(&found) < rank(known));

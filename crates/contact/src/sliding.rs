@@ -110,7 +110,7 @@ pub(crate) fn value(what: &'static str, value: f64, allowed: &'static str) -> Co
     ContactError::Value { what, value, allowed }
 }
 
-/// The faces of a side, each with an area.
+/// The faces of a side, each with an area, of elements that are not inverted: their faces look outwards.
 pub(crate) fn faces(mesh: &Mesh, ids: &[elements::FaceId], side: Side) -> Result<Vec<Face>, ContactError> {
     if ids.is_empty() {
         return Err(ContactError::NoFaces { side });
@@ -122,6 +122,7 @@ pub(crate) fn faces(mesh: &Mesh, ids: &[elements::FaceId], side: Side) -> Result
             let element = mesh.element(id.element)?.label;
             return Err(ContactError::NoArea { side, element, face: id.number });
         }
+        mesh.volume(id.element)?;
         Ok(face)
     };
     ids.iter().map(face).collect()

@@ -88,27 +88,42 @@ impl Mesh {
         Ok(Face { id, kind: FaceKind::of_nodes(own.len()), nodes, positions })
     }
 
-    /// The faces of these elements that no other element of the mesh has, element by element.
+    /// The faces of these elements that have an element of the mesh on one side alone, element by element. Of elements that lie on each other the first one has
+    /// the face.
     ///
     /// # Errors
     /// An index without an element.
     pub fn outer_faces(&self, elements: &[usize]) -> Result<Vec<FaceId>, ElementsError> {
-        let mut count: HashMap<Vec<usize>, usize> = HashMap::new();
-        for place in 0..self.elements().len() {
-            for number in 1..=self.elements()[place].kind.faces() {
-                *count.entry(self.corners(FaceId { element: place, number })?).or_default() += 1;
+        let mut sides: HashMap<Vec<usize>, [bool; 2]> = HashMap::new();
+        for element in 0..self.elements().len() {
+            for number in 1..=self.elements()[element].kind.faces() {
+                let corners = self.corners(FaceId { element, number })?;
+                let side = usize::from(self.side(element, &corners));
+                sides.entry(corners).or_default()[side] = true;
             }
         }
         let mut outer = Vec::new();
         for &element in elements {
             for number in 1..=self.element(element)?.kind.faces() {
                 let id = FaceId { element, number };
-                if count.get(&self.corners(id)?) == Some(&1) {
+                if sides.remove(&self.corners(id)?).is_some_and(|sides| sides != [true; 2]) {
                     outer.push(id);
                 }
             }
         }
         Ok(outer)
+    }
+
+    /// Side of a face, by its corners around it, on which the middle of an element lies, whichever way the element is numbered.
+    fn side(&self, element: usize, corners: &[usize]) -> bool {
+        let middle = |nodes: &[usize]| -> Vector3<f64> {
+            nodes.iter().map(|&node| self.positions()[node]).sum::<Vector3<f64>>() / nodes.len() as f64
+        };
+        let own = middle(corners);
+        let from = |node: &usize| self.positions()[*node] - own;
+        let next = corners.iter().cycle().skip(1);
+        let normal: Vector3<f64> = corners.iter().zip(next).map(|(a, b)| from(a).cross(&from(b))).sum();
+        normal.dot(&(middle(&self.elements()[element].nodes) - own)) > 0.0
     }
 
     /// Outer faces all of whose corners are among these nodes, given by their indices: the surface that a node set means.
@@ -126,11 +141,20 @@ impl Mesh {
         Ok(on)
     }
 
-    /// The corners of a face, ascending: alike from both sides, and for a linear and a quadratic element.
+    /// The corners around a face, each once, from the first node of the mesh on towards the lower one of its neighbours: alike from both sides, for a linear and a
+    /// quadratic element, and for one of whose corners some are one node.
     fn corners(&self, id: FaceId) -> Result<Vec<usize>, ElementsError> {
         let face = self.face(id)?;
         let mut corners = face.nodes[..face.kind.corners()].to_vec();
-        corners.sort_unstable();
+        let first = corners.iter().enumerate().min_by_key(|(_, node)| **node).map_or(0, |(at, _)| at);
+        corners.rotate_left(first);
+        corners.dedup();
+        while corners.len() > 1 && corners.last() == corners.first() {
+            corners.pop();
+        }
+        if corners.len() > 2 && corners[corners.len() - 1] < corners[1] {
+            corners[1..].reverse();
+        }
         Ok(corners)
     }
 }
@@ -185,5 +209,41 @@ mod tests {
         assert!(mesh.faces_on(&between).unwrap().is_empty());
         let normal = mesh.face(FaceId { element: 1, number: 2 }).unwrap().area();
         assert!((normal - Vector3::new(0.0, 0.0, 4.0)).norm() < 1e-15);
+    }
+
+    /// A column of two cubes with more elements on them: each face of the column is outside once, from whichever nodes the others begin and however they go
+    /// around.
+    #[test]
+    fn elements_that_lie_on_others_hide_no_face() {
+        let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let layers = [-1.0, 1.0, 3.0].iter().flat_map(|&z| square.map(|[x, y]| [x, y, z]));
+        let nodes: Vec<(i64, [f64; 3])> = (1..).zip(layers).collect();
+        let column = [[1, 2, 3, 4, 5, 6, 7, 8], [5, 6, 7, 8, 9, 10, 11, 12]];
+        let again = [
+            [1, 2, 3, 4, 5, 6, 7, 8],
+            [6, 7, 8, 5, 10, 11, 12, 9],
+            [12, 11, 10, 9, 8, 7, 6, 5],
+            [4, 3, 2, 1, 8, 7, 6, 5],
+        ];
+        for others in 0..16_usize {
+            let on = again.iter().enumerate().filter(|(at, _)| others >> at & 1 == 1).map(|(_, nodes)| nodes);
+            let all = column.iter().chain(on).zip(1..);
+            let mesh = Mesh::new(
+                nodes.clone(),
+                all.map(|(nodes, label)| (label, Kind::Hexahedron8, nodes.to_vec())).collect(),
+            )
+            .unwrap();
+            let faces = mesh.outer_faces(&mesh.all()).unwrap();
+            assert!(faces.len() == 10 && faces.iter().all(|face| face.element < 2), "{others}: {faces:?}");
+        }
+        // A wedge, and half a cube of which two corners are one node each, meet in a face.
+        let nodes: Vec<(i64, [f64; 3])> =
+            (1..).zip([-1.0, 1.0].iter().flat_map(|&z| square.map(|[x, y]| [x, y, z]))).collect();
+        let halves =
+            vec![(1, Kind::Wedge6, vec![1, 2, 3, 5, 6, 7]), (2, Kind::Hexahedron8, vec![1, 3, 4, 4, 5, 7, 8, 8])];
+        let mesh = Mesh::new(nodes, halves).unwrap();
+        let faces = mesh.outer_faces(&mesh.all()).unwrap();
+        let with_area = faces.iter().filter(|id| mesh.face(**id).unwrap().area().norm() > 0.0);
+        assert_eq!(with_area.count(), 8, "{faces:?}");
     }
 }

@@ -16,7 +16,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The faces of solid cells that no second cell has, then flat cells, lines and points; all nodes as points where the mesh has
+    /// The faces of solid cells that have cells on one side alone, then flat cells, lines and points; all nodes as points where the mesh has
     /// no cells. A face on which nodes coincide has fewer corners. Cells with nodes that the mesh lacks are passed over, and so are flat cells
     /// that lie on faces of solids or on another flat cell, corner on corner: a skin, whose face is there already.
     #[must_use]
@@ -94,7 +94,7 @@ impl Skins {
     }
 }
 
-/// The faces of solid cells that no second cell has, in the order of the cells.
+/// The faces of solid cells that have cells on one side alone, in the order of the cells; of cells that lie on each other the first one has the face.
 fn outer_faces(mesh: &Mesh) -> Vec<[usize; 4]> {
     // The corners of a face in ascending order are the same from both sides.
     let mut found = Vec::new();
@@ -115,10 +115,23 @@ fn outer_faces(mesh: &Mesh) -> Vec<[usize; 4]> {
         }
     }
     found.sort_unstable();
-    let mut outer: Vec<(usize, [usize; 4])> =
-        found.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() == 1).map(|one| (one[0].1, one[0].2)).collect();
+    let mut outer = Vec::new();
+    for alike in found.chunk_by(|a, b| a.0 == b.0) {
+        let turned: Vec<[usize; 4]> =
+            alike.iter().map(|(_, at, face)| outwards(mesh, &mesh.cells[*at], *face)).collect();
+        if turned.iter().all(|face| after_first(face) == after_first(&turned[0])) {
+            outer.push((alike[0].1, alike[0].2, turned[0]));
+        }
+    }
     outer.sort_unstable();
-    outer.into_iter().map(|(at, face)| outwards(mesh, &mesh.cells[at], face)).collect()
+    outer.into_iter().map(|(.., turned)| turned).collect()
+}
+
+/// The node of a face that comes after its first one of the mesh, which tells the way around; the last node may be there twice.
+fn after_first(face: &[usize; 4]) -> usize {
+    let first = face.iter().min();
+    let mut after = face.iter().cycle().skip_while(|node| Some(*node) != first).skip_while(|node| Some(*node) == first);
+    after.next().copied().unwrap_or_default()
 }
 
 /// True if a cell has as many nodes as it must, all of the mesh.
@@ -196,6 +209,19 @@ mod tests {
             let surface = Surface::new(&mesh);
             assert_eq!((surface.faces.len(), surface.of_solids, surface.nodes.len()), (10, 10, 12));
             assert!(!surface.faces.iter().any(|face| face.iter().all(|node| (4..8).contains(node))));
+            assert!((volume(&mesh, &surface) - 2.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn cells_that_lie_on_others_hide_no_face() {
+        let (below, above): (Vec<usize>, Vec<usize>) = ((0..8).collect(), (4..12).collect());
+        let (again, turned) = ([1, 2, 3, 0, 5, 6, 7, 4], [8, 9, 10, 11, 4, 5, 6, 7]);
+        let hexahedra = [&below[..], &above, &again, &turned].map(|nodes| (CellKind::Hexahedron, nodes));
+        for count in 2..=4 {
+            let mesh = mesh(&tower(), &hexahedra[..count]);
+            let surface = Surface::new(&mesh);
+            assert_eq!((surface.faces.len(), surface.of_solids, surface.nodes.len()), (10, 10, 12));
             assert!((volume(&mesh, &surface) - 2.0).abs() < 1e-12);
         }
     }

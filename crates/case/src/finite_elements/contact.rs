@@ -17,6 +17,9 @@ use crate::CaseError;
 const TRANSLATIONS: [u32; 3] = [1, 2, 3];
 /// Least speed of a pair as a part of the mean; chosen: nearer to the axis rounding would say where the disc slides.
 const LEAST_SPEED: f64 = 1e-6;
+/// Difference of two distances, as a fraction of the tolerance, up to which two nodes are as near; chosen: of decks, whose coordinates have seven digits, nodes
+/// at one place are there exactly.
+const AS_NEAR: f64 = 1e-6;
 /// Least part of the sliding that lies in the plane of the contact; chosen: below it rounding would say where to.
 const IN_PLANE: f64 = 1e-9;
 
@@ -205,6 +208,19 @@ fn matched(model: &Model<'_>, contact: &ContactTable) -> Result<Vec<Pair>, CaseE
             let allowed = format!("nodes within contact.tolerance = {} of one of the disc", contact.tolerance);
             return Err(check.value("contact.pad", found, &allowed));
         };
+        // Which of several nodes is meant would follow from their numbers.
+        let own = disc.contains(&node).then(|| "itself, in contact.disc too".to_owned());
+        let as_near = (0..disc.len()).find(|at| {
+            *at != nearest
+                && disc[*at] != disc[nearest]
+                && distance(at) <= distance(&nearest) + AS_NEAR * contact.tolerance
+        });
+        let both =
+            as_near.map(|at| format!("nodes {} and {} of contact.disc, which are as near", disc[nearest], disc[at]));
+        if let Some(others) = own.or(both) {
+            let allowed = "one node of the disc next to each; [[contact]] is for faces whose nodes do not match";
+            return Err(check.value("contact.pad", format!("node {node} at {others}"), allowed));
+        }
         if let Some(other) = taken[nearest].replace(node) {
             let found = format!("nodes {other} and {node} at node {} of contact.disc", disc[nearest]);
             return Err(check.value("contact.pad", found, "a node of the disc for each"));

@@ -187,6 +187,8 @@ fn acting(solids: &Solids<'_>, forces: &[ForceTable]) -> Result<DMatrix<f64>, Ca
                 let pressure = check.finite(&key("pressure"), pressure)?;
                 for id in solids.faces(&key("faces"), faces)? {
                     let face = solids.mesh.face(id).map_err(check.contact(&key("faces")))?;
+                    // A face of an inverted element looks inwards.
+                    solids.mesh.volume(id.element).map_err(check.contact(&key("faces")))?;
                     for (own, weight) in face.kind.rule() {
                         let at = face.at(own);
                         // Against the normal to the outside.

@@ -95,6 +95,11 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
         ("tolerance = 1e-6", "tolerance = -1.0", "contact.tolerance = -1; allowed: a distance, > 0"),
         ("disc = \"DISCFACE\"", "disc = \"PADBACK\"", "contact.pad = node"),
         (
+            "disc = \"DISCFACE\"",
+            "disc = [\"DISCFACE\", \"PADFACE\"]",
+            "at itself, in contact.disc too; allowed: one node of the disc next to each",
+        ),
+        (
             "normal = [0.0, 0.0, 1.0]",
             "normal = [0.0, 0.0, 0.0]",
             "contact.normal = [0.0, 0.0, 0.0]; allowed: a direction",
@@ -146,6 +151,31 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
         assert!(text.contains(given), "{given}");
         let found = parse(text.replace(given, changed)).unwrap_err();
         assert!(found.contains(expected) && !found.contains('\n'), "{changed}: {found}");
+    }
+}
+
+/// Two nodes of the disc at one place, whichever has the lower number.
+#[test]
+fn a_node_of_the_pad_at_two_nodes_of_the_disc_is_refused() {
+    let case = parse(text()).unwrap();
+    let mesh = std::fs::read_to_string(folder().join("disc-pad.inp")).unwrap();
+    let nodes = &case.mesh.as_ref().unwrap().nodes;
+    for (pair, label) in [(0, 0), (1, 99_999)] {
+        let [pad, disc] = case.contact.as_ref().unwrap().patches[3].pairs[pair];
+        let [x, y, z] = nodes.iter().find(|node| node.label == disc).unwrap().position;
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("twin.inp"), format!("{mesh}*NODE, NSET=TWIN\n{label}, {x:?}, {y:?}, {z:?}\n"))
+            .unwrap();
+        let twin = dir.path().join("twin.inp").display().to_string();
+        let text = text()
+            .replace("\"disc-pad.inp\"", &format!("{twin:?}"))
+            .replace("\"DISCFACE\"", "[\"DISCFACE\", \"TWIN\"]");
+        let found = parse(text).unwrap_err();
+        let (first, second) = (disc.min(label), disc.max(label));
+        let expected = format!(
+            "contact.pad = node {pad} at nodes {first} and {second} of contact.disc, which are as near; allowed"
+        );
+        assert!(found.contains(&expected), "{found}");
     }
 }
 

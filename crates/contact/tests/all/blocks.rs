@@ -390,6 +390,56 @@ fn what_is_no_contact_is_refused_by_name() {
     assert_eq!(error, ContactError::NoArea { side: Side::Slave, element: 5, face: 1 });
 }
 
+/// Elements of a mirrored copy that kept their order of nodes: their faces look inwards, and friction would act the other way.
+#[test]
+fn faces_of_inverted_elements_are_refused() {
+    for kind in Kind::ALL {
+        let mut making = Making::default();
+        making.block(kind, [2, 2, 1], [[0.0, 0.0, 0.0], [1.0, 1.0, 0.4]], |p| p);
+        let of_upper = making.elements.len();
+        making.block(kind, [3, 3, 1], [[0.0, 0.0, -0.5], [1.0, 1.0, 0.0]], |p| p);
+        for mirrored in [0..0, 0..of_upper, of_upper..making.elements.len(), 0..making.elements.len()] {
+            // The same solids at their mirror image in x = 0.
+            let at = |element: usize| if mirrored.contains(&element) { -1.0 } else { 1.0 };
+            let nodes = making.nodes.iter().map(|&(label, [x, y, z])| {
+                let owner = making.elements.iter().position(|(.., nodes)| nodes.contains(&label)).unwrap();
+                (label, [at(owner) * (x - 0.5), y, z])
+            });
+            let mesh = Mesh::new(nodes.collect(), making.elements.clone()).unwrap();
+            let on = faces(&mesh, |p| p.z.abs() < 1e-12);
+            let (slave, master): (Vec<_>, Vec<_>) = on.into_iter().partition(|id: &FaceId| id.element < of_upper);
+            let found = Interface::new(&mesh, &slave, &master, &along_x(Integration::GaussPoints));
+            match found {
+                Ok(found) => {
+                    assert!(mirrored.is_empty() && (found.area() - 1.0).abs() < 1e-12, "{kind:?} {mirrored:?}")
+                }
+                Err(error) => {
+                    let is_inverted = matches!(error, ContactError::Mesh(elements::ElementsError::Inverted { .. }));
+                    assert!(is_inverted && !mirrored.is_empty(), "{kind:?} {mirrored:?} {error}");
+                }
+            }
+        }
+    }
+}
+
+/// Which of two faces at one place is in contact would follow from the order of their elements.
+#[test]
+fn faces_of_the_master_that_lie_on_each_other_are_refused() {
+    for cells in [[3, 3, 1], [2, 3, 1], [5, 4, 1]] {
+        let mut making = Making::default();
+        making.block(Kind::Hexahedron8, [2, 2, 1], [[0.0, 0.0, 0.0], [1.0, 1.0, 0.4]], |p| p);
+        making.block(Kind::Hexahedron8, [3, 3, 1], [[0.0, 0.0, -0.5], [1.0, 1.0, 0.0]], |p| p);
+        making.block(Kind::Hexahedron8, cells, [[0.0, 0.0, -0.3], [1.0, 1.0, 0.0]], |p| p);
+        let mesh = making.mesh();
+        let on = faces(&mesh, |p| p.z.abs() < 1e-12);
+        let (slave, master): (Vec<_>, Vec<_>) = on.into_iter().partition(|id: &FaceId| id.element < 4);
+        for integration in [Integration::GaussPoints, Integration::Segments] {
+            let error = Interface::new(&mesh, &slave, &master, &along_x(integration)).unwrap_err();
+            assert!(matches!(error, ContactError::OnEachOther { .. }), "{cells:?} {error}");
+        }
+    }
+}
+
 #[test]
 fn patches_are_told_by_shared_and_by_parted_nodes() {
     let (mesh, slave, master) = two_blocks((Kind::Hexahedron8, [4, 1, 1]), (Kind::Hexahedron8, [3, 1, 1]));
