@@ -184,9 +184,13 @@ impl CycleArgs {
             Ok(Found::Branches(branches(&study, 0, over, &options, kept, bars)?.into()))
         };
         let (found, folder) = results_folder::or_given_back(workers(None)?.install(find), folder, KEPT)?;
+        // A law that knows no speed has no range whose name says it.
+        let speed =
+            self.scene.speed.filter(|_| brake.finite_elements().is_some() && plan.scenes[0].key.speed.is_none());
+        let speed = speed.map_or_else(String::new, |speed| format!("; sliding speed {speed} {}", plan.units.of("m/s")));
         let heading = match &self.over {
-            None => brake.medians_in_words() + &counts_from(&plan.threshold),
-            Some(over) => swept_in_words(plan, std::slice::from_ref(over)),
+            None => brake.medians_in_words() + &counts_from(&plan.threshold) + &speed,
+            Some(over) => swept_in_words(plan, std::slice::from_ref(over)) + &speed,
         };
         let tables = found.tables();
         let seconds = begin.elapsed().as_secs_f64();

@@ -26,7 +26,7 @@ pub struct SceneArgs {
     /// Constraint set by name [default: the case's first]
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
-    /// Sliding speed, m/s, of a lattice or finite elements [default: the median of the case's first range]
+    /// Sliding speed, in the unit of the case (m/s; mm/s in mm-t-s), of a lattice or finite elements [default: the median of the case's first range]
     #[arg(long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
     pub speed: Option<f64>,
 }
