@@ -452,7 +452,7 @@ fn cases_say_how_a_one_sided_file_is_stored() {
 #[test]
 fn a_reduced_brake_has_no_modes_that_the_whole_one_does_not_have() {
     let folder = tempfile::tempdir().unwrap();
-    let (order, mut random, mut open) = (90, Random(0x5eed_5eed), 0);
+    let (order, mut random, mut open, mut open_drawn) = (90, Random(0x5eed_5eed), 0, 0);
     for system in 0..12 {
         let (mut m, mut c, mut k) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..order {
@@ -506,9 +506,15 @@ fn a_reduced_brake_has_no_modes_that_the_whole_one_does_not_have() {
             let drawn = format!("{drawn}[parameters.x]\ndistribution = \"uniform\"\nfrom = 0.9\nto = 1.1\n");
             let drawn = written(folder.path(), "drawn.toml", &drawn);
             let influence = squeal().arg("influence").arg(&drawn).args(unchecked).output().unwrap();
-            let words = String::from_utf8_lossy(&influence.stdout);
-            assert!(words.contains("so that nothing is known of its errors"), "{words}");
-            for output in [output, run, check, influence] {
+            let mut answers = vec![output, run, check];
+            // Of other draws a basis may have been made that has no such modes.
+            if String::from_utf8_lossy(&influence.stdout).contains("so that nothing is known of its errors") {
+                answers.push(influence);
+                open_drawn += 1;
+            } else {
+                assert_eq!(influence.status.code(), Some(0));
+            }
+            for output in answers {
                 let said = String::from_utf8(output.stderr).unwrap();
                 assert_eq!(output.status.code(), Some(1), "{said}");
                 assert!(said.contains("does not have the modes of the whole one"), "{said}");
@@ -521,7 +527,7 @@ fn a_reduced_brake_has_no_modes_that_the_whole_one_does_not_have() {
         found.sort_by(f64::total_cmp);
         assert_close(&found, &all[low..high], 1e-5);
     }
-    assert!((1..=3).contains(&open), "{open} of 12 are open");
+    assert!((1..=3).contains(&open) && open_drawn > 0, "{open} of 12 are open, of draws {open_drawn}");
 }
 
 /// Shapes of two reductions of one brake are told at the same rows of it, so that modes are linked by them.
