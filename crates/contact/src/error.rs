@@ -94,12 +94,14 @@ pub enum ContactError {
         /// The largest that is allowed.
         allowed: f64,
     },
-    /// Faces of the master that lie on each other.
+    /// Faces of one side that lie on each other.
     #[error(
-        "opposite to node {node} of the slave are two faces of the master that lie on each other, of elements {first} and {second}; one is allowed: which of them is \
-         in contact follows from nothing"
+        "at node {node} of the slave two faces of the {side} lie on each other, of elements {first} and {second}; one is allowed: which of them is in contact \
+         follows from nothing"
     )]
     OnEachOther {
+        /// Side whose faces they are.
+        side: Side,
         /// The number of the node of the slave next to the point.
         node: i64,
         /// The number of the element of the one face.

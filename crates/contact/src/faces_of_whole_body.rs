@@ -33,7 +33,7 @@ impl OppositeFaces {
     pub fn new(mesh: &Mesh, slave: &[FaceId], master: &[FaceId], pairing: &Pairing) -> Result<Self, ContactError> {
         pairing.check()?;
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
-        let mut search = Search::new(mesh, &master, pairing);
+        let mut search = Search::new(mesh, Side::Master, &master, pairing);
         let mut looks = |face: &Face| {
             search.segments(face).into_iter().any(|(own, _)| {
                 let at = face.at(own);

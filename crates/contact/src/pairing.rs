@@ -95,7 +95,17 @@ impl Interface {
         pairing.check()?;
         let (slave, master) = (faces(mesh, slave, Side::Slave)?, faces(mesh, master, Side::Master)?);
         pairing.sliding.check(mesh, &slave)?;
-        let mut search = Search::new(mesh, &master, pairing);
+        let mut own = Search::new(mesh, Side::Slave, &slave, pairing);
+        for face in &slave {
+            let (at, node) = (face.at(middle(face)), mesh.labels()[face.nodes[0]]);
+            // Seen from within, a face is opposite to itself, and to others that look the same way.
+            if let Err(error @ ContactError::OnEachOther { .. }) =
+                own.opposite(&at.position, &-at.area.normalize(), node)
+            {
+                return Err(error);
+            }
+        }
+        let mut search = Search::new(mesh, Side::Master, &master, pairing);
         let mut points: Vec<ContactPoint> = Vec::new();
         // Points without a face opposite, with what each has of the area.
         let mut beside = Vec::new();
@@ -188,9 +198,14 @@ fn weights(face: &Face, shape: &FaceShape) -> Vec<(usize, f64)> {
 
 /// True if own coordinates are within a face, and not next to its border.
 fn is_within(face: &Face, own: [f64; 2]) -> bool {
-    let places = face.kind.places();
-    let middle = [0, 1].map(|x| places.iter().map(|place| place[x]).sum::<f64>() / places.len() as f64);
+    let middle = middle(face);
     face.kind.outside([0, 1].map(|x| middle[x] + (1.0 + BORDER) * (own[x] - middle[x]))) == 0.0
+}
+
+/// The middle of a face, in own coordinates.
+fn middle(face: &Face) -> [f64; 2] {
+    let places = face.kind.places();
+    [0, 1].map(|x| places.iter().map(|place| place[x]).sum::<f64>() / places.len() as f64)
 }
 
 /// The node of a face with the largest shape function.
@@ -199,23 +214,24 @@ fn largest(shape: &FaceShape) -> usize {
     values.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| node)
 }
 
-/// The faces of the master, searched for what is opposite to a point.
+/// The faces of a side, searched for what is opposite to a point.
 pub(crate) struct Search<'a> {
     mesh: &'a Mesh,
+    side: Side,
     grid: Grid,
-    master: &'a [Face],
+    faces: &'a [Face],
     pairing: &'a Pairing,
     projections: usize,
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(mesh: &'a Mesh, master: &'a [Face], pairing: &'a Pairing) -> Self {
-        Self { mesh, grid: Grid::new(master, pairing.reach), master, pairing, projections: 0 }
+    pub(crate) fn new(mesh: &'a Mesh, side: Side, faces: &'a [Face], pairing: &'a Pairing) -> Self {
+        Self { mesh, side, grid: Grid::new(faces, pairing.reach), faces, pairing, projections: 0 }
     }
 
     /// Points and weights on a face that is cut along the edges of the master's.
     pub(crate) fn segments(&self, face: &Face) -> Vec<FacePoint> {
-        segments(face, self.master, &self.grid, self.pairing.largest_cosine)
+        segments(face, self.faces, &self.grid, self.pairing.largest_cosine)
     }
 
     /// The face opposite to a point, whose own face looks `outwards`: among the faces within reach the face that the point is over, and of two
@@ -230,7 +246,7 @@ impl<'a> Search<'a> {
         // The least cosine of a face that is over the point and looks elsewhere.
         let mut contradicting: Option<f64> = None;
         for place in self.grid.near(at) {
-            let face = &self.master[place];
+            let face = &self.faces[place];
             self.projections += 1;
             let Some(found) = project(face, at) else { continue };
             if found.outside > self.pairing.slit || found.gap.abs() > self.pairing.reach {
@@ -252,7 +268,7 @@ impl<'a> Search<'a> {
             };
             if let Some((known, _)) = best.as_ref().filter(|best| on_each_other(best)) {
                 let [first, second] = [known, face].map(|face| self.mesh.elements()[face.id.element].label);
-                return Err(ContactError::OnEachOther { node, first, second });
+                return Err(ContactError::OnEachOther { side: self.side, node, first, second });
             }
             let rank = |found: &Projection| (found.outside.max(1e-9), found.gap.abs());
             let is_better = best.as_ref().is_none_or(|(_, known)| rank(&found) < rank(known));
@@ -279,7 +295,7 @@ impl<'a> Search<'a> {
     fn distance(&self, at: &Vector3<f64>, outwards: &Vector3<f64>, largest_cosine: f64) -> f64 {
         let is_over =
             |found: &Projection| found.outside <= self.pairing.slit && found.normal.dot(outwards) <= largest_cosine;
-        let found = self.master.iter().filter_map(|face| project(face, at).filter(is_over));
+        let found = self.faces.iter().filter_map(|face| project(face, at).filter(is_over));
         found.map(|found| found.gap.abs()).fold(f64::INFINITY, f64::min)
     }
 }

@@ -422,9 +422,9 @@ fn faces_of_inverted_elements_are_refused() {
     }
 }
 
-/// Which of two faces at one place is in contact would follow from the order of their elements.
+/// Which of two faces at one place is in contact would follow from the order of their elements; two of the slave would be pressed twice.
 #[test]
-fn faces_of_the_master_that_lie_on_each_other_are_refused() {
+fn faces_of_one_side_that_lie_on_each_other_are_refused() {
     for cells in [[3, 3, 1], [2, 3, 1], [5, 4, 1]] {
         let mut making = Making::default();
         making.block(Kind::Hexahedron8, [2, 2, 1], [[0.0, 0.0, 0.0], [1.0, 1.0, 0.4]], |p| p);
@@ -435,7 +435,10 @@ fn faces_of_the_master_that_lie_on_each_other_are_refused() {
         let (slave, master): (Vec<_>, Vec<_>) = on.into_iter().partition(|id: &FaceId| id.element < 4);
         for integration in [Integration::GaussPoints, Integration::Segments] {
             let error = Interface::new(&mesh, &slave, &master, &along_x(integration)).unwrap_err();
-            assert!(matches!(error, ContactError::OnEachOther { .. }), "{cells:?} {error}");
+            assert!(matches!(error, ContactError::OnEachOther { side: Side::Master, .. }), "{cells:?} {error}");
+            // The lower blocks as the slave.
+            let error = Interface::new(&mesh, &master, &slave, &along_x(integration)).unwrap_err();
+            assert!(matches!(error, ContactError::OnEachOther { side: Side::Slave, .. }), "{cells:?} {error}");
         }
     }
 }
