@@ -96,6 +96,32 @@ fn rare_squeal_has_its_tables_and_its_likeliest_brake_as_a_case_on_any_number_of
     refusal(&again("0.2"), &["rare"]);
 }
 
+/// Friction that is high in a range of a deviation's fraction alone: what squeals is there, and not a fixed step behind its onset.
+#[test]
+fn the_likeliest_brake_of_a_narrow_range_squeals() {
+    let folder = tempfile::tempdir().unwrap();
+    for width in ["0.5", "0.05", "0.02"] {
+        let friction = format!("mu = \"0.3 + 0.6 * exp(-((x - 3) / {width})^2)\"");
+        let case = RARE
+            .replace("[parameters.mu]", "[parameters.x]")
+            .replace("mean = 0.5\ndeviation = 0.076", "mean = 0.0\ndeviation = 1.0\nat_least = -inf")
+            .replace(
+                "distribution = \"log-normal\"\nmedian = 0.3\nsigma = 0.4",
+                "distribution = \"constant\"\nvalue = 0.05",
+            )
+            .replace("mu = \"mu\"", &friction);
+        assert!(case.contains(&friction));
+        let path = folder.path().join(format!("{width}.toml"));
+        std::fs::write(&path, case).unwrap();
+        let out = folder.path().join(width);
+        assert!(squeal().arg("rare").arg(&path).arg("--out").arg(&out).status().unwrap().success());
+        let output = squeal().arg("cea").arg(out.join("likeliest.toml")).arg("--json").output().unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let is_unstable = |mode: &serde_json::Value| mode["verdict"] == "unstable";
+        assert!(document["modes"].as_array().unwrap().iter().any(is_unstable), "{width}: {document:#}");
+    }
+}
+
 #[test]
 fn a_killed_answer_ends_in_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();

@@ -28,8 +28,11 @@ pub use bound::CertifiedBound;
 pub use modes::ModeProbability;
 pub use report::{design_points_table, rare_table};
 
-/// Distance beyond a design point at which its mode is named, in standard deviations; chosen: it grows there, and little else has changed.
+/// Distance beyond a design point at which its mode is named, in standard deviations; chosen: it grows there, and little else has changed. Where nothing grows so far
+/// beyond, as behind a narrow range of squeal, it is halved.
 const BEYOND: f64 = 0.05;
+/// Least distance beyond a design point, in standard deviations; chosen, above the error of the point itself.
+const LEAST_BEYOND: f64 = 1e-7;
 
 /// A brake that squeals and is likelier than all next to it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -194,11 +197,20 @@ fn likely_squeal<B: UncertainBrake>(
     point: &DesignPoint,
 ) -> Result<LikelySqueal, Error> {
     let values = |u: &[f64]| state.drawn.input_values(state.scene, &state.sample(u));
-    let beyond: Vec<f64> = point.point.iter().zip(&point.direction).map(|(u, a)| u + BEYOND * a).collect();
+    let named_beyond = |distance: f64| -> Result<_, Error> {
+        let beyond: Vec<f64> = point.point.iter().zip(&point.direction).map(|(u, a)| u + distance * a).collect();
+        let names = named(state, &[&beyond])?.into_iter().next().unwrap_or_default();
+        Ok((beyond, names))
+    };
+    let mut distance = BEYOND;
+    let (mut beyond, mut names) = named_beyond(distance)?;
+    while names.is_empty() && distance > LEAST_BEYOND {
+        distance *= 0.5;
+        (beyond, names) = named_beyond(distance)?;
+    }
     let of_input = |numbers: &[f64], input: &Input| {
         state.coordinates.binary_search(&input.coordinate).map_or(0.0, |place| numbers[place])
     };
-    let names = named(state, &[&beyond])?.into_iter().next().unwrap_or_default();
     Ok(LikelySqueal {
         beta: point.beta,
         first_order: ::rare::tail(point.beta),
