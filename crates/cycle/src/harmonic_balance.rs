@@ -15,18 +15,16 @@ pub(crate) use self::equations::Equations;
 pub(crate) use self::solve::{Condition, solve};
 use crate::measure::states;
 use crate::shooting::shoot;
-use crate::size::{amplitude, distance};
 use crate::{ContactSystem, Cycle, Error, NearMode};
 
 /// Most harmonics and samples; chosen: more take long and say nothing, as the forces of contacts have kinks.
 const MOST_HARMONICS: usize = 100;
 const MOST_SAMPLES: usize = 16_384;
 
-/// Differences of a balance and the motion in time that it approximates, at most: of the start relative to its size, of the period; chosen.
-const OWN_START: f64 = 0.3;
+/// Differences of a balance and the motion in time that it approximates, at most: of the series relative to its size, of the period; chosen: of few harmonics
+/// a balance is some per cent off.
+const OWN_SERIES: f64 = 0.3;
 const OWN_PERIOD: f64 = 0.05;
-/// Difference of the frequencies from which on a balance is of another motion than the one it began at; chosen: of few harmonics it is some per cent off.
-const FOREIGN: f64 = 0.2;
 
 /// Fourier series of a number of harmonics, with the forces of contacts evaluated at equal steps of a period (alternating frequency and time).
 ///
@@ -112,6 +110,18 @@ impl Balance {
         matrix
     }
 
+    /// Turns series by a phase, as a shift in time does: `(a - i b) e^(-i k phase)`.
+    fn turn(&self, series: &mut DVector<f64>, phase: f64) {
+        for own in series.as_mut_slice().chunks_mut(self.terms()) {
+            for k in 1..=self.harmonics {
+                let (sin, cos) = (k as f64 * phase).sin_cos();
+                let (a, b) = (own[2 * k - 1], own[2 * k]);
+                own[2 * k - 1] = a * cos - b * sin;
+                own[2 * k] = b * cos + a * sin;
+            }
+        }
+    }
+
     /// Series of the products of a function of time with the terms of a series, one a column, by the means of the function: a product of two of these
     /// is a sum of others.
     fn products(&self, means: DVectorView<'_, f64>) -> DMatrix<f64> {
@@ -147,16 +157,14 @@ impl Balance {
         }
         let (omega, shape) = (std::f64::consts::TAU / cycle.period, &shape[..]);
         let equations = Equations::new(self, system, omega, shape);
-        let guess = equations.unknowns(&equations.of_cycle(cycle, 1.0, tolerance)?, 1.0);
+        let in_time = equations.of_cycle(cycle, 1.0, tolerance)?;
+        let guess = equations.unknowns(&in_time, 1.0);
         let mut row = DVector::zeros(guess.len());
         row[guess.len() - 1] = 1.0;
         let same = |_: f64| Ok::<_, Error>(system.clone());
         let balanced = solve(self, &same, (omega, shape), guess, &Condition { row, value: 1.0 }, 1.0)?.0;
-        let changed = (balanced.omega / omega - 1.0).abs();
-        if changed < FOREIGN {
-            return Ok(balanced);
-        }
-        Err(Error::NoConvergence { method: "the balance of a motion", residual: changed })
+        self.own(&balanced, &in_time, "the balance of a motion")?;
+        Ok(balanced)
     }
 
     /// The motion in time that a balanced cycle is an approximation of, with its Floquet multipliers.
@@ -170,15 +178,31 @@ impl Balance {
         (omega, shape): NearMode<'_>,
         tolerance: f64,
     ) -> Result<Cycle, Error> {
-        let (start, scales) = (Equations::new(self, system, omega, shape).state(cycle)?, system.scales(omega));
+        let (equations, scales) = (Equations::new(self, system, omega, shape), system.scales(omega));
         let period = std::f64::consts::TAU / cycle.omega;
-        let refined = shoot(system, start.clone(), period, &scales, tolerance)?;
-        let moved = distance(&refined.start, &start, &scales) / amplitude(&start, &scales);
-        let changed = (refined.period / period - 1.0).abs();
-        if moved < OWN_START && changed < OWN_PERIOD {
-            return Ok(refined);
+        let refined = shoot(system, equations.state(cycle)?, period, &scales, tolerance)?;
+        let in_time = equations.of_cycle(&refined, cycle.parameter, tolerance)?;
+        self.own(cycle, &in_time, "shooting to the motion of a balance")?;
+        Ok(refined)
+    }
+
+    /// Refuses a balance that is not that of a motion in time: the one rule for both ways between them.
+    ///
+    /// # Errors
+    /// [`Error::NoConvergence`] of the `method`, with the larger difference.
+    fn own(&self, balanced: &BalancedCycle, in_time: &BalancedCycle, method: &'static str) -> Result<(), Error> {
+        let first = |of: &BalancedCycle| -> Vec<Complex<f64>> {
+            of.series.as_slice().chunks(self.terms()).map(|own| Complex::new(own[1], -own[2])).collect()
+        };
+        let between: Complex<f64> = first(in_time).iter().zip(first(balanced)).map(|(a, b)| a * b.conj()).sum();
+        let mut series = in_time.series.clone();
+        self.turn(&mut series, between.arg());
+        let moved = (series - &balanced.series).norm() / balanced.series.norm();
+        let changed = (balanced.omega / in_time.omega - 1.0).abs();
+        if moved < OWN_SERIES && changed < OWN_PERIOD {
+            return Ok(());
         }
-        Err(Error::NoConvergence { method: "shooting to the motion of a balance", residual: moved.max(changed) })
+        Err(Error::NoConvergence { method, residual: moved.max(changed) })
     }
 }
 

@@ -7,8 +7,9 @@ mod common;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use common::{Curve, hoffmann, hoffmann_mode, mass_on_belt};
-use cycle::{Balance, BranchEnd, Error, Motion, Reach, Settings, follow};
+use common::{Curve, coulomb, hoffmann, hoffmann_mode, mass_on_belt, part};
+use cycle::{Balance, BranchEnd, ContactSystem, Error, Motion, Reach, Settings, SlidingContact, follow};
+use nalgebra::{DMatrix, dmatrix};
 use num_complex::Complex;
 
 const TIGHT: f64 = 1e-12;
@@ -28,6 +29,50 @@ fn the_balance_tends_to_the_integrated_cycle_as_harmonics_grow() {
         let refined = balance.refined(&system, &found, (lambda.im, &shape), TIGHT).unwrap();
         assert!((refined.period / cycle.period - 1.0).abs() < 1e-10, "{harmonics}: {}", refined.period);
     }
+}
+
+/// Cycles of two degrees of freedom on a contact that sticks for a quarter of the period, at many coefficients of friction: with few harmonics
+/// some balances go to another solution, slower by up to a fifth or faster. What is given is of the cycle, and with many harmonics it is given.
+#[test]
+fn a_balance_of_another_motion_than_its_cycle_is_none() {
+    let zero = || DMatrix::zeros(2, 2);
+    let (m, k) = (
+        dmatrix![1.51439774571036, 0.304222258469737; 0.304222258469737, 1.36568940030648],
+        dmatrix![3.2475109409429, 1.0274664211555; 1.0274664211555, 2.30430771032185],
+    );
+    let c = dmatrix![0.0400470981379808, 0.0117955755039036; 0.0117955755039036, 0.0298715241047509];
+    let (load, speed, stiffness) = (0.742394473126316, 1.07403023045649, 2.27931354605682);
+    let normal = [1.78598543597694 / stiffness, 1.4161660438368 / stiffness];
+    // Counts of cycles, of balances of few harmonics that are given, and of those of many.
+    let mut counts = [0; 3];
+    for mu in (0..30).map(|at| 0.5 + f64::from(at) * 0.005) {
+        let springs = part("springs", m.clone(), zero(), k.clone());
+        let contact = SlidingContact {
+            name: "belt".into(),
+            family: "friction".into(),
+            sliding: vec![(0, 0.621), (1, -0.784)],
+            normal: vec![(0, normal[0]), (1, normal[1])],
+            stiffness,
+            load,
+            speed,
+            friction: coulomb(mu, 0.01 * speed),
+        };
+        let system =
+            ContactSystem::new(vec![springs, part("dashpots", zero(), c.clone(), zero())], vec![contact]).unwrap();
+        let (omega, shape) = (1.22, [Complex::new(-0.621, 0.3), Complex::new(0.784, 0.0)]);
+        let start = system.state_of_mode(Complex::new(0.0, omega), &shape, 1.1 * system.grazing(&shape));
+        let Motion::Cycle(cycle) = follow(&system, start, omega, &shape, &Settings::default()).unwrap() else {
+            continue;
+        };
+        counts[0] += 1;
+        for (place, harmonics) in [(1, 3), (1, 5), (1, 7), (1, 9), (2, 25)] {
+            let Ok(found) = Balance::new(harmonics, 512).unwrap().near(&system, &cycle, 1e-10) else { continue };
+            counts[place] += 1;
+            let error = (found.omega * cycle.period / TAU - 1.0).abs();
+            assert!(error < 0.05, "{mu} {harmonics}: {error}");
+        }
+    }
+    assert!(counts[0] >= 28 && counts[1] > 0 && counts[2] + 2 >= counts[0], "{counts:?}");
 }
 
 #[test]

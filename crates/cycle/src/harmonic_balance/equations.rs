@@ -116,26 +116,13 @@ impl<'a> Equations<'a> {
         }
         let mut series = &self.balance.project * values;
         series.column_iter_mut().zip(&self.scales).for_each(|(mut column, scale)| column /= *scale);
-        // Shift in time: the amplitude in the mode becomes real.
-        let flat = DVector::from_column_slice(series.as_slice());
-        let part = |quarter| self.amplitude_row(quarter).rows(0, flat.len()).dot(&flat);
+        let mut series = DVector::from_column_slice(series.as_slice());
+        // The amplitude in the mode becomes real.
+        let part = |quarter| self.amplitude_row(quarter).rows(0, series.len()).dot(&series);
         let phase = Complex::new(part(false), part(true)).arg();
-        for k in 1..=self.balance.harmonics {
-            let (sin, cos) = (k as f64 * phase).sin_cos();
-            for mut column in series.column_iter_mut() {
-                let (a, b) = (column[2 * k - 1], column[2 * k]);
-                // (a - i b) e^(-i k phase)
-                column[2 * k - 1] = a * cos - b * sin;
-                column[2 * k] = b * cos + a * sin;
-            }
-        }
+        self.balance.turn(&mut series, phase);
         let omega = std::f64::consts::TAU / cycle.period;
-        Ok(BalancedCycle {
-            series: DVector::from_column_slice(series.as_slice()),
-            omega,
-            parameter,
-            residual: f64::INFINITY,
-        })
+        Ok(BalancedCycle { series, omega, parameter, residual: f64::INFINITY })
     }
 
     /// State of motion of a balanced cycle at the begin of its period.

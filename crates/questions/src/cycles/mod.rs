@@ -113,7 +113,7 @@ pub struct MotionOfMode {
     pub harmonics: Option<Harmonics>,
     /// Power that the outer faces radiate in each harmonic at radiation efficiency 1, W; `None` of a brake without faces.
     pub radiated_power: Option<Vec<f64>>,
-    /// Frequency of the harmonic balance, Hz; `None` where it does not converge or there is no cycle.
+    /// Frequency of the harmonic balance, Hz; `None` where it does not converge, is of another motion than the cycle, or there is no cycle.
     pub balanced_hz: Option<f64>,
 }
 

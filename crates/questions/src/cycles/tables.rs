@@ -165,8 +165,14 @@ impl Cycles {
         }
         let imbalance =
             self.motions.iter().filter_map(|of| of.measures.as_ref()).map(Measures::imbalance).fold(0.0, f64::max);
+        let is_empty = |of: &MotionOfMode| of.balanced_hz.is_none() && cycle_of(&of.motion).is_some();
+        let empty = if self.motions.iter().any(is_empty) {
+            "balance Hz: empty where the harmonic balance of a cycle is not found, or is of another motion; more --harmonics may find it\n"
+        } else {
+            ""
+        };
         text + &format!(
-            "\nopen, stuck: largest share of the period of a contact; multiplier: what a small deviation becomes in a period\n\
+            "\n{empty}open, stuck: largest share of the period of a contact; multiplier: what a small deviation becomes in a period\n\
              the motion's tangent deviates from the complex eigenvalue analysis by {:.1e}; powers sum to zero within {imbalance:.1e}\n",
             self.tangent_deviation
         ) + &self.at_rest()
